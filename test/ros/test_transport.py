@@ -422,7 +422,7 @@ def test_parameters_have_the_type_of_their_default():
     set_parameter("~rate", 3)
     assert rospy.get_param(f"{NODE}/rate") == 3
     assert parameter("~rate", 2.5) == 3.0
-    with pytest.raises(ParameterError, match=f"{NODE}/rate: 3; expected bool"):
+    with pytest.raises(ParameterError, match=f"{NODE}/rate: 3; expected true or false"):
         parameter("~rate", True)
 
 

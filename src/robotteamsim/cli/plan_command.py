@@ -9,6 +9,7 @@ from robotteamsim.cli.converting import add_plan_option, plan_file
 from robotteamsim.cli.parser import PLAN_HELP, path_of
 from robotteamsim.cli.pictures import add_png_option, save
 from robotteamsim.recording.files import atomically
+from robotteamsim.wording import counted
 
 _IMPORT_TEXT = """\
 Convert an occupancy image, as written by map_server or slam_gmapping, into a floor plan of
@@ -46,7 +47,7 @@ def import_plan(options: argparse.Namespace) -> None:
     plan = import_map(options.map)
     with atomically(out) as part:
         scenario.write_floor_plan(plan, part)
-    print(f"{out}: {len(plan.walls)} walls, {len(plan.blocks)} blocks")
+    print(f"{out}: {counted(len(plan.walls), 'wall')}, {counted(len(plan.blocks), 'block')}")
 
 
 def render_plan(options: argparse.Namespace) -> None:

@@ -83,14 +83,12 @@ def _check(options: argparse.Namespace, targets: list[str]) -> None:
     if options.speed > MAX_SPEED:
         raise UsageError(f"--speed {options.speed:g} is above {MAX_SPEED:g}")
     if options.scenario and not any(map(_is_bag, targets)):
-        raise UsageError(
-            f"--scenario {options.scenario}: is for bags, and {' and '.join(targets)} has its own building"
-        )
+        raise UsageError(f"--scenario {options.scenario}: only allowed for bags; got {', '.join(targets)}")
     given = {"--seed": options.seed, "--noise": options.noise, "--robots": options.robots}
     changed = [option for option, value in given.items() if value is not None]
     changed += ["--set"] if options.overrides else []
     if changed and all(map(_is_recorded, targets)):
-        raise UsageError(f"{changed[0]}: cannot change {' and '.join(targets)}, which is recorded")
+        raise UsageError(f"{changed[0]}: has no effect on recordings: {', '.join(targets)}")
 
 
 def _show_live(options: argparse.Namespace) -> None:

@@ -75,7 +75,7 @@ class WallReader:
     def read(self, scene: Node) -> None:
         """Add the models of a world. Raises: ScenarioError: one line with file, line and what was expected."""
         for ignored in scene.all("state", "population"):
-            self._cannot(ignored, "is not read: the models are where they are without it")
+            self._cannot(ignored, "is ignored: the models have the poses that they have without it")
         models, doors = self._models_in(scene, 1), door_settings(scene)
         frames = Frames(scene, models)
         for model in models:

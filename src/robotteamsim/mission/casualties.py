@@ -40,4 +40,4 @@ class Casualties:
 
     def _text(self, name: str) -> str:
         dose = self._doses.of(name)
-        return f"FED {dose.gas:.2f} by gas, {dose.heat:.2f} by heat"
+        return f"FED {dose.gas:.2f} from gas, {dose.heat:.2f} from heat"

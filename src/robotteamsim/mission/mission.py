@@ -429,7 +429,7 @@ class Mission:
         if robot_id not in self.failed:
             return "robot_removed", "is removed"
         is_firefighter = self._role(robot_id) == "firefighter"
-        return ("firefighter_collapsed", "collapses") if is_firefighter else ("robot_failed_by_heat", "fails by heat")
+        return ("firefighter_collapsed", "collapses") if is_firefighter else ("robot_failed_by_heat", "fails from heat")
 
     def _judge_end(self) -> None:
         if self._rescue is not None and self.victims and all(s in OUT_OF_DANGER for s in self._victim_states):

@@ -67,7 +67,8 @@ def event_table(title: str, events: Sequence[Event]) -> Table:
     shown = events
     if len(events) > MAX_EVENTS:
         shown = [event for event in events if event.kind != "link_endangered"]
-        table.caption = f"and {len(events) - len(shown)} times a link became endangered"
+        if len(shown) < len(events):
+            table.caption = f"and {counted(len(events) - len(shown), 'endangered link')}"
     for event in shown:
         table.add_row(f"{event.time_s:.1f} s", Text(printable(event.detail), style=_STYLES.get(event.kind, "")))
     return table

@@ -83,19 +83,27 @@ class Heat(Model):
     """Loss of heat to floor, ceiling and walls, and what robots and doors endure."""
 
     ambient_c: float = Field(default=20.0, ge=-40.0, le=60.0, description="temperature at the start [degC]")
-    flame_c: float = Field(default=820.0, ge=100.0, le=2000.0, description="least temperature where it burns [degC]")
+    flame_c: float = Field(default=820.0, ge=100.0, le=2000.0, description="least temperature of a burning cell [degC]")
     convective_share: float = Field(default=0.7, ge=0.0, le=1.0, description="of the heat that warms the air")
     convection_w_m2_k: float = Field(default=10.0, ge=0.0, le=1000.0, description="loss by convection [W/(m^2 K)]")
     emissivity: float = Field(default=0.8, ge=0.0, le=1.0, description="of the hot air, for its loss by radiation")
-    robot_limit_c: float = Field(default=80.0, ge=0.0, le=2000.0, description="robots endure less for ever [degC]")
+    robot_limit_c: float = Field(
+        default=80.0,
+        ge=0.0,
+        le=2000.0,
+        description="highest temperature that robots endure indefinitely [degC]",
+    )
     robot_endures_s: float = Field(
-        default=30.0, ge=0.0, le=1e6, description="a robot fails after this time above its limit, cooled or not [s]"
+        default=30.0,
+        ge=0.0,
+        le=1e6,
+        description="a robot fails after this time above robot_limit_c in total; to cool down does not reset it [s]",
     )
     block_c: float = Field(
         default=60.0, ge=0.0, le=2000.0, description="robots that sense heat avoid places as hot as this [degC]"
     )
     door_endures_s: float = Field(
-        default=300.0, ge=0.0, le=1e6, description="a closed door burns through after so long beside flames [s]"
+        default=300.0, ge=0.0, le=1e6, description="time beside flames after which a closed door burns through [s]"
     )
 
 

@@ -9,6 +9,7 @@ from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.origin import Key
 from robotteamsim.scenario.renamed_keys import renaming
 from robotteamsim.scenario.yaml_text import parse, shown
+from robotteamsim.wording import counted
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,10 +39,11 @@ class Override:
             key = ".".join(map(str, self.key[: position + 1]))
             last = position + 1 == len(self.key)
             if isinstance(data, list):
+                items = counted(len(data), "item")
                 if not isinstance(part, int):
-                    raise ScenarioError(f"--set: {key}: '{part}' is not an index (list has {len(data)} items)")
+                    raise ScenarioError(f"--set: {key}: '{part}' is not an index (list has {items})")
                 if part >= len(data):
-                    raise ScenarioError(f"--set: {key}: index {part} out of range (list has {len(data)} items)")
+                    raise ScenarioError(f"--set: {key}: index {part} out of range (list has {items})")
             elif isinstance(data, dict):
                 if isinstance(part, int) and part not in data:
                     raise ScenarioError(f"--set: {key}: the file has no list {here}; set the whole list")

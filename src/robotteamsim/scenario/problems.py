@@ -13,6 +13,7 @@ from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.base import Model
 from robotteamsim.scenario.renamed_keys import renaming
 from robotteamsim.scenario.yaml_text import shown
+from robotteamsim.wording import counted
 
 M = TypeVar("M", bound=Model)
 
@@ -78,8 +79,8 @@ _TEXTS: dict[str, Callable[[_Detail, _Detail], str]] = {
     "tuple_type": lambda d, ctx: f"{shown(d['input'])} is not a list",
     "dict_type": lambda d, ctx: f"{shown(d['input'])} is not a section",
     "model_type": lambda d, ctx: f"{shown(d['input'])} is not a section",
-    "too_short": lambda d, ctx: f"{ctx['actual_length']} items are too few; expected at least {ctx['min_length']}",
-    "too_long": lambda d, ctx: f"{ctx['actual_length']} items are too many; expected at most {ctx['max_length']}",
+    "too_short": lambda d, ctx: f"has {counted(ctx['actual_length'], 'item')}; expected at least {ctx['min_length']}",
+    "too_long": lambda d, ctx: f"has {counted(ctx['actual_length'], 'item')}; expected at most {ctx['max_length']}",
     "literal_error": lambda d, ctx: _wrong_choice(d["input"], ctx["expected"]),
     "union_tag_not_found": lambda d, ctx: f"{shown(d['input'])} is neither a section nor a list",
     "recursion_loop": lambda d, ctx: "contains itself",

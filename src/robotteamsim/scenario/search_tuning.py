@@ -18,7 +18,7 @@ class SearchTuning(Model):
         default=6000,
         ge=100,
         le=65_536,
-        description="a larger plan has larger cells: those of cell_m, doubled until there are at most so many",
+        description="largest number of cells; for a larger plan, cell_m is doubled until they fit",
     )
     expected_victims: float = Field(
         default=4.0, gt=0.0, le=10_000.0, description="how many victims the robots expect before they have found any"
@@ -72,11 +72,11 @@ class SearchTuning(Model):
         default=60,
         ge=1,
         le=10_000,
-        description="at most so many places at which the robot listened are in one message",
+        description="largest number of places at which the robot listened in one message",
     )
     repeated_places: int = Field(
         default=12,
         ge=0,
         le=10_000,
-        description="so many known places, in turn, are in each message again, for robots that missed them",
+        description="number of known places that each message repeats, in turn, for robots that missed them",
     )

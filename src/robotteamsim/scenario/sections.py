@@ -313,7 +313,10 @@ class Control(Model):
     c2: float = Field(default=0.11, ge=0.0, le=2.0, description="social weight")
     c3: float = Field(default=0.29, ge=0.0, le=2.0, description="obstacle weight")
     c4: float = Field(
-        default=0.4, ge=0.0, le=2.0, description="communication weight; acts only if a link is endangered"
+        default=0.4,
+        ge=0.0,
+        le=2.0,
+        description="communication weight; acts while a link is endangered, or always without communication.gated",
     )
     kept_link: Literal["nearest", "tree"] = Field(
         default="nearest",
@@ -437,7 +440,7 @@ class Mission(Model):
         le=2999,
         description="id of a robot that stands still and must receive each discovery over the network",
     )
-    autostart: bool = Field(default=True, description="starts with the first step, or waits for /mission/start")
+    autostart: bool = Field(default=True, description="false: wait for /mission/start")
 
     @model_validator(mode="after")
     def _check(self) -> Mission:

@@ -65,7 +65,7 @@ class SaysNonsense(Sound):
             "--set: control.exclusion.max_robots: 3 is below min_robots, 9",
         ),
         (["robots.count=0"], "--set: robots.count: 0 is below 1"),
-        (["robots=[]"], "--set: robots: 0 items are too few; expected at least 1"),
+        (["robots=[]"], "--set: robots: has 0 items; expected at least 1"),
         (["network.max_message_bytes=0"], "--set: network.max_message_bytes: 0 is below 1"),
         (["mission.base=3"], "--set: mission.base: there is no robot 3; expected 0 to 2"),
         (

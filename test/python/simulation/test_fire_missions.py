@@ -58,7 +58,7 @@ def test_robot_that_stays_in_the_heat_fails_and_leaves_the_world():
         if records[-1].hazards is not None:
             above_s += float(records[-1].hazards.temperature_c(np.array([[9.5, 2.2]]))[0]) > 60.0
         assert len(records) < 3000
-    assert failed[0][1] == "robot 0 fails by heat"
+    assert failed[0][1] == "robot 0 fails from heat"
     assert above_s == 20.0
     assert records[-1].present.tolist() == [False, True]
     assert records[-1].failed == {0}

@@ -162,7 +162,7 @@ def _pictures(campaign: Campaign, comparisons: Sequence[Comparison]) -> Iterator
     caption = f"Share of missions by how often a link fell below {threshold}{diss}, in which none did."
     if not diss:
         caption = f"Share of missions by how often a link fell below {threshold}."
-    yield picture("fig22_endangered", f"Endangered connections{_number(campaign, 22)}", caption, drawn)
+    yield picture("fig22_endangered", f"Endangered links{_number(campaign, 22)}", caption, drawn)
     yield from _path_pictures(cells)
 
 
@@ -211,7 +211,7 @@ def _map_pictures(campaign: Campaign) -> Iterator[Picture]:
         when = "with the robots at their start"
     else:
         places_m, when = widest_m, "at the time in all missions when a robot was farthest from its nearest neighbour"
-    caption = f"Strongest signal at each place, {when}. Lines are connection thresholds."
+    caption = f"Strongest signal at each place, {when}. Lines are thresholds of the signal for a link."
     drawn = maps.draw_network(scenario, places_m[: maps.MAX_TEAM])
     yield picture("fig18_network", f"Range of the team's network{_number(campaign, 18)}", caption, drawn)
 

@@ -33,6 +33,7 @@ _SHORT_ENDS = {
     "areas_explored": "explored",
     "time_limit": "time limit",
     "all_excluded": "excluded",
+    "victims_safe": "all safe",
     "none_left": "none left",
     "search_over": "search over",
 }

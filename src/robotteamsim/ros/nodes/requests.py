@@ -26,4 +26,6 @@ def check_victim(scenario: Scenario, name: str, position_m: tuple[float, float])
     try:
         check_mission(scenario.plan, Mission(victims=(victim,)))
     except PlacementError as error:
-        raise ValueError(f"set_victim: {error}") from None
+        # This victim is the only one of the mission above.
+        problem = str(error).removeprefix("mission.victims.0.")
+        raise ValueError(f"set_victim: {name}: {problem}") from None

@@ -49,7 +49,7 @@ def entries(scenario: Scenario) -> list[Entry]:
         if any(victim.flees for victim in scenario.mission.victims):
             found.append(Entry("disc", palette.FLEEING, "fleeing"))
         if scenario.fire is not None:
-            found.append(Entry("ring", palette.CASUALTY, "fallen"))
+            found.append(Entry("ring", palette.CASUALTY, "collapsed or dead"))
     if scenario.firefighters is not None:
         found.append(Entry("disc", palette.HELMET, "firefighter"))
     if scenario.fire is not None:

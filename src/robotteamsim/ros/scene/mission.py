@@ -253,7 +253,7 @@ def headline_words(status: msg.MissionStatus, num_endangered: int) -> str:
         parts.append(f"victims {sum(state in SAVED for state in status.victims)}/{len(status.victims)}")
     parts.append(f"noise {status.noise_db:g} dB")
     if num_endangered:
-        parts.append(f"links in danger {num_endangered}")
+        parts.append(f"endangered links {num_endangered}")
     parts.append(status.end.replace("_", " ") if status.state == "ended" else status.state)
     return "    ".join(parts)
 

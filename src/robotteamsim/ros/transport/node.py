@@ -23,6 +23,9 @@ WATCH_PERIOD_S = 0.1
 logger = logging.getLogger(__name__)
 
 
+_KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
+
+
 class ParameterError(RobotTeamSimError):
     """A parameter of a node is missing or wrong."""
 
@@ -110,7 +113,7 @@ def parameter(name: str, default: Any) -> Any:
     if isinstance(default, str) and isinstance(value, int | float):
         value = str(value)
     if type(value) is not type(default):
-        raise ParameterError(f"{roscpp.resolved_name(name)}: {value!r}; expected {type(default).__name__}")
+        raise ParameterError(f"{roscpp.resolved_name(name)}: {value!r}; expected {_KINDS[type(default)]}")
     return value
 
 

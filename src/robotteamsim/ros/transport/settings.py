@@ -126,9 +126,9 @@ def _read_settings() -> Settings:
     if settings.controllers and not parameter(f"{PARAMETERS}/allow_code", False):
         foreign_code.check_scenario(scenario, "allow_code:=true")
     if not settings.prefix and (settings.num_robots > 1 or settings.mission or settings.controllers):
-        raise ParameterError(f"{PARAMETERS}/prefix: False; expected True unless world.launch runs a single robot")
+        raise ParameterError(f"{PARAMETERS}/prefix: false; expected true unless world.launch runs a single robot")
     if settings.lockstep and not settings.mission:
-        raise ParameterError(f"{PARAMETERS}/lockstep: True; expected False without a mission")
+        raise ParameterError(f"{PARAMETERS}/lockstep: true; expected false without a mission")
     if scenario.control.localisation == "tf":
         _check_tf(settings)
     if num_robots not in (NOT_SET, scenario.num_robots):
@@ -155,10 +155,10 @@ def _check_people(scenario: Scenario, name: str) -> None:
 def _check_tf(settings: Settings) -> None:
     """Raise ParameterError if the settings do not fit to poses from tf, as of real robots."""
     if settings.lockstep:
-        raise ParameterError(f"{PARAMETERS}/lockstep: True; expected False with control.localisation=tf")
+        raise ParameterError(f"{PARAMETERS}/lockstep: true; expected false with control.localisation=tf")
     scenario = settings.scenario
     walking = [f"victim {victim.name} who walks" for victim in scenario.mission.victims if victim.walks]
     timed = ["schedule", *walking] if scenario.schedule else walking
     # Their times begin at 0.
     if timed and not parameter(USE_SIM_TIME, False):
-        raise ParameterError(f"{USE_SIM_TIME}: False; expected True, because the scenario has a {timed[0]}")
+        raise ParameterError(f"{USE_SIM_TIME}: false; expected true, because the scenario has a {timed[0]}")
