@@ -58,7 +58,7 @@ network = rospy.Publisher("/network/state", NetworkState, queue_size=1, latch=Tr
 status.publish(MissionStatus(scenario="late", state="running"))
 headline_with("late")
 network.publish(NetworkState(num_endangered=3))
-print(headline_with("danger 3"))
+print(headline_with("endangered links 3"))
 """
 
 LEAVING = """
