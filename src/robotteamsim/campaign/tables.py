@@ -91,7 +91,7 @@ def summary_table(design: Design, summaries: Sequence[CellSummary], width: int =
         lines.append([*values, count, *(_spread(spread) for spread in spreads)])
     text = "Mean, standard deviation, 95 % interval of the mean\n\n" + aligned(lines, len(design.keys) + 1, width)
     timed_out = sum(summary.timed_out for summary in summaries)
-    ended = f"{counted(timed_out, 'mission')} ended at the time limit, which counts as the time"
+    ended = f"{counted(timed_out, 'mission')} ended at the time limit, which counts as the duration"
     return f"{text}\n\n{ended}" if timed_out else text
 
 

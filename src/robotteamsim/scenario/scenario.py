@@ -169,10 +169,10 @@ class Scenario(Model):
             return "mission.base", "not allowed together with command_centre"
         if self.firefighters is not None and centre is None:
             return "command_centre", "missing; firefighters need the id of a robot, or [x, y]"
-        if (self.firefighters is not None) != (mission.saved_by == "firefighter"):
-            if self.firefighters is None:
-                return "mission.saved_by", "'firefighter' needs the section firefighters, which is missing"
-            return "mission.saved_by", f"'{mission.saved_by}' is not allowed together with firefighters"
+        if self.firefighters is None and mission.saved_by == "firefighter":
+            return "mission.saved_by", "'firefighter' needs the section firefighters, which is missing"
+        if self.firefighters is not None and mission.saved_by != "firefighter":
+            return "mission.saved_by", f"'{mission.saved_by}' is not allowed with firefighters; expected 'firefighter'"
         if self.control.relays > robots:
             return "control.relays", f"{self.control.relays} is above the number of robots, {robots}"
         fleeing = [index for index, victim in enumerate(mission.victims) if victim.flees]

@@ -17,6 +17,41 @@ bool Holds(const std::vector<Edge>& edges, const base::Segment& wanted) {
   });
 }
 
+/// Expects every edge within 3 m of a point in its list.
+void ExpectNoneMissed(const NearbyEdges& nearby, const std::vector<Edge>& edges, const base::Point& point) {
+  const std::vector<Edge>& near = nearby.Near(point);
+  for (const Edge& edge : edges) {
+    EXPECT_TRUE(DistanceToSegment(point, edge.segment) > 3.0 || Holds(near, edge.segment));
+  }
+}
+
+/// Returns the sides of a rectangle and of one within it, 10 m from it.
+std::vector<Edge> SidesOfTwoRectangles(double size) {
+  std::vector<Edge> edges;
+  for (const double shift : {0.0, 10.0}) {
+    const base::Point low{shift, shift}, high{size - shift, 0.5 * size - shift};
+    edges.push_back({{low, {high.x, low.y}}});
+    edges.push_back({{{high.x, low.y}, high}});
+    edges.push_back({{high, {low.x, high.y}}});
+    edges.push_back({{{low.x, high.y}, low}});
+  }
+  return edges;
+}
+
+/// Returns points along each side of those rectangles, on both sides of it.
+std::vector<base::Point> PointsBesideSides(double size) {
+  std::vector<base::Point> points;
+  for (const double along : {-0.01, 0.0, 0.01, 0.37, 0.5, 0.99, 1.0, 1.01}) {
+    for (const double beside : {-2.9, 0.0, 2.9, 7.1, 12.9}) {
+      points.push_back({along * size, beside});
+      points.push_back({along * size, 0.5 * size - beside});
+      points.push_back({beside, 0.5 * along * size});
+      points.push_back({size - beside, 0.5 * along * size});
+    }
+  }
+  return points;
+}
+
 TEST(DistanceToSegment, IsThatToTheNearestOfSideAndEnds) {
   const base::Segment segment{{1.0, 1.0}, {4.0, 1.0}};
   EXPECT_DOUBLE_EQ(DistanceToSegment({2.0, 3.0}, segment), 2.0);
@@ -37,38 +72,17 @@ TEST(NearbyEdges, MissesNoEdgeWithinReach) {
   std::size_t listed = 0;
   for (int i = 0; i < 500; ++i) {
     const base::Point point{coordinate(random) - 1.0, coordinate(random) - 1.0};
-    const std::vector<Edge>& near = nearby.Near(point);
-    listed += near.size();
-    for (const Edge& edge : edges) {
-      EXPECT_TRUE(DistanceToSegment(point, edge.segment) > 3.0 || Holds(near, edge.segment));
-    }
+    listed += nearby.Near(point).size();
+    ExpectNoneMissed(nearby, edges, point);
   }
   EXPECT_LT(listed, 500U * 40U);  // and it does leave far ones out
 }
 
 TEST(NearbyEdges, MissesNoEdgeOfFewOverALargeArea) {
   for (const double size : {1e3, 1e6, 1e9}) {
-    std::vector<Edge> edges;
-    for (const double shift : {0.0, 10.0}) {  // the sides of two rectangles, one within the other
-      const base::Point low{shift, shift}, high{size - shift, 0.5 * size - shift};
-      edges.push_back({{low, {high.x, low.y}}});
-      edges.push_back({{{high.x, low.y}, high}});
-      edges.push_back({{high, {low.x, high.y}}});
-      edges.push_back({{{low.x, high.y}, low}});
-    }
+    const std::vector<Edge> edges = SidesOfTwoRectangles(size);
     const NearbyEdges nearby(edges, 3.0);
-    for (const double along : {-0.01, 0.0, 0.01, 0.37, 0.5, 0.99, 1.0, 1.01}) {
-      for (const double beside : {-2.9, 0.0, 2.9, 7.1, 12.9}) {
-        for (const base::Point point :
-             {base::Point{along * size, beside}, base::Point{along * size, 0.5 * size - beside},
-              base::Point{beside, 0.5 * along * size}, base::Point{size - beside, 0.5 * along * size}}) {
-          const std::vector<Edge>& near = nearby.Near(point);
-          for (const Edge& edge : edges) {
-            EXPECT_TRUE(DistanceToSegment(point, edge.segment) > 3.0 || Holds(near, edge.segment));
-          }
-        }
-      }
-    }
+    for (const base::Point& point : PointsBesideSides(size)) ExpectNoneMissed(nearby, edges, point);
   }
 }
 

@@ -89,7 +89,7 @@ def test_summary_has_a_line_per_cell(short_design, outcome_of, failed_outcome_of
         "rdpso              2             1.00 ± 0.00 [1.00, 1.00]  100.00 ± 14.14 [-27.06, 227.06]"
     )
     assert lines[4].startswith("random_walk        1 + 1 failed  1.00                      100.00 ")
-    assert lines[-1] == "1 mission ended at the time limit, which counts as the time"
+    assert lines[-1] == "1 mission ended at the time limit, which counts as the duration"
 
 
 def test_tables_fit_a_terminal_of_80_columns_and_lose_nothing(short_design, outcome_of):

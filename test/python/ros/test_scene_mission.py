@@ -190,7 +190,7 @@ def test_headline_tells_time_areas_victims_and_state():
     ]
 
 
-def test_headline_tells_why_the_mission_ended_and_that_links_are_in_danger():
+def test_headline_tells_why_the_mission_ended_and_that_links_are_endangered():
     headline = _status("garage_sar", "ended", "areas_explored", 400.0, (5, 5), (4, 4), 10.0)
     assert headline_words(headline, 2).endswith("endangered links 2    areas explored")
 

@@ -340,7 +340,10 @@ def test_firefighter_without_an_order_leaves_a_place_that_becomes_hot():
         ({"command_centre": 7}, "command_centre: there is no robot 7; expected 0 to 0, or [x, y]"),
         ({"command_centre": [0.1, 5.0]}, "command_centre: [0.1, 5]: the command centre of radius 0.3 m overlaps wall"),
         ({"command_centre": None}, "command_centre: missing; firefighters need the id of a robot"),
-        ({"mission": {"saved_by": "robot"}}, "mission.saved_by: 'robot' is not allowed together with firefighters"),
+        (
+            {"mission": {"saved_by": "robot"}},
+            "mission.saved_by: 'robot' is not allowed with firefighters; expected 'firefighter'",
+        ),
         ({"control": {"relays": 2}}, "control.relays: 2 is above the number of robots, 1"),
         ({"mission": {"victims": [{"name": "ann", "position": [12, 2], "flees": True}]}}, "there is no exit"),
         (

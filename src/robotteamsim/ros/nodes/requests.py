@@ -22,10 +22,10 @@ def check_noise(noise_db: float) -> None:
 
 def check_victim(scenario: Scenario, name: str, position_m: tuple[float, float]) -> None:
     """Raises: ValueError: a victim cannot have this name or be at this place [m, map]."""
-    victim = checked(Victim, {"name": name, "position": position_m}, ValueError)
     try:
+        victim = checked(Victim, {"name": name, "position": position_m}, ValueError)
         check_mission(scenario.plan, Mission(victims=(victim,)))
-    except PlacementError as error:
+    except (ValueError, PlacementError) as error:
         # This victim is the only one of the mission above.
         problem = str(error).removeprefix("mission.victims.0.")
         raise ValueError(f"set_victim: {name}: {problem}") from None

@@ -20,10 +20,9 @@ MASTER_PERIOD_S = 0.2
 WATCH_PERIOD_S = 0.1
 """Interval of checks whether the master has requested a shutdown [s, wall]."""
 
-logger = logging.getLogger(__name__)
-
-
 _KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
+
+logger = logging.getLogger(__name__)
 
 
 class ParameterError(RobotTeamSimError):
