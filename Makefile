@@ -23,10 +23,10 @@ ENV := source $(BUILD)/devel/setup.bash &&
 # Otherwise each of the many processes of launches and tests compiles all modules again.
 unexport PYTHONDONTWRITEBYTECODE
 # Tests are many processes, and NumPy would start a thread per core in each, which waits busily.
-test_python test_ros: export OPENBLAS_NUM_THREADS ?= 1
+check test_python test_ros: export OPENBLAS_NUM_THREADS ?= 1
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help announce setup build build_tests compile garage_sar run test test_cpp test_python test_ros lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize faults garbage gazebo wheel pictures docs notebook man lock clean
+.PHONY: help announce setup build build_tests compile garage_sar run check test test_cpp test_python test_ros lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize faults garbage gazebo wheel pictures docs notebook man lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -96,6 +96,12 @@ run: build ## run the garage mission headless
 
 test: lint test_cpp test_python test_ros ## run every test: linters, GoogleTest, pytest, rostest
 
+check: build_tests ## run the linters of Python and the fast tests, in about a minute: for every save
+	@$(PYTHON) -m ruff check --quiet .
+	@$(PYTHON) -m ruff format --quiet --check .
+	@$(ENV) $(PYTHON) -m mypy --no-error-summary
+	@$(ENV) $(PYTHON) -m pytest test/python -m "not slow" -n $(JOBS) --dist loadfile $(ARGS)
+
 test_cpp: build_tests ## GoogleTest
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_test > $(BUILD)/build_test.log 2>&1 || { cat $(BUILD)/build_test.log; exit 1; }
 	@$(BUILD)/devel/lib/robotteamsim/robotteamsim_test --gtest_brief=1
@@ -139,8 +145,8 @@ exactness: build_tests ## compare 50 million cells of maps with one ray each, an
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_exactness > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@set -o pipefail; $(BUILD)/devel/lib/robotteamsim/robotteamsim_exactness $(ARGS) | tee bench/results/exactness.txt
 
-report: build_tests ## run the five campaigns of docs/report (1,500 missions) and write the report; ARGS=--resume continues
-	@$(ENV) nice $(PYTHON) bench/report_campaigns.py $(ARGS)
+report: build_tests ## run the five campaigns of study/report (1,500 missions) and write the report; ARGS=--resume continues
+	@$(ENV) nice $(PYTHON) -m study run $(ARGS)
 
 build_fuzz: build_tests
 	@command -v clang++-14 > /dev/null || { echo "this needs clang-14 and libclang-rt-14-dev (apt-get install)"; exit 1; }
@@ -182,7 +188,7 @@ gazebo: build_tests ## run the garage mission in Gazebo, in a Debian 11 that is 
 
 wheel: $(DEBIAN)-build $(VENV)/.ready ## build dist/*.whl, which includes Box2D and needs no compiler
 	@rm -rf dist && mkdir -p dist/raw
-	@$(PYTHON) -m pip wheel --quiet --no-deps --wheel-dir dist/raw .
+	@$(PYTHON) -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir dist/raw .
 	@PATH="$(CURDIR)/$(VENV)/bin:$$PATH" $(PYTHON) -m auditwheel repair --wheel-dir dist dist/raw/*.whl
 	@rm -rf dist/raw && ls dist/*.whl
 
@@ -200,7 +206,8 @@ pictures: build_tests ## regenerate the pictures of README and docs
 	@$(ENV) $(PYTHON) bench/office_arms.py --again
 	@rm -rf $(BUILD)/analysis && mkdir -p $(BUILD)/analysis
 	@$(ENV) $(PYTHON) -m robotteamsim.cli run garage_sar --seed 7 --bag $(BUILD)/analysis/mission.bag --out $(BUILD)/analysis > /dev/null
-	@$(ENV) $(PYTHON) -m robotteamsim.cli analyse $(BUILD)/analysis/mission.bag --png docs/images/analysis.png --scenario garage_sar > /dev/null
+	@$(ENV) $(PYTHON) -m robotteamsim.cli analyse $(BUILD)/analysis/mission.bag --scenario garage_sar > /dev/null \
+		--png docs/images/analysis.png --gif docs/images/garage_sar.gif
 	@$(ENV) $(PYTHON) docs/draw_viewer.py
 	@$(ENV) $(PYTHON) docs/make_pictures.py
 
@@ -211,8 +218,8 @@ docs: build_tests ## build the website of docs/ into build/docs, without a netwo
 notebook: build_tests ## execute the notebook docs/notebook.ipynb again
 	@$(ENV) $(PYTHON) docs/execute_notebook.py docs/notebook.ipynb docs/notebook.ipynb
 
-man: build_tests ## write the man page docs/robotteamsim.1 again
-	@$(ENV) $(PYTHON) docs/make_man_page.py docs/robotteamsim.1
+man: build_tests ## show the man page, build/robotteamsim.1
+	@man $(BUILD)/robotteamsim.1
 
 lock: ## write the locks in setup/ again: the versions of the requirements, what they need, and all hashes
 	@for name in requirements-run requirements; do \

@@ -8,9 +8,8 @@ setup(
         packages=find_packages("src"),
         package_dir={"": "src"},
         package_data={
-            "robotteamsim.campaign": ["data/*"],
-            "robotteamsim.analysis.benchmark": ["page.html"],
-            "robotteamsim.analysis.report": ["page.html"],
+            "robotteamsim.analysis.benchmark": ["*.html"],
+            "robotteamsim.analysis.report": ["*.html"],
             "robotteamsim.view": ["page/*"],
         },
     )

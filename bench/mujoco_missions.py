@@ -17,11 +17,11 @@ from results_file import append_rows
 
 from robotteamsim.scenario import load
 from robotteamsim.scenario.sections import PlacedRobot
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation, StepRecord
 from robotteamsim.simulation.record import Result
 from robotteamsim.world.mujoco.wheels import Chassis
 from robotteamsim.world.mujoco.world import MujocoWorld
-from robotteamsim.world.placement import placed_robots
 
 COLUMNS = ("world", "seed", "end", "time_s", "areas", "victims", "distance_m", "contact_s", "slip_forward", "slip_side")
 COLUMNS += ("mean_lean_mrad", "max_lean_mrad")
@@ -64,7 +64,7 @@ def mission(world: str, seed: int) -> tuple[object, ...]:
     simulation = Simulation(scenario)
     meter = None
     if isinstance(simulation.world, MujocoWorld):
-        meter = SlipMeter(simulation.world, placed_robots(scenario)[0], scenario.num_robots)
+        meter = SlipMeter(simulation.world, resolve(scenario).robots[0], scenario.num_robots)
     result = simulation.run([meter] if meter else [])
     distance_m = sum(robot.distance_m for robot in result.robots)
     contact_s = sum(robot.contact_s for robot in result.robots)

@@ -23,8 +23,8 @@ from robotteamsim import palette
 from robotteamsim.control.cover.floor_cover import FloorCover
 from robotteamsim.scenario import load
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation, StepRecord
-from robotteamsim.world.placement import placed_robots
 
 RESULTS = Path(__file__).resolve().parent / "results"
 ARMS = {"with": (), "without": ("control.c4=0",)}
@@ -48,10 +48,9 @@ class Watcher:
     """Looks on at one trial and adds up what this bench is about."""
 
     def __init__(self, scenario: Scenario) -> None:
-        robots = placed_robots(scenario)
-        self._cover = FloorCover(
-            scenario.plan, robots[0].reach_m, robots[0].start_pose[:2], scenario.control.cover.radius_m
-        )
+        setup = resolve(scenario)
+        reach_m, radius_m = setup.robots[0].reach_m, scenario.control.radius_m
+        self._cover = FloorCover(setup.building, reach_m, setup.start_m(0), radius_m)
         self._base = scenario.mission.base or 0
         self._step_s = scenario.run.step_s
         self._steps = self._split_steps = self._lost = self._cut_off = 0

@@ -81,7 +81,7 @@ def busy_s(pid: int) -> float:
 
 
 def world_pid(master_uri: str) -> int:
-    _, _, uri = xmlrpc.client.ServerProxy(master_uri).lookupNode("/ros_bench", "/world")
+    _, _, uri = xmlrpc.client.ServerProxy(master_uri).lookupNode("/ros_bench", "/simulation")
     return xmlrpc.client.ServerProxy(uri).getPid("/ros_bench")[2]
 
 

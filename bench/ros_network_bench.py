@@ -34,7 +34,7 @@ import results_file
 import rosgraph
 import rospy
 
-NODES = ("world", "environment", "mission")
+NODES = ("simulation",)
 STEP_S = 0.1
 WARM_UP_STEPS = 50
 START_TIMEOUT_S = 600.0

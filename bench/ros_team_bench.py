@@ -17,7 +17,7 @@ import results_file
 import rospy
 from ros_network_bench import Listener, cpu_s, launched, pid_of
 
-NODES = ("world", "environment", "mission", "controllers")
+NODES = ("simulation", "controllers")
 STEP_S = 0.1
 WARM_UP_STEPS = 50
 

@@ -1,8 +1,8 @@
 """Run the benchmarks of the C++ core and of its Python face, and print them as ratios.
 
-Each work stands beside the plain way to do it (one ray per cell or link, a matrix power, a dense solver) and beside a
-memset of the map that it writes, measured in the same run. Figures are medians over repetitions, each of them a median
-over many turns. What runs on one thread is timed by its processor's time.
+Each row compares with a straightforward implementation (one ray per cell or link, a matrix power, a dense solver) and
+with a memset of the map that it writes, measured in the same run. Values are medians over repetitions, each of them a
+median over many turns. What runs on one thread is timed by its processor's time.
 Usage: python bench/run.py build/devel/lib/robotteamsim/robotteamsim_bench [--csv bench/results/speed.csv]
 """
 
@@ -61,8 +61,6 @@ WORKS = (
     Work("  each of 16, two threads: per map", "RadioMapEachOf16/2", "RadioMapPlain"),
     Work("  best of 16, one thread: per cell and source", "RadioMapBestOf16/1"),
     Work("  best of 16, two threads: per cell and source", "RadioMapBestOf16/2"),
-    Work("  from kept walls", "KeptMap", "RadioMapPlain"),
-    Work("  a door of kept walls", "KeptMapDoor", "RadioMapPlain"),
     Work("voice map, 960k cells, 5 victims", "VoiceMapOf5", "VoiceMapOf5Plain"),
     Work("path loss between two points, 428 faces", "PathLoss"),
     Work("links of 100 robots, 428 faces", "Links/100", "LinksPlain/100", Goal("per_item_ns", 150.0, "ns")),

@@ -18,12 +18,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robotteamsim.analysis.benchmark.bound import CONTACT_M, optimistic_floor
+from robotteamsim.analysis.benchmark.bound import CONTACT_M, OptimisticFloor
 from robotteamsim.analysis.benchmark.routes import longest_route
 from robotteamsim.scenario import load
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation
-from robotteamsim.world.placement import placed_robots
 
 TIME_LIMIT_S = 1200.0
 """One robot needs longer than the scenario allows."""
@@ -58,8 +58,9 @@ def least_time_s(scenario: Scenario) -> float:
     Routes are bounded as in docs/benchmark.md. Allowing an earlier area after a victim who comes after a later area, as
     here, only makes the bound smaller.
     """
-    mission, robots = scenario.mission, placed_robots(scenario)
-    floor = optimistic_floor(scenario.plan, min(robot.radius_m for robot in robots) - CONTACT_M)
+    setup = resolve(scenario)
+    mission, robots = scenario.mission, setup.robots
+    floor = OptimisticFloor(setup.building, min(robot.radius_m for robot in robots) - CONTACT_M)
     starts_m = [robot.start_pose[:2] for robot in robots]
     victims_m, areas_m = [victim.position for victim in mission.victims], [area.center for area in mission.areas]
     radii_m = np.array([area.radius_m for area in mission.areas] + [mission.save_distance_m] * len(victims_m))

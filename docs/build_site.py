@@ -25,9 +25,18 @@ DOCS = Path(__file__).parent
 ROOT = DOCS.parent
 
 SECTIONS = {
-    "Tutorials": ("README", "tutorial", "notebook", "tutorial_controller", "tutorial_gazebo", "classroom", "exercises"),
+    "Tutorials": (
+        "README",
+        "install",
+        "tutorial",
+        "notebook",
+        "tutorial_controller",
+        "tutorial_gazebo",
+        "classroom",
+        "exercises",
+    ),
     "How-to guides": ("own_building", "viewer", "experiments", "benchmark", "stage", "gazebo", "gazebo_missions"),
-    "Reference": ("scenario_keys", "python_api", "ros_api", "CHANGELOG"),
+    "Reference": ("scenario_keys", "python_api", "ros_api", "ros_messages", "CHANGELOG"),
     "Explanation": (
         "world",
         "rescue",
@@ -37,6 +46,7 @@ SECTIONS = {
         "swarm",
         "search",
         "reliability",
+        "study/README",
         "SECURITY",
         "CONTRIBUTING",
     ),
@@ -86,13 +96,15 @@ def write_sources(folder: Path) -> None:
         (folder / f"{name}.md").write_text(re.sub(r'(\]\(|src="|href=")docs/', r"\1", text), encoding="utf-8")
     shutil.copytree(DOCS / "images", folder / "images")
     shutil.copytree(DOCS / "images", folder / "extra" / "images")
-    for name in ("report", "exercises"):
-        shutil.copytree(DOCS / name, folder / name)
-    shutil.copytree(DOCS / "report", folder / "extra" / "report")
+    shutil.copytree(DOCS / "exercises", folder / "exercises")
+    for place in (folder, folder / "extra"):
+        shutil.copytree(ROOT / "study" / "report", place / "study" / "report")
+    shutil.copy(ROOT / "study" / "README.md", folder / "study")
     shutil.copy(DOCS / "notebook.ipynb", folder / "extra")
     shutil.copy(DOCS / "site" / "conf.py", folder)
     (folder / "notebook.md").write_text(notebook_page(DOCS / "notebook.ipynb"), encoding="utf-8")
     (folder / "scenario_keys.md").write_text(keys_page(json_schema()), encoding="utf-8")
+    (folder / "ros_messages.md").write_text(messages_page(ROOT), encoding="utf-8")
     (folder / "python_api.rst").write_text(api_page(), encoding="utf-8")
     name, overrides = _MISSION
     recording = record_mission(load(name, overrides))[0]
@@ -101,7 +113,7 @@ def write_sources(folder: Path) -> None:
 
 
 def _contents(section: str) -> str:
-    titles = {"README": "Install and first missions <README>"}
+    titles = {"README": "First missions <README>", "install": "Installation <install>"}
     pages = [titles.get(name, name) for name in SECTIONS[section]]
     return "\n".join(("", ":::{toctree}", ":maxdepth: 1", f":caption: {section}", "", *pages, ":::", ""))
 
@@ -163,6 +175,33 @@ def _limits(value: dict[str, Any]) -> str:
     signs = {"minimum": "\u2265", "exclusiveMinimum": ">", "maximum": "\u2264", "exclusiveMaximum": "<"}
     limits = [f"{sign} {value[name]:g}" for name, sign in signs.items() if name in value]
     return f" ({', '.join(limits)})" if limits else ""
+
+
+def messages_page(root: Path) -> str:
+    """Return the reference of all messages and services, from their files."""
+    lines = ["# ROS messages and services", "", "Generated from the files in `msg` and `srv`."]
+    for path in (*sorted(root.glob("msg/*.msg")), *sorted(root.glob("srv/*.srv"))):
+        about, attributes = message_attributes(path.read_text(encoding="utf-8"))
+        lines += ["", f"## {path.stem}", "", about, "", "| attribute | type | meaning |", "|---|---|---|"]
+        lines += (f"| `{name}` | `{kind}` | {meaning} |" for kind, name, meaning in attributes)
+    return "\n".join(lines) + "\n"
+
+
+def message_attributes(text: str) -> tuple[str, list[tuple[str, str, str]]]:
+    """Return the first comment of a message, and type, name and comment of each attribute; answers have an arrow."""
+    about, attributes, arrow = [], [], ""
+    for line in text.splitlines():
+        declared, _, comment = (part.strip() for part in line.partition("#"))
+        if declared == "---":
+            arrow = "\N{RIGHTWARDS ARROW} "
+        elif declared:
+            kind, _, name = declared.partition(" ")
+            attributes.append((kind, f"{arrow}{name}", comment.replace("|", "\\|")))
+        elif attributes:
+            attributes[-1] = (*attributes[-1][:2], f"{attributes[-1][2]} {comment}")
+        else:
+            about.append(comment)
+    return " ".join(about), attributes
 
 
 def api_page() -> str:

@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from robotteamsim import palette
-from robotteamsim.analysis.plan_picture import draw_doors, draw_solids
+from robotteamsim.analysis.plan_picture import draw_floor_plan
 from robotteamsim.propagation import RadioField
 from robotteamsim.propagation.faces import MM_PER_M, radio_faces
 from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
@@ -190,9 +190,7 @@ def write_next_to(axes: Axes, text: str, point: Point, offset_points: np.ndarray
 
 def draw(axes: Axes, case: Case) -> None:
     """Draw one case."""
-    axes.set_facecolor(palette.FLOOR)
-    draw_solids(axes, case.plan)
-    draw_doors(axes, case.plan)
+    draw_floor_plan(axes, case.plan)
     for a, b, text_at in case.rays:
         found = crossings(case, a, b)
         total_db = checked_sum_db(case, a, b, [loss_db for _, loss_db in found])
@@ -210,8 +208,7 @@ def draw(axes: Axes, case: Case) -> None:
         axes.text(*text_at, text, color=PAID, fontsize=11, weight="bold", zorder=8, path_effects=HALO)
     for note in case.notes:
         axes.text(*note.at, note.text, color=INK, fontsize=9, zorder=8, path_effects=HALO)
-    axes.set(xlim=(0.0, 4.0), ylim=(0.0, 3.0), xticks=[], yticks=[], aspect="equal")
-    axes.spines[:].set_visible(False)
+    axes.set(xlim=(0.0, 4.0), ylim=(0.0, 3.0), xticks=[], yticks=[])
     axes.set_title(case.title, loc="left", fontsize=11)
 
 

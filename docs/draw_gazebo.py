@@ -18,8 +18,8 @@ import cv2
 from robotteamsim.gazebo import export_world
 from robotteamsim.scenario import load
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation
-from robotteamsim.world.placement import placed_robots
 
 ROOT = Path(__file__).parents[1]
 PATH = ROOT / "docs" / "images" / "gazebo_garage.png"
@@ -49,14 +49,14 @@ def scenario_after(seconds: float) -> Scenario:
         simulation.step()
     robots = tuple(
         robot.model_copy(update={"start_pose": (pose.x_m, pose.y_m, pose.yaw_rad)})
-        for robot, pose in zip(placed_robots(scenario), simulation.world.poses(), strict=True)
+        for robot, pose in zip(resolve(scenario).robots, simulation.world.poses(), strict=True)
     )
     return scenario.model_copy(update={"robots": robots})
 
 
 def world_with_camera(scenario: Scenario, folder: Path) -> str:
     """Return the exported world with a camera and without our plugins, which need ROS."""
-    root = ET.fromstring(export_world(scenario).world)
+    root = ET.fromstring(export_world(resolve(scenario)).world)
     for parent in list(root.iter()):
         for plugin in parent.findall("plugin"):
             parent.remove(plugin)

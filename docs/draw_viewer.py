@@ -12,13 +12,12 @@ from pathlib import Path
 from playwright.sync_api import Browser, sync_playwright
 
 from robotteamsim.scenario import load
-from robotteamsim.simulation import Simulation
 from robotteamsim.view.html import mission_page
-from robotteamsim.view.recorder import FrameRecorder, Recording
+from robotteamsim.view.recorder import Recording
+from robotteamsim.view.simulated import record_mission
 
 IMAGES = Path(__file__).parent / "images"
 _FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
-_WITHOUT_WEBGL = ["--no-sandbox", "--disable-gpu", "--disable-3d-apis"]
 _TIMEOUT_MS = 120_000
 
 
@@ -35,18 +34,11 @@ def main() -> None:
         _draw(browser, "viewer_office", [office], "#t=60", (1600, 900))
         _draw(browser, "garage_rescue", [rescue], "#t=190", (1600, 900))
         _draw(browser, "office_fire", [fire], "#t=50", (1600, 900))
-        _draw(browser, "viewer_phone", [quiet], "#t=150", (390, 844))
-        browser.close()
-        browser = playwright.chromium.launch(executable_path=chromium, args=_WITHOUT_WEBGL)
-        _draw(browser, "viewer_plan", [rescue], "#t=190", (1600, 720))
         browser.close()
 
 
 def _recorded(overrides: list[str], name: str = "garage_sar") -> Recording:
-    simulation = Simulation(load(name, overrides))
-    recorder = FrameRecorder(simulation)
-    simulation.run([recorder])
-    return recorder.recording
+    return record_mission(load(name, overrides))[0]
 
 
 def _draw(browser: Browser, name: str, recordings: list[Recording], fragment: str, size: tuple[int, int]) -> None:

@@ -1,4 +1,7 @@
-"""Write the man page of the command line: python docs/make_man_page.py FILE; the same command always the same bytes."""
+"""Write the man page of the command line; the same command always gives the same bytes.
+
+Usage: python docs/make_man_page.py FILE [SOURCES CORE]: with the package in SOURCES and its module _core in CORE.
+"""
 
 from __future__ import annotations
 
@@ -7,8 +10,6 @@ import sys
 from pathlib import Path
 
 from argparse_manpage.manpage import Manpage
-
-from robotteamsim.cli.main import make_parser
 
 DATA = {
     "project_name": "robotteamsim",
@@ -21,10 +22,22 @@ DATA = {
 
 def man_page() -> str:
     """Return the page in roff; a width is set, so that it does not depend on the terminal."""
+    from robotteamsim.cli.main import make_parser
+
     os.environ["COLUMNS"] = "100"
     text = str(Manpage(make_parser(), _data=DATA))
     return "\n".join(line.rstrip() for line in text.splitlines()) + "\n"
 
 
+def main(file: str, sources: str = "", core: str = "") -> None:
+    """Write the page."""
+    if sources:
+        sys.path.insert(0, sources)
+        import robotteamsim
+
+        robotteamsim.__path__.append(core)
+    Path(file).write_text(man_page(), encoding="utf-8")
+
+
 if __name__ == "__main__":
-    Path(sys.argv[1]).write_text(man_page(), encoding="utf-8")
+    main(*sys.argv[1:])

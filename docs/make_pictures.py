@@ -6,7 +6,6 @@ Usage: python docs/make_pictures.py [NAME...]     names of pictures without `.pn
 
 from __future__ import annotations
 
-import math
 import os
 import socket
 import subprocess
@@ -21,16 +20,13 @@ from typing import Any
 
 import rospy
 import yaml
-from nav_msgs.msg import Odometry
 from PIL import Image
-from robotteamsim.msg import MissionStatus, Victims
+from robotteamsim.msg import MissionStatus
 from robotteamsim.srv import Step
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
-from robotteamsim.ros.nodes.rviz_view import fitted
-from robotteamsim.ros.transport.settings import PARAMETERS
-from robotteamsim.scenario import load
+from robotteamsim.ros.nodes.rviz_view import fitted, read_scenario
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
@@ -49,72 +45,37 @@ MIN_COLOURS = 200
 """Least number of colours of a complete scene; a blank screen and rviz's splash have fewer."""
 
 
-def orbit(x_m: float, y_m: float, distance_m: float, pitch_rad: float, yaw_rad: float) -> dict[str, Any]:
-    """Return an rviz view that looks at a point of the floor; yaw 4.71 looks north."""
-    return {
-        "Class": "rviz/Orbit",
-        "Name": "Orbit",
-        "Distance": distance_m,
-        "Focal Point": {"X": x_m, "Y": y_m, "Z": 0.2},
-        "Near Clip Distance": 0.1,
-        "Pitch": pitch_rad,
-        "Yaw": yaw_rad,
-        "Target Frame": "<Fixed Frame>",
-    }
-
-
-def from_above(x_m: float, y_m: float, pixels_per_m: float) -> dict[str, Any]:
-    """Return an rviz view straight down."""
-    return {
-        "Class": "rviz/TopDownOrtho",
-        "Name": "From above",
-        "Angle": 0,
-        "Scale": pixels_per_m,
-        "X": x_m,
-        "Y": y_m,
-        "Target Frame": "<Fixed Frame>",
-    }
-
-
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """A run in ROS, stopped after some steps, and the views to draw; None is the default view of rviz."""
+    """The name of a picture, and the run in ROS that it shows, stopped after some steps."""
 
+    name: str
     launch: str
     arguments: tuple[str, ...]
     steps: int
-    views: dict[str, dict[str, Any] | None]
-    close: str | None = None
-    """Name of a close-up between the centre of the team and the nearest victim."""
 
 
 MOMENTS = (
+    Moment("garage_sar", "garage_sar.launch", ("seed:=7",), 3051),
     Moment(
-        "garage_sar.launch",
-        ("seed:=7",),
-        3051,
-        {"garage_sar": None, "garage_sar_from_above": from_above(30.0, 21.0, 20.0 * FINER)},
-        close="garage_sar_close",
-    ),
-    Moment(
+        "swarms",
         "garage_sar.launch",
         ("seed:=2", "robots:=9", "controllers:=team", "set:=control.swarms.initial=3 control.swarms.max=4"),
         900,
-        {"swarms": None},
     ),
-    Moment("office_manet.launch", ("seed:=3", "controllers:=team"), 1800, {"office_manet": None}),
-    Moment("garage_rescue.launch", ("seed:=1", "controllers:=team"), 1900, {"garage_rescue_rviz": None}),
-    Moment("office_fire.launch", ("seed:=1", "controllers:=team"), 500, {"office_fire_rviz": None}),
-    Moment("warehouse_push.launch", (), 300, {"warehouse_push": None}),
-    Moment("tutorial_arena.launch", (), 600, {"tutorial_arena": None}),
+    Moment("office_manet", "mission.launch", ("scenario:=office_manet", "seed:=3", "controllers:=team"), 1800),
+    Moment("garage_rescue_rviz", "mission.launch", ("scenario:=garage_rescue", "seed:=1", "controllers:=team"), 1900),
+    Moment("office_fire_rviz", "mission.launch", ("scenario:=office_fire", "seed:=1", "controllers:=team"), 500),
+    Moment("warehouse_push", "mission.launch", ("scenario:=warehouse_push",), 300),
+    Moment("tutorial_arena", "mission.launch", ("scenario:=tutorial_arena",), 600),
 )
 
 
 def main() -> None:
-    """Write all pictures, or those of the moments with one of the given names."""
+    """Write all pictures, or those with the given names."""
     IMAGES.mkdir(parents=True, exist_ok=True)
     names = set(sys.argv[1:])
-    chosen = [moment for moment in MOMENTS if not names or names & {*moment.views, moment.close}]
+    chosen = [moment for moment in MOMENTS if not names or moment.name in names]
     with ExitStack() as stack:
         scratch = Path(stack.enter_context(tempfile.TemporaryDirectory()))
         screen = stack.enter_context(virtual_display())
@@ -126,22 +87,20 @@ def main() -> None:
         wait_for_master()
         rospy.init_node("make_pictures", disable_rostime=True)
         for moment in chosen:
-            take_pictures(moment, screen, scratch)
+            take_picture(moment, screen, scratch)
 
 
-def take_pictures(moment: Moment, screen: str, scratch: Path) -> None:
-    """Run to the moment and write its pictures."""
+def take_picture(moment: Moment, screen: str, scratch: Path) -> None:
+    """Run to the moment and write its picture."""
     launch = ["roslaunch", "robotteamsim", moment.launch, *RUN, *moment.arguments]
     with (
         running(launch, scratch / "launch.log"),
         running([sys.executable, str(ROOT / "scripts" / "scene")], scratch / "scene.log"),
     ):
-        x_m, y_m = pause_after(moment.steps)
-        views = moment.views | ({moment.close: orbit(x_m, y_m, 14.0, 0.8, 4.4)} if moment.close else {})
-        for name, view in views.items():
-            path = IMAGES / f"{name}.png"
-            take_picture(screen, view, scratch, path, hidden=("Headline",) if name == moment.close else ())
-            print(f"{path.relative_to(ROOT)}: {path.stat().st_size // 1024} kB")
+        pause_after(moment.steps)
+        path = IMAGES / f"{moment.name}.png"
+        draw(screen, scratch, path)
+        print(f"{path.relative_to(ROOT)}: {path.stat().st_size // 1024} kB")
 
 
 @contextmanager
@@ -175,24 +134,14 @@ def free_port() -> int:
         return int(listener.getsockname()[1])
 
 
-def pause_after(steps: int) -> tuple[float, float]:
-    """Let the mission run for some steps from its start and pause it.
-
-    Returns: the midpoint between the centre of the team and the nearest victim [m].
-    """
-    rospy.wait_for_message("/scene/robots", MarkerArray, TIMEOUT_S)
+def pause_after(steps: int) -> None:
+    """Let the mission run for some steps from its start and pause it."""
+    while not rospy.wait_for_message("/scene/robots", MarkerArray, TIMEOUT_S).markers:
+        pass
     rospy.wait_for_message("/mission/status", MissionStatus, TIMEOUT_S)
     for name in ("/pause", "/reset"):  # The scene may have missed the first steps, which would shorten the trails.
         call(name, Trigger)
     call("/step", Step, steps)
-    positions_m = [
-        rospy.wait_for_message(f"/robot_{robot_id}/base_pose_ground_truth", Odometry, TIMEOUT_S).pose.pose.position
-        for robot_id in range(rospy.get_param("/robotteamsim/robots"))
-    ]
-    x_m, y_m = (sum(getattr(p, axis) for p in positions_m) / len(positions_m) for axis in "xy")
-    victims = rospy.wait_for_message("/mission/victims", Victims, TIMEOUT_S).victims
-    nearest = min((v.position for v in victims), key=lambda p: math.dist((p.x, p.y), (x_m, y_m)))
-    return (x_m + nearest.x) / 2.0, (y_m + nearest.y) / 2.0
 
 
 def call(name: str, kind: type, *arguments: Any) -> None:
@@ -221,16 +170,9 @@ def master_answers() -> bool:
     return True
 
 
-def take_picture(
-    screen: str, view: dict[str, Any] | None, scratch: Path, path: Path, hidden: tuple[str, ...] = ()
-) -> None:
-    """Show the scene without the hidden displays, wait until it no longer changes, and write a picture."""
-    config = fitted(CONFIG, load(rospy.get_param(f"{PARAMETERS}/scenario")).plan.bounds)
-    if view is not None:
-        config["Visualization Manager"]["Views"]["Current"] = view
-    for display in config["Visualization Manager"]["Displays"]:
-        if display["Name"] in hidden:
-            display["Enabled"] = display["Value"] = False
+def draw(screen: str, scratch: Path, path: Path) -> None:
+    """Show the scene, wait until it no longer changes, and write a picture."""
+    config = fitted(CONFIG, read_scenario())
     width, height = (FINER * pixels for pixels in SIZE)
     config["Window Geometry"] |= {"Width": width, "Height": height}
     config_path = scratch / "view.rviz"

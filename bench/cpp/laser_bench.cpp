@@ -4,11 +4,13 @@
 #include <box2d/box2d.h>
 
 #include <cmath>
-#include <memory>
+#include <cstddef>
+#include <numeric>
 #include <random>
 #include <vector>
 
-#include "robotteamsim/sensing/laser.hpp"
+#include "robotteamsim/sensing/range_report.hpp"
+#include "robotteamsim/world/fan_caster.hpp"
 
 namespace robotteamsim {
 namespace {
@@ -49,7 +51,7 @@ world::World MakeWorld(int num_robots) {
   std::vector<world::Robot> robots;
   while (static_cast<int>(robots.size()) < num_robots) {
     world::Robot robot;
-    robot.radius = kRadius;
+    robot.radius_m = kRadius;
     robot.start = {x(random), y(random), yaw(random)};
     if (IsFree(solids, robots, robot.start)) robots.push_back(robot);
   }
@@ -58,13 +60,17 @@ world::World MakeWorld(int num_robots) {
 
 void LaserScans(benchmark::State& state) {
   const world::World world = MakeWorld(static_cast<int>(state.range(0)));
-  const sensing::Laser laser({kBeams, -0.5 * kPi, 0.5 * kPi, 0.1, 0.05, kRange, 0.05, kRange}, world);
-  std::vector<float> report(kBeams);
+  const world::FanCaster caster({kBeams, -0.5 * kPi, 0.5 * kPi, 0.1, 0.0, kRange}, world);
+  const std::size_t num_robots = world.robots().size();
+  std::vector<int> robots(num_robots);
+  std::iota(robots.begin(), robots.end(), 0);
+  std::vector<double> ranges_m(num_robots * kBeams);
+  std::vector<float> reported_m(ranges_m.size());
   for (auto _ : state) {
-    for (int robot = 0; robot < state.range(0); ++robot) {
-      laser.Report(laser.Scan(world, robot), nullptr, report.data());
-      benchmark::DoNotOptimize(report.data());
-    }
+    caster.Cast(world, robots, {ranges_m.data(), num_robots, kBeams});
+    sensing::Report({0.05, kRange, 0.05, kRange}, {ranges_m.data(), num_robots, kBeams}, {},
+                    {reported_m.data(), num_robots, kBeams});
+    benchmark::DoNotOptimize(reported_m.data());
   }
   state.SetItemsProcessed(state.iterations() * state.range(0) * kBeams);
 }

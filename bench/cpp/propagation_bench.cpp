@@ -101,27 +101,6 @@ void RadioMapBestOf16(benchmark::State& state) {
   Run(state, &map, kTransmitters * kCells, write, 1.0, work.threads);
 }
 
-void KeptMap(benchmark::State& state) {
-  propagation::MapValues map(kGrid.rows, kGrid.cols);
-  const propagation::WeightMap weights(Garage(), Transmitter(1), kGrid);
-  Run(state, &map, kCells, [&](int) { weights.WriteValues(kRadio, map); });
-}
-
-/// Time per door.
-void KeptMapDoor(benchmark::State& state) {
-  constexpr int kDoors = 40;
-  propagation::MapValues map(kGrid.rows, kGrid.cols);
-  propagation::FaceSet faces = Garage();
-  propagation::WeightMap weights(faces, Transmitter(1), kGrid);
-  const auto toggle_all = [&](int turn) {
-    for (int door = 0; door < kDoors; ++door) {
-      faces.SetActive(4 * door, turn % 2 == 1);
-      weights.Update(faces);
-    }
-  };
-  Run(state, &map, 1, toggle_all, 1.0 / kDoors);
-}
-
 std::vector<propagation::VoiceSource> Victims() {
   std::vector<propagation::VoiceSource> sources;
   for (int i = 0; i < 5; ++i) sources.push_back({{5.0 + 11.0 * i, 4.0 + 7.5 * i}, -75.0 + i * 0.5, 5.0 + i * 0.2});
@@ -179,8 +158,6 @@ BENCHMARK(RadioMap20000Faces)->UseManualTime();
 BENCHMARK(RadioMap20000FacesPlain)->UseManualTime()->Iterations(8);
 BENCHMARK(RadioMapEachOf16)->Arg(1)->Arg(2)->UseManualTime();
 BENCHMARK(RadioMapBestOf16)->Arg(1)->Arg(2)->UseManualTime();
-BENCHMARK(KeptMap)->UseManualTime();
-BENCHMARK(KeptMapDoor)->UseManualTime()->Iterations(200);
 BENCHMARK(VoiceMapOf5)->UseManualTime();
 BENCHMARK(VoiceMapOf5Plain)->UseManualTime()->Iterations(8);
 BENCHMARK(PathLoss)->UseManualTime()->Iterations(100);

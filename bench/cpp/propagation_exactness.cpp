@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <random>
+#include <vector>
 
 #include "../../test/cpp/propagation/reference.hpp"
 #include "../../test/cpp/propagation/scenes.hpp"
@@ -30,20 +32,21 @@ struct Count {
   double worst_db = 0.0;  ///< of a value
 };
 
-/// Compares kept weights, and the values of a map, with one ray and one logarithm per cell.
-void Compare(const propagation::FaceSet& faces, const propagation::WeightMap& kept, const plan::GridShape& grid,
+/// Compares weights, and the values of a map, with one ray and one logarithm per cell.
+void Compare(const propagation::FaceSet& faces, propagation::PointMm source, const plan::GridShape& grid,
              base::Simd simd, Count* count) {
   const propagation::Fading fading = propagation::RadioFading(kRadio);
+  const propagation::CellCentersMm cells(grid);
+  const std::vector<std::int32_t> weights = propagation::WeightsFrom(faces, source, grid);
   propagation::MapValues map(grid.rows, grid.cols);
-  propagation::WriteHighest(faces, {{kept.Source(), fading}}, grid, map, {1, simd});
+  propagation::WriteHighest(faces, {{source, fading}}, grid, map, {1, simd});
   for (int row = 0; row < grid.rows; ++row) {
     for (int col = 0; col < grid.cols; ++col) {
-      const std::int64_t weight = propagation::reference::Weight(faces, kept.Source(), kept.Cells(), row, col);
-      const double value_db =
-          propagation::reference::ValueBehind(weight, kept.Source(), fading, kept.Cells().At(row, col));
+      const std::int64_t weight = propagation::reference::Weight(faces, source, cells, row, col);
+      const double value_db = propagation::reference::ValueBehind(weight, source, fading, cells.At(row, col));
       const double error_db = std::abs(map(row, col) - value_db);
       ++count->compared;
-      if (kept.At(row, col) != weight || error_db > kSameWallsDb) ++count->differing;
+      if (weights[row * grid.cols + col] != weight || error_db > kSameWallsDb) ++count->differing;
       if (std::abs(value_db) < kFineBelowDb) count->worst_db = std::max(count->worst_db, error_db);
     }
   }
@@ -56,18 +59,15 @@ base::Simd DrawSimd(std::mt19937* generator) {
   return base::IsSupported(drawn) ? drawn : base::Simd::kPortable;
 }
 
-/// A map of one plan, then of the same with some faces switched off, kept up to date; another instruction set each
-/// time.
+/// A map of one plan, then of the same with some faces switched off; another instruction set each time.
 void CompareOne(propagation::FaceSet faces, propagation::PointMm source, const plan::GridShape& grid,
                 std::mt19937* generator, Count* count) {
   const base::Simd simd = DrawSimd(generator);
-  propagation::WeightMap kept(faces, source, grid, {1, simd});
-  Compare(faces, kept, grid, simd, count);
+  Compare(faces, source, grid, simd, count);
   for (int i = 0; i < 5; ++i) {
     faces.SetActive(Draw(generator, 0, static_cast<std::int64_t>(faces.Size()) - 1), false);
   }
-  kept.Update(faces);
-  Compare(faces, kept, grid, simd, count);
+  Compare(faces, source, grid, simd, count);
 }
 
 /// Lattice points: sources on vertices, rays through vertices and along faces, cells on the lattice or between.
@@ -76,8 +76,8 @@ void CompareLattice(std::mt19937* generator, Count* count) {
       propagation::scenes::Lattice(generator, static_cast<int>(Draw(generator, 1, 40)), 30, 9);
   propagation::PointMm source{Draw(generator, -5, 35), Draw(generator, -5, 35)};
   if (Draw(generator, 0, 1) == 0) source = faces.Vertices().front();
-  const double resolution = Draw(generator, 0, 3) == 0 ? 0.0017 : 0.001;
-  CompareOne(faces, source, {{-0.004, -0.005}, resolution, 50, 120}, generator, count);
+  const double resolution_m = Draw(generator, 0, 3) == 0 ? 0.0017 : 0.001;
+  CompareOne(faces, source, {{-0.004, -0.005}, resolution_m, 50, 120}, generator, count);
 }
 
 /// Buildings: oblique walls, sources in walls and outside, any resolution in whole millimetres and some that are not.
@@ -90,9 +90,9 @@ void CompareBuilding(std::mt19937* generator, Count* count) {
     source = {faces.At(0).start.x + Draw(generator, -40, 40), faces.At(0).start.y + 20};
   }
   const double finer = Draw(generator, 0, 9) == 0 ? 0.001 / 3.0 : 0.0;
-  const double resolution = static_cast<double>(Draw(generator, 20, 300)) / 1000.0 + finer;
+  const double resolution_m = static_cast<double>(Draw(generator, 20, 300)) / 1000.0 + finer;
   const plan::GridShape grid{{static_cast<double>(Draw(generator, -5000, 20'000)) / 1000.0, -1.0},
-                             resolution,
+                             resolution_m,
                              static_cast<int>(Draw(generator, 1, 200)),
                              static_cast<int>(Draw(generator, 1, 300))};
   CompareOne(faces, source, grid, generator, count);

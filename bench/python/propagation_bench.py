@@ -23,7 +23,6 @@ GARAGE = load_floor_plan("garage")
 RESOLUTION_M = 0.05
 SHAPE = (800, 1200)
 TX_M = (9.0, 6.0)
-DOOR = GARAGE.doors[0].name
 
 
 def median_us(work: Callable[[], object], turns: int = 9) -> float:
@@ -65,20 +64,6 @@ def test_radio_map(benchmark, out):
         "memset_us": memset_us(out),
         "plain_us": plain_map_us(lambda center: field.path_loss_db(TX_M, center)),
     }
-
-
-def test_door_of_a_kept_radio_map(benchmark, out):
-    field = RadioField(GARAGE, Radio())
-    kept = field.keep_map(TX_M, RESOLUTION_M)
-    states = itertools.cycle((True, False))
-
-    def toggle() -> None:
-        field.set_door(DOOR, next(states))
-        kept.rssi_map_dbm(out=out)
-
-    benchmark(toggle)
-    benchmark.extra_info |= {"work": "Python, garage: a door, then the radio map from kept walls", "items": out.size}
-    benchmark.extra_info |= {"memset_us": memset_us(out)}
 
 
 def test_voice_map_of_five_victims(benchmark, out):

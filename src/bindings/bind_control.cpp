@@ -9,11 +9,13 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <tuple>
 #include <vector>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "casters.hpp"
+#include "fields.hpp"
 #include "robotteamsim/control/cell_paths.hpp"
 #include "robotteamsim/control/clearance.hpp"
 #include "robotteamsim/control/navigator.hpp"
@@ -33,7 +35,7 @@ struct type_caster<control::HeardNote>
 
 template <>
 struct type_caster<control::KeptOut>
-    : TupleCaster<control::KeptOut, &control::KeptOut::center, &control::KeptOut::radius> {};
+    : TupleCaster<control::KeptOut, &control::KeptOut::center, &control::KeptOut::radius_m> {};
 
 template <>
 struct type_caster<control::ListeningPlace>
@@ -70,27 +72,9 @@ base::Twist Drive(Navigator& navigator, const SharedGrid& grid, const base::Pose
   return navigator.Drive(grid, pose, {ranges_m.data(), ranges_m.size()}, goal_m, speed_mps, time_s, ask);
 }
 
-void InitParameters(control::NavigatorParameters* self, double arrived_m, double laser_margin_m, double look_ahead_m,
-                    double longest_path_m, double turn_in_place_rad, double turn_gain_per_s, double braking_mps2,
-                    double manoeuvring_mps, double room_to_turn_m, double progress_m, double stuck_timeout_s,
-                    double yield_timeout_s, double escape_m, double escape_time_s, int escape_headings,
-                    double near_teammate_m, double nearest_free_start_m, double nearest_free_goal_m,
-                    double sidestep_left_penalty, double sidestep_change_penalty, double sidestep_ahead_rad) {
-  const control::SidestepParameters sidestep{sidestep_left_penalty, sidestep_change_penalty, sidestep_ahead_rad};
-  new (self) control::NavigatorParameters{
-      arrived_m,    laser_margin_m,  look_ahead_m,    longest_path_m,  turn_in_place_rad,    turn_gain_per_s,
-      braking_mps2, manoeuvring_mps, room_to_turn_m,  progress_m,      stuck_timeout_s,      yield_timeout_s,
-      escape_m,     escape_time_s,   escape_headings, near_teammate_m, nearest_free_start_m, nearest_free_goal_m,
-      sidestep};
-}
-
 void BindNavigator(nb::module_& m) {
-  nb::class_<control::NavigatorParameters>(m, "NavigatorParameters")
-      .def("__init__", &InitParameters, nb::kw_only(), "arrived_m"_a, "laser_margin_m"_a, "look_ahead_m"_a,
-           "longest_path_m"_a, "turn_in_place_rad"_a, "turn_gain_per_s"_a, "braking_mps2"_a, "manoeuvring_mps"_a,
-           "room_to_turn_m"_a, "progress_m"_a, "stuck_timeout_s"_a, "yield_timeout_s"_a, "escape_m"_a,
-           "escape_time_s"_a, "escape_headings"_a, "near_teammate_m"_a, "nearest_free_start_m"_a,
-           "nearest_free_goal_m"_a, "sidestep_left_penalty"_a, "sidestep_change_penalty"_a, "sidestep_ahead_rad"_a);
+  nb::class_<control::NavigatorParameters> parameters(m, "NavigatorParameters");
+  std::apply([&](const auto&... fields) { DefineFields(parameters, fields...); }, control::kNavigatorFields);
   nb::class_<control::LaserLayout>(m, "LaserLayout")
       .def(nb::init<int, double, double, double, double>(), nb::kw_only(), "beams"_a, "angle_min_rad"_a,
            "angle_max_rad"_a, "forward_m"_a, "range_max_m"_a);

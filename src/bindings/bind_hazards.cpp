@@ -24,11 +24,11 @@ struct type_caster<hazards::Crossing>
 
 template <>
 struct type_caster<hazards::DoorModel> : TupleCaster<hazards::DoorModel, &hazards::DoorModel::closed,
-                                                     &hazards::DoorModel::leakage, &hazards::DoorModel::endures> {};
+                                                     &hazards::DoorModel::leakage, &hazards::DoorModel::endures_s> {};
 
 template <>
 struct type_caster<hazards::Fuel>
-    : TupleCaster<hazards::Fuel, &hazards::Fuel::load, &hazards::Fuel::peak, &hazards::Fuel::growth> {};
+    : TupleCaster<hazards::Fuel, &hazards::Fuel::load_kj, &hazards::Fuel::peak_kw, &hazards::Fuel::growth_kw_s2> {};
 
 }  // namespace nanobind::detail
 
@@ -72,7 +72,7 @@ void BindBurningFloor(nb::module_& m) {
       .def("set_door", &BurningFloor::SetDoor, "door"_a, "closed"_a)
       .def("advance", &BurningFloor::Advance, "seconds"_a)
       .def("is_burnt_through", &BurningFloor::IsBurntThrough, "door"_a)
-      .def_prop_ro("heat_release_kw", [](const BurningFloor& floor) { return floor.fire().heat_release_rate(); })
+      .def_prop_ro("heat_release_kw", [](const BurningFloor& floor) { return floor.fire().heat_release_kw(); })
       .def("states", [](const BurningFloor& floor) { return OfCells<std::uint8_t>(floor, floor.States()); })
       .def("soot_g_m2", [](const BurningFloor& floor) { return OfCells<double>(floor, floor.Soot()); })
       .def(

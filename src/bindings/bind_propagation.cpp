@@ -17,7 +17,7 @@ namespace robotteamsim::bindings {
 namespace {
 
 using propagation::FaceSet, propagation::MapView, propagation::Positions, propagation::RadioModel;
-using propagation::RoundToMm, propagation::VoiceModel, propagation::VoiceSource, propagation::WeightMap;
+using propagation::RoundToMm, propagation::VoiceModel, propagation::VoiceSource;
 using OtherThreadsRun = nb::call_guard<nb::gil_scoped_release>;
 
 double PathLoss(const FaceSet& faces, const RadioModel& model, const base::Point& a, const base::Point& b,
@@ -72,21 +72,6 @@ void BindRadio(nb::module_& m) {
         "origin_m"_a, "resolution_m"_a, "out"_a, "threads"_a, OtherThreadsRun());
   m.def("write_rssi_maps_dbm", &WriteMaps, "faces"_a, "model"_a, "transmitters_m"_a, "floors_crossed"_a, "origin_m"_a,
         "resolution_m"_a, "out"_a, "threads"_a, OtherThreadsRun());
-  nb::class_<WeightMap>(m, "WeightMap")
-      .def(
-          "__init__",
-          [](WeightMap* self, const FaceSet& faces, const base::Point& tx_m, const base::Point& origin_m,
-             double resolution_m, int rows, int columns) {
-            new (self) WeightMap(faces, RoundToMm(tx_m, "tx_m"), {origin_m, resolution_m, rows, columns});
-          },
-          "faces"_a, "tx_m"_a, "origin_m"_a, "resolution_m"_a, "rows"_a, "columns"_a)
-      .def("update", &WeightMap::Update, "faces"_a)
-      .def(
-          "write_rssi_dbm",
-          [](const WeightMap& weights, const RadioModel& model, int floors_crossed, MapView out) {
-            weights.WriteValues(propagation::RadioFading(model, floors_crossed), out);
-          },
-          "model"_a, "floors_crossed"_a, "out"_a);
 }
 
 void BindVoice(nb::module_& m) {

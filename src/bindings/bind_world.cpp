@@ -3,20 +3,25 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "casters.hpp"
 #include "robotteamsim/world/crowd.hpp"
+#include "robotteamsim/world/fan_caster.hpp"
 #include "robotteamsim/world/world.hpp"
 
 namespace robotteamsim::bindings {
 namespace {
 
-using world::Door, world::DriveLimits, world::MovableObject, world::Polygon, world::Solid, world::World;
+using world::Door, world::DriveLimits, world::FanCaster, world::MovableObject, world::Polygon, world::Solid,
+    world::TeamMotion, world::World;
 
 // The angles of contact of the robots that touch something, by id.
 using Angles = nb::typed<nb::tuple, double, nb::ellipsis>;
@@ -65,6 +70,40 @@ void BindParts(nb::module_& m) {
            "friction"_a, "start"_a, "corners_m"_a);
 }
 
+void BindTeam(nb::module_& m) {
+  nb::class_<TeamMotion>(m, "TeamMotion")
+      .def(
+          "__init__",
+          [](TeamMotion* self, const Triples& poses, const Triples& twists, const Triples& motions,
+             const Array<const bool, -1>& in_contact) {
+            new (self) TeamMotion{RecordsOf<base::Pose>(poses), RecordsOf<base::Twist>(twists),
+                                  RecordsOf<base::Pose>(motions), ValuesOf<std::uint8_t>(in_contact)};
+          },
+          nb::kw_only(), "poses"_a, "twists"_a, "motions"_a, "in_contact"_a)
+      .def_prop_ro("poses", [](const TeamMotion& team) { return ViewOf<3>(team.poses); })
+      .def_prop_ro("twists", [](const TeamMotion& team) { return ViewOf<3>(team.twists); })
+      .def_prop_ro("motions", [](const TeamMotion& team) { return ViewOf<3>(team.motions); })
+      .def_prop_ro("in_contact", [](const TeamMotion& team) { return FlagsIn(team.in_contact); });
+}
+
+void BindFan(nb::module_& m) {
+  nb::class_<world::Fan>(m, "Fan").def(nb::init<int, double, double, double, double, double>(), nb::kw_only(),
+                                       "beams"_a, "angle_min_rad"_a, "angle_max_rad"_a, "forward_m"_a, "left_m"_a,
+                                       "range_max_m"_a);
+  nb::class_<FanCaster>(m, "FanCaster")
+      .def(nb::init<const world::Fan&, const std::vector<Solid>&, const std::vector<Door>&>(), "fan"_a, "solids"_a,
+           "doors"_a)
+      .def(
+          "cast",
+          [](const FanCaster& caster, const World& world, const std::vector<int>& robot_ids) {
+            const std::size_t robots = robot_ids.size(), beams = static_cast<std::size_t>(caster.fan().beams);
+            std::vector<double> ranges_m(robots * beams);
+            caster.Cast(world, robot_ids, {ranges_m.data(), robots, beams});
+            return ArrayOf<double, -1, -1>(std::move(ranges_m), {robots, beams});
+          },
+          "world"_a, "robot_ids"_a);
+}
+
 void BindCrowd(nb::module_& m) {
   nb::class_<world::CrowdParameters>(m, "CrowdParameters")
       .def(nb::init<double, double, double, double, double, double>(), nb::kw_only(), "time_gap_s"_a,
@@ -95,7 +134,9 @@ void BindWorld(nb::module_&& m) {
             world::ReachedSpeeds(RecordsOf<world::DriveSpeed>(speeds), RecordsOf<base::Twist>(twists), drives, dt_s));
       },
       "drives"_a, "speeds"_a, "twists"_a, "dt_s"_a);
+  BindFan(m);
   BindCrowd(m);
+  BindTeam(m);
   nb::class_<World>(m, "World")
       .def(nb::init<std::vector<Solid>, std::vector<Door>, std::vector<world::Robot>, double, int,
                     std::vector<MovableObject>>(),
@@ -105,9 +146,7 @@ void BindWorld(nb::module_&& m) {
       .def("step", &World::Step, "twists"_a)
       .def("object_poses", [](const World& world) { return RowsOf<3>(world.object_poses()); })
       .def("poses", [](const World& world) { return RowsOf<3>(world.poses()); })
-      .def("twists", [](const World& world) { return RowsOf<3>(world.twists()); })
-      .def("motions", [](const World& world) { return RowsOf<3>(world.motions()); })
-      .def("in_contact", [](const World& world) { return FlagsOf(world.in_contact()); })
+      .def("team", &World::team)
       .def("contact_angles", &ContactAngles)
       .def("set_pose", &World::SetPose, "robot_id"_a, "pose"_a)
       .def("remove_robot", &World::RemoveRobot, "robot_id"_a)

@@ -26,7 +26,7 @@ def path_length_m(points: Iterable[tuple[float, float]]) -> float:
     return length_m
 
 
-class Pose(msgspec.Struct, frozen=True, gc=False):
+class Pose(msgspec.Struct, frozen=True):
     """A rigid transform of the plane; `a_T_b @ b_T_c` is `a_T_c`."""
 
     x_m: float
@@ -57,7 +57,7 @@ def pose_of(x_m: float, y_m: float, qz: float, qw: float) -> Pose:
     return Pose(x_m, y_m, yaw_rad if -math.pi < yaw_rad <= math.pi else normalise_angle(yaw_rad))
 
 
-class PoseReading(msgspec.Struct, frozen=True, gc=False):
+class PoseReading(msgspec.Struct, frozen=True):
     """A pose in the form of ROS messages: position and the unit quaternion (0, 0, qz, qw).
 
     Controllers and recorders read all poses in this form, so that headless runs and ROS runs have identical values:
@@ -81,7 +81,7 @@ class PoseReading(msgspec.Struct, frozen=True, gc=False):
         return pose_of(self.x_m, self.y_m, self.qz, self.qw)
 
 
-class Twist(msgspec.Struct, frozen=True, gc=False):
+class Twist(msgspec.Struct, frozen=True):
     """A velocity in `base_link`: forward and left [m/s], counter-clockwise [rad/s]."""
 
     linear_x_mps: float = 0.0

@@ -44,7 +44,7 @@ STRONG_LINK, WEAK_LINK, ENDANGERED_LINK = GREEN, YELLOW, VERMILLION
 RELAYED = "#8d97a3"
 HOPS, FIEDLER = BLUE, PURPLE
 OURS, THEIRS = BLUE, ORANGE
-"""In a report: our missions, and those of the dissertation."""
+"""In a report: the missions of a campaign, and any others to compare them with."""
 
 VOICE = ((10.0, "#5a2a9c"), (30.0, "#8a2f9e"), (50.0, "#c73a7d"), (70.0, "#f0713f"), (95.0, "#ffc05c"))
 """On a dark ground, by voice level [dB]."""
@@ -60,8 +60,6 @@ SOLIDS = {"wall": "#3b4252", "block": "#5a6275", "pillar": "#767f92"}
 BAY = "#c9c6bd"
 DOORS = {"normal": "#b07a2a", "fireproof": "#8f2d1f"}
 OBJECT = "#a9793f"
-REPRODUCED, CONTRADICTED, UNDECIDED = "#00795a", "#b34a00", "#8a6100"
-"""Verdicts of a report: as GREEN, VERMILLION and ORANGE, dark enough for text."""
 DIVERGES, MEAN_CONVERGES, CONVERGES = WHITE, "#f3cf80", "#aad9f4"
 
 # rviz, on a dark ground.
@@ -70,7 +68,7 @@ DARK_FLOOR, DARK_FLOOR_EDGE, DARK_FLOOR_LINE, SHADOW = "#2f3640", "#1f242c", "#3
 LIT_SOLIDS = {"wall": "#dcd8ce", "block": "#b4b2ad", "pillar": "#c9cdd2"}
 WALL_EDGE = "#8d8a83"
 LIT_DOORS = {"normal": "#c58b4e", "fireproof": "#b8503c"}
-BOX, TAPE, BARREL, HOOP = "#c9924f", "#ecd9ae", "#6f93a8", "#d8dee2"
+BOX, BARREL = "#c9924f", "#6f93a8"
 HEADLINE = "#f4f1ea"
 
 
@@ -138,9 +136,6 @@ def css() -> str:
             "paper": PAPER,
             "card": CARD,
             "link": BLUE,
-            "reproduced": REPRODUCED,
-            "contradicted": CONTRADICTED,
-            "undecided": UNDECIDED,
             **VICTIMS,
             "floor": FLOOR,
             "explored": EXPLORED_AREA,

@@ -3,36 +3,30 @@
 import json
 import math
 
-from robotteamsim.geometry import Twist
-from robotteamsim.interface import EVERYBODY, Decision, Message, Task
+import robotteamsim as rts
 
 
 class MyController:
     def __init__(self, robot_id, scenario):
         self.robot_id = robot_id
         self.near_m = 0.6
-        self.observation = None
-        self.task = Task()
         self.heard_of = {}  # voice levels that teammates sent, by robot id
 
-    def observe(self, observation, inbox, task):
-        self.observation, self.task = observation, task
+    def step(self, observation, inbox, task):
         for message in inbox:
             self.heard_of[message.sender] = json.loads(message.payload)["level_db"]
-
-    def decide(self):
-        if self.observation is None or not self.task.running:
-            return Decision()  # stands still
-        robot, voice = self.observation.robot, self.observation.voice
+        if not task.running:
+            return rts.Decision()  # stands still
+        robot, voice = observation.robot, observation.voice
         third = len(robot.ranges_m) // 3
         if robot.ranges_m[third:-third].min() < self.near_m:  # middle of the scan, which goes from right to left
-            twist = Twist(0.0, 0.0, 1.0)
+            twist = rts.Twist(0.0, 0.0, 1.0)
         elif voice.heard:
             pose = robot.ground_truth.pose
             x_m, y_m = voice.local_best_m
             turn_rad = math.remainder(math.atan2(y_m - pose.y_m, x_m - pose.x_m) - pose.yaw_rad, math.tau)
-            twist = Twist(0.4, 0.0, max(-0.5, min(0.5, turn_rad)))
+            twist = rts.Twist(0.4, 0.0, max(-0.5, min(0.5, turn_rad)))
         else:
-            twist = Twist(0.4)
-        update = Message(self.robot_id, EVERYBODY, json.dumps({"level_db": voice.level_db}))
-        return Decision(twist, outbox=(update,) if voice.heard else (), local_best=voice.level_db)
+            twist = rts.Twist(0.4)
+        update = rts.Message(self.robot_id, rts.EVERYBODY, json.dumps({"level_db": voice.level_db}))
+        return rts.Decision(twist, outbox=(update,) if voice.heard else (), local_best=voice.level_db)

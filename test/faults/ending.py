@@ -43,10 +43,7 @@ def kill_and_see_the_end(
     """Start a mission, kill a node at a random moment, and check what follows."""
     team, lockstep, starting = (generator.random() < share for share in (0.3, 0.5, 0.3))
     moment_s = generator.uniform(0.0, LATEST_S)
-    if node == "/controllers" or (node not in ("/robot_0/controller", "/robot_1/controller") and team):
-        hosted = "team"
-    else:
-        hosted = "per_robot"
+    hosted = "team" if team else "nodes"
     arguments = (f"controllers:={hosted}", f"lockstep:={lockstep}".lower(), "record:=true", "bag:=run.bag")
     with running((*ROSLAUNCH, MISSION, *arguments), folder, port) as program:
         pid = Processes(program).wait_for([node])[node]

@@ -25,36 +25,36 @@ import rosgraph
 from garbage_bytes import GarbageMaker
 from rich.console import Console
 from running import ROSLAUNCH, Program, running
-from sessions import CONTROLLERS, MISSION, NODES, master
+from sessions import MISSION, NODES, TEAM, master
 from summary import print_table, progress_bar, write_csv
 from tcpros import Connection, RawPublisher, Topic
 from watching import Processes, Watch, is_alive, peak_memory_mb, wait_for
 
 LAUNCHES = {
-    "garage": ((MISSION, "set:=control.adaptation=fuzzy"), (*NODES, *CONTROLLERS)),
-    "office, one process": (
-        (MISSION, "scenario:=office_manet", "robots:=4", "controllers:=team"),
-        (*NODES, "/controllers"),
+    "garage": ((MISSION, "set:=control.adaptation=fuzzy"), (*NODES, TEAM)),
+    "office": (
+        (MISSION, "scenario:=office_manet", "robots:=4"),
+        (*NODES, TEAM),
     ),
     "warehouse": (
         (MISSION, "scenario:=warehouse_push", "robots:=3"),
-        (*NODES, *CONTROLLERS, "/robot_2/controller"),
+        (*NODES, TEAM),
     ),
-    "search": ((MISSION, "set:=control.algorithm=search"), (*NODES, *CONTROLLERS)),
+    "search": ((MISSION, "set:=control.algorithm=search"), (*NODES, TEAM)),
     "rescue": (
-        (MISSION, "scenario:=garage_rescue", "people:=4"),
-        (*NODES, *(f"/robot_{member}/controller" for member in range(6))),
+        (MISSION, "scenario:=garage_rescue", "robots:=-1"),
+        (*NODES, TEAM),
     ),
-    "fire, one process": (
-        (MISSION, "scenario:=office_fire", "people:=4", "controllers:=team"),
-        (*NODES, "/controllers"),
+    "fire": (
+        (MISSION, "scenario:=office_fire", "robots:=-1"),
+        (*NODES, TEAM),
     ),
-    "lockstep": ((MISSION, "lockstep:=true"), (*NODES, *CONTROLLERS)),
+    "lockstep": ((MISSION, "lockstep:=true"), (*NODES, TEAM)),
     "rescue in lockstep": (
-        (MISSION, "scenario:=garage_rescue", "people:=4", "controllers:=team", "lockstep:=true"),
-        (*NODES, "/controllers"),
+        (MISSION, "scenario:=garage_rescue", "robots:=-1", "lockstep:=true"),
+        (*NODES, TEAM),
     ),
-    "world": (("robotteamsim", "world.launch", "robots:=3", "stage_requests:=true"), ("/world",)),
+    "world": (("robotteamsim", "world.launch", "robots:=3", "stage_requests:=true"), ("/simulation",)),
 }
 STOPPED = re.compile(r"is stopped: .*\.py:\d+\)")
 BATCH = 2000

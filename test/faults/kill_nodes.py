@@ -21,11 +21,10 @@ from ending import Outcome, kill_and_see_the_end
 from rejoining import Rejoining
 from rich.console import Console
 from running import ROSLAUNCH, running
-from sessions import CONTROLLERS, NODES, REJOINING, master
+from sessions import CONTROLLERS, NODES, REJOINING, TEAM, master
 from summary import print_table, progress_bar, write_csv
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM)
-TEAM = "/controllers"
 RECORDER = "/recorder"
 ALL_NODES = (*NODES, *CONTROLLERS, TEAM, RECORDER)
 SCENARIO = "garage_sar"
@@ -89,7 +88,7 @@ def cases(options: argparse.Namespace, nodes: Sequence[str]) -> Iterator[Case]:
 def run_ends(options: argparse.Namespace, port: int, advance: Callable[[], object]) -> Results:
     """Kill required nodes, one per launch."""
     results, generator = Results("ends", options), random.Random(options.seed)
-    for node, number in cases(options, options.nodes):
+    for node, number in cases(options, [node for node in options.nodes if node not in CONTROLLERS]):
         with tempfile.TemporaryDirectory() as folder:
             results.add((node, number), kill_and_see_the_end(node, number, generator, Path(folder), port))
         advance()
@@ -99,8 +98,8 @@ def run_ends(options: argparse.Namespace, port: int, advance: Callable[[], objec
 def run_rejoins(options: argparse.Namespace, port: int, advance: Callable[[], object]) -> Results:
     """Kill nodes that are started again, all in two launches: a process per controller, and one for all of them."""
     results, generator = Results("rejoins", options), random.Random(options.seed)
-    for hosted, controllers in (("per_robot", CONTROLLERS), ("team", (TEAM,))):
-        wanted = [node for node in options.nodes if node in controllers or (node in NODES and hosted == "per_robot")]
+    for hosted, controllers in (("nodes", CONTROLLERS), ("team", (TEAM,))):
+        wanted = [node for node in options.nodes if node in controllers or (node in NODES and hosted == "nodes")]
         left = list(cases(options, wanted))
         while left:  # a launch with a fault is not used further
             left = _kill_in_one_launch(hosted, (*NODES, *controllers), left, results, generator, port, advance)

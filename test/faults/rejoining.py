@@ -12,12 +12,14 @@ from collections import defaultdict
 from math import hypot
 
 from ending import Outcome
+from nav_msgs.msg import Odometry
 from running import Program
 from watching import Processes, Watch, wait_for
 
-from robotteamsim.ros.transport.msg_conversion import read_odometry
+from robotteamsim.recording.topics.robots import read_odometry
+from robotteamsim.ros.topics import read
 from robotteamsim.scenario import load
-from robotteamsim.world.placement import placed_robots
+from robotteamsim.setup import resolve
 
 LATEST_S = 2.0
 """Nodes are killed up to this long after all nodes have worked [s, wall]."""
@@ -35,7 +37,7 @@ class Motion:
         self._speeds: defaultdict[str, list[tuple[float, float]]] = defaultdict(list)
         self._answers: defaultdict[str, list[float]] = defaultdict(list)
         settings = load(scenario)
-        robot = placed_robots(settings)[0]
+        robot = resolve(settings).robots[0]
         braking_s = robot.drive.max_speed_mps / robot.drive.max_acceleration_mps2
         self._limit_s = robot.cmd_vel_hold_s + braking_s + 2 * settings.run.step_s + LATENESS_S
         """A command holds from its arrival, within the next step; then the robot brakes."""
@@ -53,7 +55,7 @@ class Motion:
                 newest_s = self._speeds[robot][-1][0] if self._speeds[robot] else time_s
                 self._answers[robot].append(max(time_s, newest_s))
             else:
-                twist = read_odometry(data).twist
+                twist = read_odometry(read(Odometry, data)).twist
                 self._speeds[robot].append((time_s, hypot(twist.linear_x_mps, twist.linear_y_mps)))
 
     def clear(self) -> None:
@@ -115,7 +117,7 @@ class Rejoining:
         output = "".join(self._program.lines[num_lines:])
         if "Traceback" in output:
             faults.append(f"{place}: a traceback was printed")
-        drives, longest_s = self._motion.problems() if node != "/world" else ([], 0.0)
+        drives, longest_s = self._motion.problems() if node != "/simulation" else ([], 0.0)
         faults += [f"{place}: {fault}" for fault in drives]
         if faults:
             faults[-1] += "\n" + output

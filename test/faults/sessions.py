@@ -13,10 +13,12 @@ import rospy
 from running import ROSCORE, running, wait_for_port
 
 HERE = Path(__file__).resolve().parent
-MISSION = str(HERE / "mission.launch")
+MISSION = str(HERE / "session.launch")
 REJOINING = str(HERE / "rejoin.launch")
-NODES = ("/world", "/environment", "/mission", "/scene")
+NODES = ("/simulation", "/scene")
 CONTROLLERS = ("/robot_0/controller", "/robot_1/controller")
+"""Controllers that roslaunch starts itself, in rejoin.launch."""
+TEAM = "/controllers"
 
 
 @contextmanager

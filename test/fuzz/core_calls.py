@@ -259,8 +259,6 @@ def _signals() -> Iterator[Call]:
     radio = (_FACES, _RADIO, [(0.2, 0.3), (3.0, 2.0)], 1, _ORIGIN, _RESOLUTION_M)
     yield new("propagation.write_best_rssi_map_dbm", *radio, _CELLS_OUT, 1)
     yield new("propagation.write_rssi_maps_dbm", *radio, Output((12, 8)), 1)
-    kept = new("propagation.WeightMap", _FACES, (0.2, 0.3), _ORIGIN, _RESOLUTION_M, 6, 8)
-    yield kept.of(("update", _FACES), ("write_rssi_dbm", _RADIO, 0, _CELLS_OUT))
     yield new("propagation.voice_level_db", _FACES, _VOICE, _CALLER, (3.0, 2.0))
     solid = np.zeros((6, 8), np.bool_)
     yield new("propagation.write_voice_map_db", _FACES, _VOICE, [_CALLER], _ORIGIN, _RESOLUTION_M, solid, _CELLS_OUT, 1)
@@ -334,7 +332,7 @@ _CROWD = new("world.Crowd", [_WALL], [_INSTANT, _DOOR], _MANNERS)
 _WALKERS = np.array([[0.0, 0.0, 5.0, 0.0, 1.2, 0.15], [0.5, 0.1, 5.0, 1.0, 1.0, 0.15]])
 _WORLD = new("world.World", [_WALL], [_INSTANT, _DOOR], [_ROUND, _SQUARE], 0.1, 2, [_BOX])
 _TWISTS = np.array([[0.5, 0.0, 0.2], [0.7, 0.0, 0.1]])
-_STATE = ("poses", "twists", "motions", "object_poses", "in_contact", "contact_angles", "present", "arrivals")
+_STATE = ("poses", "team", "object_poses", "contact_angles", "present", "arrivals")
 
 
 def _world() -> Iterator[Call]:
@@ -351,35 +349,30 @@ def _world() -> Iterator[Call]:
     yield _WORLD.of(("set_object_pose", 0, Pose(0.5, 2.5, 0.1)), ("step", _TWISTS), ("object_poses",))
 
 
-_LASER = new(
-    "sensing.Laser",
-    [_WALL],
-    [_DOOR],
-    beams=7,
-    angle_min_rad=-1.5,
-    angle_max_rad=1.5,
-    forward_m=0.1,
-    range_min_m=0.05,
-    range_max_m=6.0,
-    too_near_m=0.05,
-    no_return_m=6.0,
-    left_m=0.02,
-)
+_FAN = new("world.Fan", beams=7, angle_min_rad=-1.5, angle_max_rad=1.5, forward_m=0.1, left_m=0.02, range_max_m=6.0)
+_CASTER = new("world.FanCaster", _FAN, [_WALL], [_DOOR])
+_LIMITS = new("sensing.RangeLimits", range_min_m=0.05, range_max_m=6.0, too_near_m=0.05, no_return_m=6.0)
 _ODOMETRY = new("sensing.TeamOdometry", [(0.01, 0.01, 0.02, 0.01)] * 2, 0.1, [False, True])
 _THREE = np.full((2, 3), 0.1)
 
 
 def _sensors() -> Iterator[Call]:
-    yield _LASER.of(("scan", _WORLD, [0, 1], np.full((2, 7), 0.01)), ("nearest", _WORLD, [0, 1], np.full(2, 0.01)))
-    yield _ODOMETRY.of(("step", _THREE, _THREE, _THREE), ("restart", 0))
-    sensors = new("sensing.TeamSensors", _ODOMETRY, [(_LASER, [0, 1])])
-    readings, ranges_m = Output((2, 24), np.float64), [Output((2, 7), np.float32)]
-    yield sensors.of(("read", _WORLD, _THREE, [np.full((2, 7), 0.01)], readings, ranges_m))
+    yield _CASTER.of(("cast", _WORLD, [0, 1]))
+    yield new("sensing.report", _LIMITS, np.full((2, 7), 2.0), np.full((2, 7), 0.01))
+    contact = np.array([True, False])
+    team = new("world.TeamMotion", poses=_THREE, twists=_THREE, motions=_THREE, in_contact=contact)
+    yield team.of(("poses",), ("twists",), ("motions",), ("in_contact",))
+    yield _ODOMETRY.of(("step", _THREE, _THREE, _THREE), ("read_team", team, _THREE), ("restart", 0))
+    four, six = np.full((2, 4), 0.5), np.full((2, 6), 0.1)
+    odometry = new("sensing.OdometryState", pose=four, twist=_THREE, pose_covariance=six, twist_variances=_THREE)
+    yield odometry.of(("pose",), ("twist",), ("pose_covariance",), ("twist_variances",), ("readings",))
+    state = new("sensing.TeamState", true_pose=four, true_twist=_THREE, odometry=odometry, contact=contact)
+    parts = ("readings", [np.zeros(7, np.float32)] * 2, {1: (0.5,)}, {})
+    yield state.of(("positions_m",), ("true_pose",), ("true_twist",), ("odometry",), ("contact",), ("__len__",), parts)
     ear = new("sensing.VoiceSensor", (-1.0, 2.0), 0.5, _MAP, 2.0)
     yield ear.of(("hear", np.array([[0.0, 3.0], [1.0, 4.0]])), ("hear", np.array([[0.1, 3.0], [1.0, 4.1]])))
     totals = new("simulation.TeamTotals", 2)
-    flags = np.zeros((3, 2), np.bool_)
-    yield totals.of(("add_steps", np.arange(12.0).reshape(3, 2, 2), flags, flags, np.ones(3, np.bool_)), ("totals",))
+    yield totals.of(("add_step", np.arange(4.0).reshape(2, 2), np.zeros(2, np.bool_), [False, True], True), ("totals",))
 
 
 _BURNING = new(
@@ -410,7 +403,7 @@ def _hazards() -> Iterator[Call]:
     yield _BURNING.of(*burn, *state, *numbers)
     yield new("hazards.values_at", _MAP, (-1.0, 2.0), 0.5, np.array([[0.0, 3.0], [9.0, 9.0]]), 1.0)
     yield new("hazards.hot_in_sight", _MAP, (-1.0, 2.0), 0.5, 2.0, _GRID, _FROM, 4.0)
-    yield _LASER.of(("dim", _WORLD, [0, 1], _HAZE, Output((2, 7))))
+    yield new("sensing.dim", _FAN, np.array([[0.0, 3.0, 0.1], [1.0, 4.0, 0.2]]), _HAZE, 6.0, Output((2, 7)))
 
 
 def calls() -> tuple[Call, ...]:

@@ -54,21 +54,19 @@ inline propagation::MapValues MapOf(const propagation::FaceSet& faces,
   return map;
 }
 
-/// Weights: the map is one ray per cell, a ray weighs the same both ways, and a longer one never less.
-inline void CheckWeights(const propagation::FaceSet& faces, const propagation::WeightMap& map,
-                         const plan::GridShape& grid) {
+/// Weights: those of all cells are one ray each, a ray weighs the same both ways, and a longer one never less.
+inline void CheckWeights(const propagation::FaceSet& faces, propagation::PointMm source, const plan::GridShape& grid) {
+  const propagation::CellCentersMm cells(grid);
+  const std::vector<std::int32_t> weights = propagation::WeightsFrom(faces, source, grid);
   for (int row = 0; row < grid.rows; ++row) {
     for (int col = 0; col < grid.cols; ++col) {
-      const propagation::PointMm cell = map.Cells().At(row, col);
-      const std::int64_t weight = faces.WeightBetween(map.Source(), cell);
-      Check(map.At(row, col) == weight, "a kept map holds the weight of the ray to each cell");
-      Check(faces.WeightBetween(cell, map.Source()) == weight, "a ray weighs the same both ways");
-      const propagation::PointMm middle{map.Source().x + (cell.x - map.Source().x) / 2,
-                                        map.Source().y + (cell.y - map.Source().y) / 2};
-      const propagation::PointMm doubled{2 * middle.x - map.Source().x,
-                                         2 * middle.y - map.Source().y};  // on one line with both
-      Check(faces.WeightBetween(map.Source(), middle) <= faces.WeightBetween(map.Source(), doubled),
-            "a longer ray weighs no less");
+      const propagation::PointMm cell = cells.At(row, col);
+      const std::int64_t weight = faces.WeightBetween(source, cell);
+      Check(weights[row * grid.cols + col] == weight, "the weight of a cell is that of the ray to it");
+      Check(faces.WeightBetween(cell, source) == weight, "a ray weighs the same both ways");
+      const propagation::PointMm middle{source.x + (cell.x - source.x) / 2, source.y + (cell.y - source.y) / 2};
+      const propagation::PointMm doubled{2 * middle.x - source.x, 2 * middle.y - source.y};  // on one line with both
+      Check(faces.WeightBetween(source, middle) <= faces.WeightBetween(source, doubled), "a longer ray weighs no less");
     }
   }
 }
@@ -106,26 +104,17 @@ inline void CheckMaps(const propagation::FaceSet& faces, const std::vector<propa
   Check(SameBits(highest, map), "the highest of all maps is the map of all");
 }
 
-/// Doors: a kept map follows them, and is as before when they are.
+/// Doors: weights follow them, and a map is as before when they are.
 inline void CheckDoors(Bytes* bytes, propagation::FaceSet faces, const propagation::FieldSource& source,
                        const plan::GridShape& grid) {
-  propagation::WeightMap map(faces, source.position, grid);
-  CheckWeights(faces, map, grid);
-  propagation::MapValues before(grid.rows, grid.cols);
-  propagation::MapValues after(grid.rows, grid.cols);
-  map.WriteValues(source.fading, before);
-  Check(SameBits(before, MapOf(faces, {source}, grid, {})), "a kept map has the values of a new one");
+  CheckWeights(faces, source.position, grid);
+  const propagation::MapValues before = MapOf(faces, {source}, grid, {});
   if (faces.Size() == 0) return;
   const auto last = static_cast<std::int64_t>(faces.Size()) - 1;
   for (int i = 0; i < 4; ++i) faces.SetActive(static_cast<std::size_t>(bytes->Draw(0, last)), bytes->Coin());
-  map.Update(faces);
-  CheckWeights(faces, map, grid);
-  map.WriteValues(source.fading, after);
-  Check(SameBits(after, MapOf(faces, {source}, grid, {})), "a kept map follows the doors");
+  CheckWeights(faces, source.position, grid);
   for (std::size_t i = 0; i < faces.Size(); ++i) faces.SetActive(i, true);
-  map.Update(faces);
-  map.WriteValues(source.fading, after);
-  Check(SameBits(after, before), "doors opened and closed again leave a map as it was");
+  Check(SameBits(MapOf(faces, {source}, grid, {}), before), "doors opened and closed again leave a map as it was");
 }
 
 /// Links: the single losses, the same both ways; a position that is none is refused.

@@ -86,7 +86,7 @@ inline plan::GridShape DrawGrid(Bytes* bytes, Scale scale) {
     const propagation::PointMm origin = Place(bytes, scale);
     const auto half_mm = static_cast<double>(bytes->Draw(0, 1)) / 2000.0;
     grid.origin = {static_cast<double>(origin.x) / 1000.0 - half_mm, static_cast<double>(origin.y) / 1000.0 - half_mm};
-    grid.resolution = kResolutions[static_cast<std::size_t>(bytes->Draw(0, kResolutions.size() - 1))];
+    grid.resolution_m = kResolutions[static_cast<std::size_t>(bytes->Draw(0, kResolutions.size() - 1))];
   }
   grid.rows = static_cast<int>(bytes->Draw(-1, 30));
   grid.cols = static_cast<int>(bytes->Draw(-1, 50));

@@ -15,10 +15,13 @@ import resource
 import tempfile
 import time
 from collections.abc import Callable
+from functools import partial
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.recording.topics import base, decisions, mission, radio, robots, world
 from robotteamsim.scenario import load
 from robotteamsim.scenario.shipped import shipped_scenario
 from robotteamsim.scenario.yaml_text import parse
@@ -130,15 +133,6 @@ class BagTarget:
         read_run([self._path])
 
 
-def _decoded(message: Any) -> None:
-    """Restore the network as the mission does, which ignores a message if that is impossible."""
-    from robotteamsim.network.compact import LinksDecoder
-    from robotteamsim.ros.transport import msg_conversion
-
-    with contextlib.suppress(ValueError):
-        LinksDecoder().decode(msg_conversion.network_links(message))
-
-
 class MessageTarget:
     """A message of each topic that nodes subscribe to, with changes; needs ROS."""
 
@@ -146,79 +140,58 @@ class MessageTarget:
         from geometry_msgs.msg import TwistStamped
         from nav_msgs.msg import Odometry
         from robotteamsim.msg import (
+            Contact,
             ControllerStatus,
             Discovery,
-            Door,
-            Doors,
+            Heat,
             MissionStatus,
-            NetworkLinks,
             NetworkMessage,
             NetworkMessages,
-            NetworkState,
             Robots,
-            TeamState,
-            TeamVoices,
             Voice,
         )
         from sensor_msgs.msg import LaserScan, NavSatFix, Range
 
-        from robotteamsim.ros.transport import msg_conversion
-        from robotteamsim.ros.transport.checks import reader
-        from robotteamsim.ros.transport.serialization import serialized
-        from robotteamsim.ros.transport.settings import Settings
+        from robotteamsim.ros.topics import read
+        from robotteamsim.scenario.sensors import Gps, HeatSensor, Sonar
 
-        settings = Settings(load("garage_sar", ["robots.count=2"]), False, True, -1, 5.0)
-        doors = [Door(name=door.name, motion="still") for door in settings.scenario.plan.doors]
-        square = {name: [0.0] * 4 for name in ("rssi_dbm", "link", "break_matrix", "hop_count")}
-        network = NetworkState(
-            num_robots=2, adjacency=bytes(4), endangered=bytes(4), **{**square, "hop_count": [0] * 4}
-        )
-        links = NetworkLinks(
-            **{"num_robots": 2, "present": bytes([1, 1]), "adjacency": bytes([2, 1]), "endangered": bytes([2, 1])},
-            **{"weakened_first": [0], "weakened_second": [1], "weakened_rssi_dbm": [-85.0]},
-        )
-        fast = {
-            Odometry: msg_conversion.read_odometry,
-            LaserScan: msg_conversion.read_ranges_m,
-            TwistStamped: msg_conversion.read_twist_stamped,
-        }
-        messages = (
-            *(
-                Odometry(),
-                LaserScan(ranges=[1.0] * 20),
-                TwistStamped(),
-                Range(),
-                NavSatFix(),
-                Voice(),
-                Doors(doors=doors),
+        self._read = read
+        self._targets = (
+            (Odometry(), robots.read_odometry),
+            (LaserScan(ranges=[1.0] * 20), partial(robots.read_ranges_m, beams=20)),
+            (TwistStamped(), lambda message: base.read_twist(message.twist)),
+            (Range(), Sonar(name="s").reading),
+            (NavSatFix(), Gps(datum_lat_deg=0.0, datum_lon_deg=0.0).reading),
+            (Voice(), radio.read_voice),
+            (Contact(angles_rad=[1.0]), robots.read_contact),
+            (Heat(), HeatSensor().reading),
+            (Robots(present=bytes([1, 1]), arrivals=[1, 1]), partial(world.read_robots, num_robots=2)),
+            (ControllerStatus(has_goal=True, fault="x"), decisions.read_decision),
+            (
+                NetworkMessages(messages=[NetworkMessage(payload="{}")]),
+                partial(radio.read_outbox, robot_id=0, num_robots=2),
             ),
-            *(
-                Robots(present=bytes([1, 1]), arrivals=[1, 1]),
-                TeamVoices(level_db=[0.0] * 2, heard=bytes(2), local_best=[1.0] * 4, local_best_level_db=[0.0] * 2),
-                TeamState(poses=[1.0] * 8, twists=[0.0] * 6, in_contact=bytes(2)),
-                network,
-                links,
-                ControllerStatus(has_goal=True, fault="x"),
+            (
+                MissionStatus(explored=bytes(3), victims=["saved"], undelivered=[Discovery(name="a")], has_area=True),
+                partial(mission.read_task, num_robots=2),
             ),
-            NetworkMessages(messages=[NetworkMessage(payload="{}")]),
-            MissionStatus(explored=bytes(3), victims=["saved"], undelivered=[Discovery(name="a")], has_area=True),
         )
-        self._read = [fast.get(type(message)) or reader(type(message), settings) for message in messages]
-        self._use = {NetworkState: msg_conversion.network_state, NetworkLinks: _decoded}
-        self._use |= {ControllerStatus: msg_conversion.decision, Doors: msg_conversion.door_states}
-        self._use[TeamVoices] = msg_conversion.team_voices
-        self._valid = [serialized(message) for message in messages]
+        self._valid = [self._bytes(message) for message, _ in self._targets]
+
+    @staticmethod
+    def _bytes(message: Any) -> bytes:
+        buffer = BytesIO()
+        message.serialize(buffer)
+        return buffer.getvalue()
 
     def make(self, generator: random.Random) -> bytes:
         index = generator.randrange(len(self._valid))
         return bytes([index]) + changed(self._valid[index], generator)
 
     def check(self, data: bytes) -> None:
-        try:
-            message = self._read[data[0] % len(self._read)](data[1:])
-        except ValueError:
-            return
-        self._use.get(type(message), lambda _: None)(message)
+        message, decode = self._targets[data[0] % len(self._targets)]
+        with contextlib.suppress(ValueError):
+            decode(self._read(type(message), data[1:]))
 
 
 TARGETS: dict[str, Callable[[Path], Any]] = {

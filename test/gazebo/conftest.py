@@ -17,11 +17,12 @@ sys.path.append(str(ROOT / "test" / "ros"))
 
 @pytest.fixture(scope="session")
 def gazebo() -> tuple[str, ...]:
-    """Return the arguments of gazebo_garage.launch that select Gazebo and its plugins."""
+    """Return the arguments of scenario.launch that select Gazebo and its plugins."""
     chroot = os.environ.get("GAZEBO_CHROOT")
+    world = ("world:=gazebo", "localization:=ground_truth")
     if not chroot:
-        return ()
-    return f"gzserver:={IN_CHROOT} run {chroot} gzserver", f"plugins:={PLUGINS}"
+        return world
+    return *world, f"gzserver:={IN_CHROOT} run {chroot} gzserver", f"plugins:={PLUGINS}"
 
 
 @pytest.fixture

@@ -33,7 +33,7 @@ def found(
         f"drive:={request.param}",
         "rviz:=false",
     )
-    with running((*ROSLAUNCH, "robotteamsim", "gazebo_garage.launch", *arguments, *gazebo), folder) as program:
+    with running((*ROSLAUNCH, "robotteamsim", "scenario.launch", *arguments, *gazebo), folder) as program:
         helpers = os.pathsep.join((str(Path(__file__).parents[1] / "ros"), os.environ.get("PYTHONPATH", "")))
         env = environment(folder, program.port) | {"PYTHONPATH": helpers}
         script = Path(__file__).with_name("drive_to_door.py")
@@ -65,7 +65,7 @@ def test_robot_stops_at_a_closed_door_and_feels_it_ahead(found: dict[str, Any]) 
     assert min(map(abs, found["contact_angles_rad"])) < 0.3
 
 
-def test_service_opens_a_door_for_the_laser_and_refuses_an_unknown_one(found: dict[str, Any]) -> None:
+def test_service_opens_a_door_for_the_laser_and_rejects_an_unknown_one(found: dict[str, Any]) -> None:
     assert found["accepted"]
     assert found["ahead_open_m"] > 3.0
     assert found["refusal"] == [False, "unknown door 'no_such_door'; known: plant_door, stair_door"]

@@ -12,7 +12,7 @@ from recorded import ROBOT_TOPICS, Recording, scans_m
 from running import ROSLAUNCH, running
 
 from robotteamsim.scenario import load
-from robotteamsim.world.placement import placed_robots
+from robotteamsim.setup import resolve
 
 ROBOTS = range(3)
 STEP_NS = 100_000_000
@@ -29,7 +29,7 @@ class Run:
     def __init__(self, folder: Path, arguments: tuple[str, ...]) -> None:
         speed = os.environ.get("GAZEBO_SPEED", "4")
         outputs = ("record:=true", "bag:=run.bag", "out:=results", "rviz:=false", f"speed:={speed}")
-        with running((*ROSLAUNCH, "robotteamsim", "gazebo_garage.launch", *outputs, *arguments), folder) as program:
+        with running((*ROSLAUNCH, "robotteamsim", "scenario.launch", *outputs, *arguments), folder) as program:
             self.status = program.wait(MISSION_S)
             self.output = program.output
         self.recording = Recording(folder / "run.bag", len(ROBOTS))
@@ -67,7 +67,7 @@ def test_all_readings_of_a_step_have_its_stamp(run: Run) -> None:
 
 def test_scans_agree_with_ours_at_the_same_poses(run: Run) -> None:
     scenario = load("garage_sar")
-    robots = placed_robots(scenario)
+    robots = resolve(scenario).robots
     stamps = set.intersection(*(set(run.recording.of(i, "base_scan")) for i in ROBOTS))
     stamps &= set.intersection(*(set(run.recording.of(i, "base_pose_ground_truth")) for i in ROBOTS))
     errors_m = []

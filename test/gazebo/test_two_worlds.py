@@ -11,7 +11,7 @@ from recorded import Recording, scans_m
 from running import ROSLAUNCH, running
 
 from robotteamsim.scenario import load
-from robotteamsim.world.placement import placed_robots
+from robotteamsim.setup import resolve
 
 ROBOTS = range(3)
 LIMIT_S = 120
@@ -23,9 +23,7 @@ def run(tmp_path_factory: pytest.TempPathFactory, gazebo: tuple[str, ...]) -> tu
     folder = tmp_path_factory.mktemp("two_worlds")
     arguments = ("in_gazebo:=2", f"set:=mission.time_limit_s={LIMIT_S}", "speed:=2", "rviz:=false")
     outputs = ("record:=true", "bag:=run.bag", "out:=results")
-    with running(
-        (*ROSLAUNCH, "robotteamsim", "gazebo_garage.launch", *arguments, *outputs, *gazebo), folder
-    ) as program:
+    with running((*ROSLAUNCH, "robotteamsim", "scenario.launch", *arguments, *outputs, *gazebo), folder) as program:
         assert program.wait(600.0) == 0, program.output
     result = json.loads((folder / "results" / "mission.json").read_text())["result"]
     return Recording(folder / "run.bag", len(ROBOTS)), result
@@ -49,7 +47,7 @@ def test_each_robot_sees_those_of_the_other_world(run: tuple[Recording, dict[str
     scenario = load("garage_sar")
     stamp = common_stamps(recording)[0]  # they have not moved yet
     measured = np.array([recording.of(i, "base_scan")[stamp].ranges for i in ROBOTS])
-    low, _, high = scans_m(scenario, placed_robots(scenario), [recording.pose(i, stamp) for i in ROBOTS])
+    low, _, high = scans_m(scenario, resolve(scenario).robots, [recording.pose(i, stamp) for i in ROBOTS])
     assert ((measured > low - 0.02) & (measured < high + 0.02)).all()
 
 

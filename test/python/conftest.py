@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import gc
+import json
 import math
 import os
 import shutil
@@ -14,7 +15,8 @@ import numpy as np
 import pytest
 import shapely
 
-from robotteamsim.campaign import Outcome, Trial
+from robotteamsim.campaign import Design, Outcome, StoredCampaign, Trial
+from robotteamsim.campaign.paths import encode_paths
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.plan import obstacles
 from robotteamsim.scenario.scenario import Scenario
@@ -110,7 +112,7 @@ def scattered_robots() -> Callable[..., tuple[PlacedRobot, ...]]:
     return make
 
 
-@pytest.fixture
+@pytest.fixture(scope="session")
 def outcome_of() -> Callable[..., Outcome]:
     """Make up the outcome of a trial; keywords replace its figures."""
 
@@ -132,6 +134,25 @@ def outcome_of() -> Callable[..., Outcome]:
             "wall_s": 0.5,
         }
         return Outcome(trial.cell, trial.number, trial.seed, **(fields | figures))
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def stored_campaign(outcome_of) -> Callable[..., StoredCampaign]:
+    """Make a campaign as its store gives it back; `figures` returns those of the outcome of a trial.
+
+    In each mission two robots drive 30 m eastwards, 2 m apart; `samples` is the length of their recorded paths.
+    """
+
+    def make(design: Design, figures: Callable[[Trial], dict[str, object]], samples: int = 60) -> StoredCampaign:
+        x_m = 4.0 + np.linspace(0.0, 30.0, samples)
+        paths = encode_paths(np.stack([np.stack([x_m, np.full(samples, y_m)], axis=1) for y_m in (7.0, 9.0)], axis=1))
+        driven: dict[str, object] = {"paths": paths, "distance_m": 60.0}
+        outcomes = [outcome_of(trial, **(driven | figures(trial))) for trial in design.all_trials()]
+        outcomes.sort(key=lambda outcome: (outcome.cell, outcome.number))
+        versions = {"robotteamsim": "0.1.0", "numpy": "2"}
+        return StoredCampaign(json.loads(json.dumps(design.settings())), versions, tuple(outcomes))
 
     return make
 

@@ -72,7 +72,7 @@ def test_colours_of_one_kind_differ_for_every_sight(codes, sight):
 
 
 @pytest.mark.parametrize("floor", [palette.FLOOR, palette.DARK_FLOOR])
-def test_robots_stand_out_from_light_and_from_dark_floors(floor):
+def test_robots_contrast_with_light_and_dark_floors(floor):
     assert min(np.linalg.norm(oklab(code, "normal") - oklab(floor, "normal")) for code in palette.ROBOTS) > 0.15
 
 
@@ -108,6 +108,7 @@ def named_colours(path: Path) -> Iterator[str]:
                     yield value.value
 
 
+@pytest.mark.slow
 def test_colours_are_written_in_the_palette_and_nowhere_else():
     files = [path for path in [*SOURCES, *PAGES] if path.name != "palette.py"]
     codes = {str(path): CODE.findall(path.read_text(encoding="utf-8")) for path in files}

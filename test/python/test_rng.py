@@ -24,12 +24,12 @@ def test_stream_of_another_seed_gives_other_numbers():
     assert stream(8, "odometry", 1).random() != stream(7, "odometry", 1).random()
 
 
-def test_stream_is_not_shifted_by_what_another_draws():
+def test_stream_is_not_shifted_by_draws_of_another():
     first, other = stream(7, "odometry", 1), stream(7, "sonar", 1)
     other.random(1000)
     assert first.random(2).tolist() == RECORD
 
 
-def test_negative_seed_is_refused():
+def test_negative_seed_is_rejected():
     with pytest.raises(ValueError, match=r"^seed must be >= 0, got -1$"):
         stream(-1, "odometry")

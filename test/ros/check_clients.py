@@ -182,7 +182,7 @@ class ClientsTest(unittest.TestCase):
         for name in ("robot_0", "robot_1"):
             self.locate(name)
             self.assertEqual(published[f"/{name}/odom"], "nav_msgs/Odometry")
-            self.assertIn("/world", dict(subscribers)[f"/{name}/cmd_vel"])
+            self.assertIn("/simulation", dict(subscribers)[f"/{name}/cmd_vel"])
             self.assertTrue(self.transforms.can_transform("map", f"{name}/base_link", rospy.Time(0), TIMEOUT))
 
 

@@ -89,7 +89,7 @@ class CommandsTest(unittest.TestCase):
         back = self.truth.wait_for(lambda message: math.dist(place_m(message), start) < 0.09, "a robot at its start")
         self.assertGreater(stamp_s(back), stamp_s(away))
 
-    def test_paused_world_stands_still_steps_as_told_and_goes_on(self) -> None:
+    def test_paused_world_stops_steps_on_request_and_resumes(self) -> None:
         self.assertFalse(call("/step", Step, steps=1).success)
         before = pause(self.truth)
         self.assertFalse(call("/step", Step, steps=0).success)
@@ -99,7 +99,7 @@ class CommandsTest(unittest.TestCase):
         self.assertTrue(call("/resume", Trigger).success)
         self.truth.wait_for(lambda message: message.header.stamp > before + rospy.Duration(1), "a later stamp")
 
-    def test_reset_begins_anew_in_every_node(self) -> None:
+    def test_reset_restarts_every_node(self) -> None:
         self.command.publish(FORWARD)
         self.truth.wait_for(lambda message: speed_mps(message) > 0.4, "a robot that moves")
         self.assertTrue(call("/reset", Trigger).success)
@@ -129,20 +129,19 @@ class CommandsTest(unittest.TestCase):
         self.assertTrue(call("/set_victim", SetVictim, name="eve", position=Point(6.0, 5.0, 0.0)).success)
         self.victims.wait_for_after(0, lambda message: "eve" in [victim.name for victim in message.victims], "eve")
 
-    def test_environment_and_mission_refuse_what_cannot_be(self) -> None:
-        for node in ("", "/mission"):
-            refusals = (
-                call(f"{node}/set_noise", SetNoise, noise_db=math.nan),
-                call(f"{node}/set_door", SetDoor, name="no_such_door", closed=True),
-                call(f"{node}/set_victim", SetVictim, name="eve", position=Point(math.nan, 0.0, 0.0)),
-            )
-            self.assertEqual([refused.success for refused in refusals], [False] * 3)
+    def test_invalid_change_is_rejected(self) -> None:
+        refusals = (
+            call("/set_noise", SetNoise, noise_db=math.nan),
+            call("/set_door", SetDoor, name="no_such_door", closed=True),
+            call("/set_victim", SetVictim, name="eve", position=Point(math.nan, 0.0, 0.0)),
+        )
+        self.assertEqual([refused.success for refused in refusals], [False] * 3)
         self.assertTrue(math.isfinite(self.status.next().noise_db))
 
     def test_victims_are_added_while_the_mission_goes_on(self) -> None:
         # They come while the node publishes: a status from before beside the victims of after would end it.
         names = [f"caller_{index}" for index in range(40)]
-        set_victim = rospy.ServiceProxy("/mission/set_victim", SetVictim, persistent=True)
+        set_victim = rospy.ServiceProxy("/set_victim", SetVictim, persistent=True)
         for name in names:
             self.status.next()
             self.assertTrue(set_victim(name=name, position=Point(6.0, 5.0, 0.0)).success)

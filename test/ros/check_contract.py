@@ -30,7 +30,7 @@ from test_contract_of_motion import (  # noqa: F401 - tests
 from test_contract_of_team import (  # noqa: F401 - tests
     test_absent_robot_has_no_body_and_no_pose,
     test_lasers_see_a_closed_door_and_not_an_open_one,
-    test_robot_that_left_is_in_nobodys_way_and_comes_back,
+    test_removed_robot_blocks_nobody_and_can_return,
     test_schedule_moves_robots_and_doors,
 )
 from two_rooms import scenario_of
@@ -39,7 +39,7 @@ from robotteamsim.geometry import Twist
 
 pytestmark = RELAXED
 
-NODE = Path(__file__).parents[2] / "scripts" / "world"
+NODE = Path(__file__).parents[2] / "scripts" / "simulation"
 
 
 @pytest.fixture
@@ -49,10 +49,10 @@ def world_of(master: Program, tmp_path: Path) -> Iterator[Callable[..., RosWorld
 
         def make(*robots: object, **keys: object) -> RosWorld:
             scenario = scenario_of("box2d", *robots, **keys)
-            common = {"scenario": str(write_scenario(scenario, tmp_path)), "controllers": "false", "mission": False}
+            common = {"scenario": str(write_scenario(scenario, tmp_path)), "controllers": "none", "mission": False}
             rospy.set_param("/robotteamsim", common)
-            rospy.set_param("/world", {"paused": True, "speed": 1000.0})
-            stack.enter_context(running((sys.executable, str(NODE), "__name:=world"), tmp_path, master.port))
+            rospy.set_param("/simulation", {"paused": True, "speed": 1000.0})
+            stack.enter_context(running((sys.executable, str(NODE), "__name:=simulation"), tmp_path, master.port))
             rospy.wait_for_service("/step", timeout=60.0)
             step = rospy.ServiceProxy("/step", Step, persistent=True)
             stack.callback(step.close)

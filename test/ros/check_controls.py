@@ -84,7 +84,7 @@ class ControlsTest(unittest.TestCase):
         self.assertAlmostEqual(speed_mps(self.truths[0].next()), 0.0, places=3)
         self.assertTrue(all(speed_mps(message) > 0.4 for message in driven[8:]))
 
-    def test_odometry_stands_still_while_a_wall_blocks_the_robot(self) -> None:
+    def test_odometry_does_not_move_while_a_wall_blocks_the_robot(self) -> None:
         self.assertTrue(call("/set_pose", SetPose, robot_id=0, pose=AT_WALL).success)
         self.drive_on(0, 20)
         before = self.measured_m()
@@ -107,7 +107,7 @@ class ControlsTest(unittest.TestCase):
         self.assertEqual(place_m(self.odometry.next()), (0.0, 0.0))
         self.assertEqual(place_m(self.truths[1].next()), self.starts[1])
 
-    def test_place_where_a_robot_cannot_stand_is_refused_with_the_reason(self) -> None:
+    def test_place_without_room_for_a_robot_is_rejected_with_the_reason(self) -> None:
         for robot_id, pose, reason in (
             (2, (10.0, 3.0, 0.0), "robot_id must be in 0..1, got 2"),
             (-1, (10.0, 3.0, 0.0), "robot_id must be in 0..1, got -1"),
@@ -157,7 +157,7 @@ class ControlsTest(unittest.TestCase):
         self.assertEqual(places_m(rospy.wait_for_message("/world/objects", MarkerArray, TIMEOUT_S)), [])
         self.assertTrue(call("/resume", Trigger).success)
 
-    def test_object_that_cannot_be_is_refused_with_the_reason(self) -> None:
+    def test_invalid_object_is_rejected_with_the_reason(self) -> None:
         drum = {"name": "drum", "kind": "barrel", "radius_m": 0.3}
         self.assertTrue(call("/set_object", SetObject, pose=Pose2D(14.0, 4.5, 0.0), **drum).success)
         box = {"name": "box", "kind": "box", "length_m": 0.6, "width_m": 0.4}
@@ -195,14 +195,14 @@ class ControlsTest(unittest.TestCase):
         self.assertTrue(call("/set_speed", SetSpeed, speed=0.0).success)
         self.truths[0].wait_for_count(len(self.truths[0].messages) + 20)
 
-    def test_speed_that_cannot_be_is_refused_with_the_reason(self) -> None:
+    def test_invalid_speed_is_rejected_with_the_reason(self) -> None:
         for speed in (-1.0, math.nan, math.inf):
             refused = call("/set_speed", SetSpeed, speed=speed)
             self.assertEqual(
                 (refused.success, refused.message), (False, f"speed must be finite and >= 0, got {speed:g}")
             )
 
-    def test_seed_that_cannot_be_is_refused_with_the_reason(self) -> None:
+    def test_invalid_seed_is_rejected_with_the_reason(self) -> None:
         time = self.truths[0].next().header.stamp
         for seed, reason in ((-1, "seed: -1 is below 0"), (2**53 + 1, f"seed: {2**53 + 1} is above")):
             refused = call("/reset_seed", ResetSeed, seed=seed)

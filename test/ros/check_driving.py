@@ -57,7 +57,7 @@ class DrivingTest(unittest.TestCase):
         try:
             report = self.log.wait_for_after(
                 begin,
-                lambda message: message.name == "/world" and "/robot_1/cmd_vel_stamped" in message.msg,
+                lambda message: message.name == "/simulation" and "/robot_1/cmd_vel_stamped" in message.msg,
                 "a report",
             )
             self.assertIn("silent", report.msg)

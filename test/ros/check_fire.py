@@ -4,27 +4,18 @@
 
 from __future__ import annotations
 
-import json
-import os
-import unittest
-from pathlib import Path
-from typing import Any
-
 import numpy as np
-import rospy
 import rostest
+from compared import ComparedMission, Log, by_stamp
 from geometry_msgs.msg import Point
 from listening import Topic, call
 from nav_msgs.msg import OccupancyGrid
-from robotteamsim.msg import FloatMap, Heat, MissionStatus
+from robotteamsim.msg import FloatMap, Heat
 from robotteamsim.srv import Ignite
-from std_srvs.srv import Trigger
 
-from robotteamsim.recording.hazard_messages import fire_cells
-from robotteamsim.scenario import load
-from robotteamsim.simulation import Result, Simulation, StepRecord
+from robotteamsim.recording.topics.world import fire_cells
+from robotteamsim.simulation import StepRecord
 
-FILE = Path(os.environ["ROSTEST_OUT"]) / "mission.json"
 SET = [
     "run.seed=7",
     "mission.time_limit_s=60",
@@ -40,91 +31,57 @@ SET = [
 ]
 
 
-class Expected:
-    """Keeps what a simulation reports."""
-
-    def __init__(self) -> None:
-        self.events: list[tuple[float, str, str]] = []
-        self.maps: dict[int, tuple[bytes, bytes, bytes]] = {}
-        self.heat: dict[int, tuple[float, list[tuple[float, float]]]] = {}
-
-    def begin(self, _: object) -> None:
-        pass
-
-    def step(self, record: StepRecord) -> None:
-        self.events += [(event.time_s, event.kind, event.detail) for event in record.events]
-        field = record.hazards
-        if field is not None:
-            maps = (fire_cells(field).tobytes(), field.temperatures_c.tobytes(), field.soot_g_m3.tobytes())
-            self.maps[record.sim_time_ns] = maps
-        heat = record.readings[2].further.heat if record.is_there(2) else None
-        if heat is not None:
-            self.heat[record.sim_time_ns] = heat.temperature_c, list(heat.hot_m)
-
-    def end(self, _: Result) -> None:
-        pass
-
-    def abandon(self) -> None:
-        pass
+def maps_of(record: StepRecord) -> tuple[bytes, bytes, bytes] | None:
+    field = record.hazards
+    if field is None:
+        return None
+    return fire_cells(field).tobytes(), field.temperatures_c.tobytes(), field.soot_g_m3.tobytes()
 
 
-def by_stamp(topic: Topic) -> dict[int, Any]:
-    return {message.header.stamp.to_nsec(): message for message in topic.messages}
+def heat_of(record: StepRecord) -> tuple[float, list[tuple[float, float]]] | None:
+    heat = record.readings[2].sensors.get("heat") if record.is_there(2) else None
+    return None if heat is None else (heat.temperature_c, list(heat.hot_m))
 
 
-class FireTest(unittest.TestCase):
+class FireTest(ComparedMission):
     @classmethod
     def setUpClass(cls) -> None:
-        rospy.init_node("fire_test", disable_rostime=True)
-        cls.status = Topic("/mission/status", MissionStatus)
+        super().setUpClass()
         cls.topics = [
             Topic("/fire/grid", OccupancyGrid),
             Topic("/fire/temperature", FloatMap),
             Topic("/smoke/soot", FloatMap),
         ]
         cls.heat = Topic("/robot_2/heat", Heat)
-        cls.expected = Expected()
-        cls.expected_result = Simulation(load("garage_fire", SET)).run([cls.expected])
-        cls.first = cls.document_at_end(0)
-
-    @classmethod
-    def document_at_end(cls, begin: int) -> dict[str, Any]:
-        cls.status.wait_for_after(begin, lambda message: message.state == "ended", "state ended")
-        return json.loads(FILE.read_text())
-
-    def assert_as_expected(self, document: dict[str, Any]) -> None:
-        events = [(event["time_s"], event["kind"], event["detail"]) for event in document["events"]]
-        self.assertEqual(events, self.expected.events)
-        self.assertEqual(document["result"]["trajectory_hash"], self.expected_result.trajectory_hash)
+        cls.expected = Log("garage_fire", SET, maps=maps_of, heat=heat_of)
+        cls.first = cls.document_at_end()
 
     def test_mission_has_the_same_bits_and_events_as_without_ros(self) -> None:
-        self.assert_as_expected(self.first)
+        self.assert_as_expected(self.first, self.expected)
         kinds = {event["kind"] for event in self.first["events"]}
         self.assertLessEqual({"robot_failed_by_heat", "victim_collapsed", "victim_dead"}, kinds)
 
     def test_maps_of_fire_and_smoke_have_the_bits_of_the_run_without_ros(self) -> None:
-        seen = [by_stamp(topic) for topic in self.topics]
-        stamps = [ns for ns in self.expected.maps if all(ns in messages for messages in seen)]
-        self.assertGreater(len(stamps), 30)
-        for stamp_ns in stamps:
-            grid, temperature, soot = (messages[stamp_ns] for messages in seen)
-            found = (
-                np.array(grid.data, dtype=np.int8).tobytes(),
-                np.array(temperature.data, dtype=np.float32).tobytes(),
-                np.array(soot.data, dtype=np.float32).tobytes(),
+        grids, temperatures, soots = (by_stamp(topic.messages) for topic in self.topics)
+        found = {
+            stamp_ns: (
+                np.array(grids[stamp_ns].data, dtype=np.int8).tobytes(),
+                np.array(temperatures[stamp_ns].data, dtype=np.float32).tobytes(),
+                np.array(soots[stamp_ns].data, dtype=np.float32).tobytes(),
             )
-            self.assertEqual(found, self.expected.maps[stamp_ns], f"{stamp_ns} ns")
-        self.assertEqual((temperature.unit, soot.unit), ("degC", "g/m^3"))
-        self.assertIn(100, grid.data)
+            for stamp_ns in grids.keys() & temperatures.keys() & soots.keys()
+        }
+        self.assert_values(found, self.expected.kept["maps"], 30)
+        last_ns = max(found)
+        self.assertEqual((temperatures[last_ns].unit, soots[last_ns].unit), ("degC", "g/m^3"))
+        self.assertIn(100, grids[last_ns].data)
 
     def test_thermal_camera_measures_the_same_as_without_ros(self) -> None:
-        seen = by_stamp(self.heat)
-        stamps = [ns for ns in self.expected.heat if ns in seen]
-        self.assertGreater(len(stamps), 5)
-        for stamp_ns in stamps:
-            message = seen[stamp_ns]
-            found = message.temperature_c, [(place.x, place.y) for place in message.hot]
-            self.assertEqual(found, self.expected.heat[stamp_ns], f"{stamp_ns} ns")
+        found = {
+            stamp_ns: (message.temperature_c, [(place.x, place.y) for place in message.hot])
+            for stamp_ns, message in by_stamp(self.heat.messages).items()
+        }
+        self.assert_values(found, self.expected.kept["heat"], 5)
 
     def test_y_service_ignites_only_where_there_is_fuel(self) -> None:
         answer = call("/ignite", Ignite, position=Point(50.0, 20.0, 0.0))
@@ -132,11 +89,7 @@ class FireTest(unittest.TestCase):
         self.assertIn("there is no fuel", answer.message)
 
     def test_z_reset_repeats_the_fire(self) -> None:
-        begin = len(self.status.messages)
-        self.assertTrue(call("/reset", Trigger).success)
-        self.status.wait_for_after(begin, lambda message: message.state == "running", "state running")
-        running = next(i for i, m in enumerate(self.status.messages) if i >= begin and m.state == "running")
-        self.assert_as_expected(self.document_at_end(running))
+        self.assert_as_expected(self.document_after("/reset"), self.expected)
 
 
 if __name__ == "__main__":

@@ -24,7 +24,8 @@ from sensor_msgs.msg import LaserScan
 from tf2_msgs.msg import TFMessage
 
 from robotteamsim.geometry import Pose, PoseReading
-from robotteamsim.recording.bag import ROBOT_TOPICS, TEAM_TOPICS
+from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS
+from robotteamsim.scenario import load
 
 ROBOTS = ("robot_0", "robot_1")
 STEPS = 30
@@ -79,12 +80,12 @@ class InterfaceTest(unittest.TestCase):
 
     def test_topics_have_their_types(self) -> None:
         published = dict(rospy.get_published_topics())
-        expected = {topic.name: topic.type_name for topic in TEAM_TOPICS}
-        del expected["/world/people"]  # this scenario has nobody whom the world moves
-        self.assertNotIn("/world/people", published)
+        scenario = load("garage_sar")
+        expected = {topic.name: topic.type_name for topic in TEAM_TOPICS if topic.is_in(scenario)}
+        for topic in TEAM_TOPICS:
+            self.assertEqual(topic.name in published, topic.is_in(scenario))
         for name in ROBOTS:
             expected |= {f"/{name}/{topic.name}": topic.type_name for topic in ROBOT_TOPICS}
-            expected[f"/{name}/cmd_vel_stamped"] = "geometry_msgs/TwistStamped"
         self.assertEqual({name: published.get(name) for name in expected}, expected)
 
     def test_services_have_their_types(self) -> None:
@@ -94,7 +95,7 @@ class InterfaceTest(unittest.TestCase):
         _, subscribers, _ = rosgraph.Master("/interface_test").getSystemState()
         listeners = dict(subscribers)
         for name in ROBOTS:
-            self.assertIn("/world", listeners[f"/{name}/cmd_vel"])
+            self.assertIn("/simulation", listeners[f"/{name}/cmd_vel"])
 
     def test_frames_have_no_leading_slash(self) -> None:
         for name in ROBOTS:
@@ -169,7 +170,7 @@ class InterfaceTest(unittest.TestCase):
         self.assertEqual(picture.header.stamp, values.header.stamp)
         self.assertGreater(max(values.data), 20.0)
 
-    def test_radio_maps_come_for_those_who_look(self) -> None:
+    def test_radio_maps_are_published_to_subscribers(self) -> None:
         picture, values = Topic("/robot_0/radio_map", OccupancyGrid), Topic("/robot_0/radio_map/values", FloatMap)
         levels = values.next()
         self.assertEqual(
@@ -196,7 +197,7 @@ class InterfaceTest(unittest.TestCase):
             self.assertLess(max(made.data), -20.0)
         self.assertGreater(usual.map.width, coarse.map.width)
 
-    def test_radio_map_that_cannot_be_is_refused_with_the_reason(self) -> None:
+    def test_invalid_radio_map_is_rejected_with_the_reason(self) -> None:
         for robot_id, resolution_m, reason in (
             (2, 0.0, "robot_id: 2; expected 0 to 1"),
             (-1, 0.0, "robot_id: -1; expected 0 to 1"),
@@ -206,7 +207,7 @@ class InterfaceTest(unittest.TestCase):
             refused = call("/get_radio_map", GetRadioMap, robot_id=robot_id, resolution_m=resolution_m)
             self.assertEqual((refused.success, refused.message), (False, reason))
 
-    def test_network_tells_of_two_robots_side_by_side(self) -> None:
+    def test_network_links_two_robots_side_by_side(self) -> None:
         state = self.network.messages[-1]
         self.assertEqual(state.num_robots, 2)
         matrices = (state.rssi_dbm, state.link, state.adjacency, state.hop_count, state.break_matrix, state.endangered)
@@ -226,7 +227,7 @@ class InterfaceTest(unittest.TestCase):
         message = self.received.wait_for_after(0, lambda message: message.messages, "messages")
         self.assertEqual({sent.sender for sent in message.messages}, {0})
 
-    def test_mission_runs_and_tells_of_areas_and_victims(self) -> None:
+    def test_mission_reports_areas_and_victims(self) -> None:
         self.assertEqual(self.status.messages[-1].state, "running")
         self.assertEqual(self.status.messages[-1].scenario, "garage_sar")
         areas, victims = self.areas.wait_for_count(1)[0].areas, self.victims.wait_for_count(1)[0].victims

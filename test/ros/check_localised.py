@@ -21,7 +21,7 @@ from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from robotteamsim.geometry import Pose
-from robotteamsim.ros.transport.msg_conversion import odometry_reading
+from robotteamsim.recording.topics.robots import read_odometry
 
 ROBOTS = range(2)
 LOST = 1
@@ -35,7 +35,7 @@ def stamp_s(message: Any) -> float:
 
 
 def pose_of(message: Odometry) -> Pose:
-    return odometry_reading(message).pose.pose
+    return read_odometry(message).pose.pose
 
 
 def moves(message: Odometry) -> bool:
@@ -144,17 +144,17 @@ class LocalisedTest(unittest.TestCase):
         self.assertEqual(len(lines), 1, lines)
         self.assertRegex(lines[0], r"^/tf: waited 10 s for map -> robot_1/base_link; expected ")
 
-    def test_robots_stand_until_all_are_located(self) -> None:
+    def test_robots_wait_until_all_are_located(self) -> None:
         for truth, count in zip(self.truths, self.before, strict=True):
             self.assertGreater(count, 0)
             self.assertTrue(all(map(stands, truth.messages[:count])))
 
-    def test_robot_whose_tf_stops_stands_within_0_8_s(self) -> None:
+    def test_robot_without_tf_stops_within_0_8_s(self) -> None:
         self.assertLessEqual(self.stopped_s, STOP_S)
         self.assertGreater(self.stopped_s, 0.0)
 
     def test_lost_robot_is_reported_by_status_and_event(self) -> None:
-        reason = "/tf: no transform map -> robot_1/base_link for 0.3 s (control.tf_timeout_s)"
+        reason = "/tf: no transform map -> robot_1/base_link for 0.5 s (control.tf_timeout_s)"
         self.assertEqual(self.fault, reason)
         failed = [event for event in self.events.messages if event.kind == "controller_failed"]
         self.assertIn((LOST, f"robot 1 is stopped: {reason}"), [(event.robot_id, event.detail) for event in failed])

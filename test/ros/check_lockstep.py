@@ -4,29 +4,21 @@
 
 from __future__ import annotations
 
-import json
-import os
-import unittest
 from io import BytesIO
-from pathlib import Path
 from typing import Any
 
-import rospy
 import rostest
-from listening import Topic, call, pause, place_m
+from compared import STEP_NS, ComparedMission
+from listening import Topic, pause, place_m
 from nav_msgs.msg import Odometry
-from robotteamsim.msg import MissionStatus
 from robotteamsim.srv import ResetSeed
 from sensor_msgs.msg import LaserScan
-from std_srvs.srv import Trigger
 
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Result, Simulation
 
-FILE = Path(os.environ["ROSTEST_OUT"]) / "mission.json"
 SEED, OTHER_SEED = 7, 8
 STEPS = 300
-STEP_NS = 100_000_000
 ROBOTS = range(3)
 
 
@@ -56,34 +48,16 @@ def headless(seed: int) -> Result:
     return Simulation(load("garage_sar", ["mission.time_limit_s=30", f"run.seed={seed}"])).run()
 
 
-class LockstepTest(unittest.TestCase):
+class LockstepTest(ComparedMission):
     @classmethod
     def setUpClass(cls) -> None:
-        rospy.init_node("lockstep_test", disable_rostime=True)
+        super().setUpClass()
         cls.odometry = [Topic(f"/robot_{i}/odom", Odometry) for i in ROBOTS]
         cls.scans = [Topic(f"/robot_{i}/base_scan", LaserScan) for i in ROBOTS]
-        cls.status = Topic("/mission/status", MissionStatus)
-        cls.first = cls.result_after(0)
-        cls.again = cls.result_of("/reset", Trigger)
-        cls.other = cls.result_of("/reset_seed", ResetSeed, seed=OTHER_SEED)
+        cls.first = cls.document_at_end()["result"]
+        cls.again = cls.document_after("/reset")["result"]
+        cls.other = cls.document_after("/reset_seed", ResetSeed, seed=OTHER_SEED)["result"]
         pause(*cls.odometry, *cls.scans)
-
-    @classmethod
-    def result_of(cls, service: str, service_class: type, **fields: object) -> dict[str, Any]:
-        """Begin anew by a service, and return the run's result."""
-        FILE.unlink()
-        begin = len(cls.status.messages)
-        assert call(service, service_class, **fields).success
-        return cls.result_after(begin)
-
-    @classmethod
-    def result_after(cls, begin: int) -> dict[str, Any]:
-        """Return the result of a run whose first status message is the one counted, or a later one."""
-        cls.status.wait_for_after(begin, lambda message: message.state == "running", "state running")
-        running = next(i for i, message in enumerate(cls.status.messages) if i >= begin and message.state == "running")
-        cls.status.wait_for_after(running, lambda message: message.state == "ended", "state ended")
-        # The file is complete before the mission's end is told.
-        return json.loads(FILE.read_text())["result"]
 
     def test_mission_has_the_same_bits_as_without_ros(self) -> None:
         expected = headless(SEED)

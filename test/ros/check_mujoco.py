@@ -18,8 +18,8 @@ from robotteamsim.msg import MissionStatus, Robots
 from robotteamsim.srv import DropObject, LiftObject, SetObject, SetPose
 
 from robotteamsim.scenario import Scenario, load
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation
-from robotteamsim.world.placement import placed_robots
 
 FOLDER = Path(os.environ["ROSTEST_OUT"])
 KEYS = [
@@ -56,7 +56,7 @@ class MujocoTest(unittest.TestCase):
     def _check_gripper(self, robots: Topic, scenario: Scenario) -> None:
         """Lift and drop a crate with a robot that stands at its start again, while its controller waits."""
         pause(robots)
-        x, y, yaw = placed_robots(scenario)[0].start_pose
+        x, y, yaw = resolve(scenario).robots[0].start_pose
         self.assertTrue(call("/set_pose", SetPose, robot_id=0, pose=Pose2D(x, y, yaw)).success)
         ahead = Pose2D(x + 0.4 * math.cos(yaw), y + 0.4 * math.sin(yaw), yaw)
         self.assertTrue(call("/set_object", SetObject, name="crate", kind="barrel", radius_m=0.1, pose=ahead).success)

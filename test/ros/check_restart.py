@@ -33,9 +33,12 @@ class RestartTest(unittest.TestCase):
             self.assertLess(fresh.header.stamp.to_sec(), 5.0)
             status.wait_for_after(begin, lambda message: message.time_s > 5.0, "a mission that goes on")
             truth.wait_for(lambda message: speed_mps(message) > 0.3, "a robot that drives")
+            start = events.wait_for_after(next_event, lambda event: event.kind == "start", "a start")
             for _ in range(RESETS):
-                start = events.wait_for_after(next_event, lambda event: event.kind == "start", "a start")
-                next_event = events.messages.index(start, next_event) + 1
+                next_event, begin = events.messages.index(start, next_event) + 1, len(status.messages)
+                self.assertEqual(call("/reset", Trigger).message, "reset")
+                start = events.wait_for_after(next_event, lambda event: event.kind == "start", "another start")
+                status.wait_for_after(begin, lambda message: message.time_s < 1.0, "another fresh mission")
 
 
 if __name__ == "__main__":

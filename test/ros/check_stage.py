@@ -23,7 +23,7 @@ from std_msgs.msg import String
 from tf2_msgs.msg import TFMessage
 
 from robotteamsim.geometry import Pose
-from robotteamsim.ros.transport.msg_conversion import odometry_reading
+from robotteamsim.recording.topics.robots import read_odometry
 from robotteamsim.scenario import load
 from robotteamsim.scenario.plan import obstacles
 
@@ -86,7 +86,7 @@ class StageTest(unittest.TestCase):
 
     def test_scan_has_the_distances_of_the_walls_at_the_pose_of_its_stamp(self) -> None:
         solid = obstacles(load("tutorial_arena").plan)
-        truths = {message.header.stamp.to_nsec(): odometry_reading(message) for message in self.truth.messages}
+        truths = {message.header.stamp.to_nsec(): read_odometry(message) for message in self.truth.messages}
         scans = [
             scan for scan in self.scan.messages if {scan.header.stamp.to_nsec() + d for d in SHIFTS_NS} <= truths.keys()
         ]

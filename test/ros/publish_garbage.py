@@ -14,8 +14,6 @@ from robotteamsim.msg import (
     NetworkMessage,
     NetworkMessages,
     Robots,
-    TeamState,
-    TeamVoices,
     Voice,
 )
 
@@ -34,8 +32,6 @@ def main() -> None:
         "/network/links": NetworkLinks,
         "/mission/status": MissionStatus,
         "/world/robots": Robots,
-        "/world/team_state": TeamState,
-        "/environment/voices": TeamVoices,
         "/world/doors": Doors,
     }
     publishers = [rospy.Publisher(topic, kind, queue_size=100) for topic, kind in topics.items()]

@@ -46,6 +46,7 @@ class RosWorld:
         self._scans = [Topic(f"{name}base_scan", LaserScan) for name in names]
         self._doors = Topic("/world/doors", Doors)
         self._robots = Topic("/world/robots", Robots) if has_presence else None
+        self._set_door = "/set_door" if has_presence else "/world/set_door"
         self._commands = [
             rospy.Publisher(f"{name}cmd_vel", TwistMessage, queue_size=10, tcp_nodelay=True) for name in names
         ]
@@ -83,9 +84,8 @@ class RosWorld:
             self._now(self._truths[robot_id])
 
     @property
-    def present(self) -> np.ndarray | None:
-        present = self._presence().present
-        return None if all(present) else np.array(list(present), dtype=bool)
+    def present(self) -> np.ndarray:
+        return np.array(list(self._presence().present), dtype=bool)
 
     @property
     def arrivals(self) -> tuple[int, ...]:
@@ -128,7 +128,7 @@ class RosWorld:
         return [SimpleNamespace(ranges_m=np.array(ranges, dtype=np.float32)) for ranges in scans]
 
     def set_door(self, name: str, closed: bool) -> None:
-        self._change("/world/set_door", SetDoor, name=name, closed=closed)
+        self._change(self._set_door, SetDoor, name=name, closed=closed)
 
     def set_pose(self, robot_id: int, pose: Pose) -> None:
         self._change("/set_pose", SetPose, robot_id=robot_id, pose=Pose2D(pose.x_m, pose.y_m, pose.yaw_rad))

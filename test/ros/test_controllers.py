@@ -23,10 +23,10 @@ from robotteamsim.geometry import Twist
 
 
 class Faulty(MyController):
-    def decide(self):
-        if self.robot_id == 1 and self.observation.sim_time_ns == 2_000_000_000:
+    def step(self, observation, inbox, task):
+        if self.robot_id == 1 and observation.sim_time_ns == 2_000_000_000:
             return Decision(Twist(float("nan")))
-        return super().decide()
+        return super().step(observation, inbox, task)
 """
 MINE = "control.algorithm=my_controller:MyController"
 LOCKSTEP = ("lockstep:=true", "speed:=0", "rviz:=false")
@@ -47,13 +47,13 @@ def result_of(folder: Path) -> dict:
     return json.loads((folder / "out" / "mission.json").read_text())["result"]
 
 
-@pytest.mark.parametrize("hosted", ["per_robot", "team"])
+@pytest.mark.parametrize("hosted", ["nodes", "team", "inside"])
 def test_class_of_the_tutorial_drives_by_the_same_bits_as_headless(hosted, folder):
     overrides = [MINE, "mission.time_limit_s=10"]
     command = (*ROSLAUNCH, "robotteamsim", "garage_sar.launch", f"controllers:={hosted}", *LOCKSTEP, "out:=out")
     with running((*command, "robots:=4", f"set:={' '.join(overrides)}"), folder) as program:
         assert program.wait() == 0, program.output
-        assert ("process[controllers-" in program.output) == (hosted == "team")
+        assert ("process[controllers-" in program.output) == (hosted != "inside")
     headless = Simulation(load("garage_sar", [*overrides, "robots.count=4"])).run()
     assert result_of(folder)["trajectory_hash"] == headless.trajectory_hash
 
@@ -75,13 +75,13 @@ def test_searching_team_drives_by_the_same_bits_as_headless(folder):
     assert result_of(folder)["trajectory_hash"] == headless.trajectory_hash
 
 
-@pytest.mark.parametrize("hosted", ["per_robot", "team"])
-def test_faulty_controller_stops_its_robot_and_the_mission_tells_why(hosted, folder):
+@pytest.mark.parametrize("hosted", ["nodes", "team", "inside"])
+def test_faulty_controller_stops_its_robot_and_the_mission_reports_why(hosted, folder):
     command = (*ROSLAUNCH, "robotteamsim", "garage_sar.launch", f"controllers:={hosted}", *LOCKSTEP, "out:=out")
     overrides = "control.algorithm=faulty_of_test:Faulty mission.time_limit_s=8"
     with running((*command, f"set:={overrides}"), folder) as program:
         assert program.wait() == 0, program.output
-    told = "robot 1 is stopped: decide returned Twist(linear_x_mps=nan"
+    told = "robot 1 is stopped: step returned Twist(linear_x_mps=nan"
     assert len([line for line in program.lines if told in line and "INFO" in line]) == 1, program.output
     assert "time limit reached" in program.output
     assert "Traceback" not in program.output
@@ -90,9 +90,17 @@ def test_faulty_controller_stops_its_robot_and_the_mission_tells_why(hosted, fol
 
 
 def test_node_of_the_tutorial_drives_the_robot(folder):
-    command = (*ROSLAUNCH, "robotteamsim", "tutorial_arena.launch", "controllers:=false", "rviz:=false", "out:=out")
+    command = (
+        *ROSLAUNCH,
+        "robotteamsim",
+        "mission.launch",
+        "scenario:=tutorial_arena",
+        "controllers:=none",
+        "rviz:=false",
+        "out:=out",
+    )
     with running((*command, "set:=mission.time_limit_s=10", "speed:=2"), folder) as program:
-        program.wait_for(lambda line: "process[mission" in line, "the mission's start")
+        program.wait_for(lambda line: "process[simulation" in line, "the mission's start")
         port = program.port
         with with_master(port, folder, "my_node.py") as node:
             assert program.wait() == 0, program.output
@@ -104,7 +112,7 @@ def test_garbage_on_topics_neither_ends_nor_hangs_a_node(folder):
     command = (*ROSLAUNCH, "robotteamsim", "garage_sar.launch", "controllers:=team", "rviz:=false", "out:=out")
     (folder / "garbage.py").write_text((Path(__file__).parent / "publish_garbage.py").read_text())
     with running((*command, "set:=mission.time_limit_s=30", "speed:=3"), folder) as program:
-        program.wait_for(lambda line: "process[mission" in line, "the mission's start")
+        program.wait_for(lambda line: "process[simulation" in line, "the mission's start")
         with with_master(program.port, folder, "garbage.py"):
             assert program.wait() == 0, program.output
     assert "time limit reached" in program.output
@@ -115,11 +123,11 @@ def test_garbage_on_topics_neither_ends_nor_hangs_a_node(folder):
     assert min(robot["distance_m"] for robot in result["robots"]) > 1.0
 
 
-def test_word_that_says_no_place_for_controllers_ends_the_launch_with_one_line(folder):
+def test_invalid_place_for_controllers_ends_the_launch_with_one_line(folder):
     command = (*ROSLAUNCH, "robotteamsim", "garage_sar.launch", "controllers:=tema", "rviz:=false")
     with running(command, folder) as program:
         program.wait()
-    assert program.output.count("/robotteamsim/controllers: tema; expected per_robot, team, false") == 1
+    assert program.output.count("/robotteamsim/controllers: tema; expected nodes, team, inside, none") == 1
     assert "Traceback" not in program.output
 
 

@@ -28,13 +28,13 @@ def rows(path: Path) -> list[dict[str, str]]:
 
 
 def test_launch_ends_with_a_readable_bag_when_a_node_is_killed(tmp_path):
-    run_tool("kill_nodes", "--mode=ends", "--moments=1", f"--csv={tmp_path / 'k.csv'}", "/world", "/recorder")
+    run_tool("kill_nodes", "--mode=ends", "--moments=1", f"--csv={tmp_path / 'k.csv'}", "/simulation", "/recorder")
     found = rows(tmp_path / "k-ends.csv")
     assert [(row["node"], row["signal"]) for row in found] == [
         ("/recorder", "SIGKILL"),
         ("/recorder", "SIGTERM"),
-        ("/world", "SIGKILL"),
-        ("/world", "SIGTERM"),
+        ("/simulation", "SIGKILL"),
+        ("/simulation", "SIGTERM"),
     ]
     assert {(row["moments"], row["faults"]) for row in found} == {("1", "0")}
 

@@ -20,16 +20,17 @@ import numpy as np
 import pytest
 import roslaunch.rlutil
 from rosbags.rosbag1 import Reader
-from running import ROSCORE, ROSLAUNCH, TIMEOUT_S, running, wait_for_port
+from running import ROSCORE, ROSLAUNCH, TIMEOUT_S, descendants, running, wait_for_port
 
 from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.errors import RecordingError
-from robotteamsim.recording import BagWriter, TrajectoryHash, ros_messages
-from robotteamsim.recording.bag import ROBOT_TOPICS, TEAM_TOPICS
+from robotteamsim.message_parts import robot_name
+from robotteamsim.recording import BagWriter, TrajectoryHash
 from robotteamsim.recording.bag_types import bag_typestore
+from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS
+from robotteamsim.recording.topics.robots import read_odometry
 from robotteamsim.ros.nodes.find_gmapping import installed
-from robotteamsim.ros.transport import msg_conversion as conversion
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
 
@@ -113,7 +114,7 @@ SILENT = {"/world/people", "controller/belief"}
 
 def test_launch_ends_with_the_mission_and_its_totals(run: Run, headless_hash: str) -> None:
     assert run.status == 0
-    assert "mission-4] has died!\nprocess has finished cleanly" in run.output
+    assert "simulation-2] has died!\nprocess has finished cleanly" in run.output
     assert "time limit reached" in run.output
     explained, died = (run.output.index(text) for text in ("this is the normal end", "has died!"))
     assert explained < died
@@ -124,10 +125,12 @@ def test_launch_ends_with_the_mission_and_its_totals(run: Run, headless_hash: st
 
 
 def test_recorded_bag_has_the_topics_and_types_of_a_headless_bag(run: Run) -> None:
-    expected = {topic.name: topic.type_name for topic in TEAM_TOPICS if topic.name not in SILENT}
+    wanted = [topic for topic in TEAM_TOPICS if topic.is_in(load("garage_sar")) and topic.name not in SILENT]
+    expected = {topic.name: topic.type_name for topic in wanted}
+    of_robot = [topic for topic in ROBOT_TOPICS if topic.in_bags and topic.name not in SILENT]
     for robot_id in range(3):
-        name = ros_messages.robot_name(robot_id)
-        expected |= {f"/{name}/{topic.name}": topic.type_name for topic in ROBOT_TOPICS if topic.name not in SILENT}
+        name = robot_name(robot_id)
+        expected |= {f"/{name}/{topic.name}": topic.type_name for topic in of_robot}
     with Reader(run.bag) as bag:
         assert {name: topic.msgtype.replace("/msg/", "/") for name, topic in bag.topics.items()} == expected
 
@@ -166,7 +169,7 @@ def test_recorded_bag_is_analysed_as_the_headless_bag_of_the_same_seed(run: Run,
 
 
 @pytest.mark.parametrize("compression", ["--bz2", "--lz4"])
-def test_bag_that_rosbag_compresses_is_analysed_alike(run: Run, tmp_path: Path, compression: str) -> None:
+def test_bag_that_rosbag_compresses_gives_the_same_analysis(run: Run, tmp_path: Path, compression: str) -> None:
     packed = shutil.copy(run.bag, tmp_path / "run.bag")
     rosbag("compress", "--quiet", compression, str(packed))
     assert packed.stat().st_size < 0.7 * run.bag.stat().st_size
@@ -180,7 +183,7 @@ def test_parts_that_rosbag_makes_are_analysed_as_one(run: Run, tmp_path: Path) -
     assert run_totals(read_run(parts)) == run_totals(read_run([run.bag]))
 
 
-def test_truncated_bag_is_refused_and_analysed_after_rosbag_reindex(run: Run, tmp_path: Path) -> None:
+def test_truncated_bag_is_rejected_and_analysed_after_rosbag_reindex(run: Run, tmp_path: Path) -> None:
     part = tmp_path / "run.bag"
     part.write_bytes(run.bag.read_bytes()[: run.bag.stat().st_size * 3 // 4])
     with pytest.raises(RecordingError, match="`rosbag reindex "):
@@ -201,11 +204,25 @@ def test_replay_plays_the_bag_and_ends(run: Run, tmp_path: Path) -> None:
 
 def test_launch_ends_and_names_the_node_that_died(tmp_path: Path) -> None:
     with running(GARAGE, tmp_path) as program:
-        line = program.wait_for(lambda line: "process[robot_1/controller" in line, "the controller")
         program.wait_for(lambda line: "mission starts" in line, "the mission's start")
-        os.kill(int(re.search(r"pid \[(\d+)\]", line)[1]), signal.SIGKILL)
+        os.kill(process_of(program.port, "/robot_1/controller"), signal.SIGKILL)
         program.wait()
-    assert re.search(r"REQUIRED process \[robot_1/controller-\d+\] has died!", program.output)
+    assert "/robot_1/controller has ended" in program.output
+    assert re.search(r"REQUIRED process \[controllers-\d+\] has died!", program.output)
+
+
+def test_mission_of_three_robots_has_six_processes(tmp_path: Path) -> None:
+    with running(GARAGE, tmp_path) as program:
+        program.wait_for(lambda line: "mission starts" in line, "the mission's start")
+        assert len(descendants(program.process.pid)) == 6
+
+
+def process_of(port: int, node: str) -> int:
+    """Return the id of a node's process."""
+    with xmlrpc.client.ServerProxy(f"http://localhost:{port}") as master:
+        uri = master.lookupNode("/test", node)[2]
+    with xmlrpc.client.ServerProxy(uri) as found:
+        return found.getPid("/test")[2]
 
 
 def test_launches_one_after_another_at_one_master_do_not_inherit_parameters(tmp_path: Path) -> None:
@@ -213,10 +230,10 @@ def test_launches_one_after_another_at_one_master_do_not_inherit_parameters(tmp_
     mission = (*GARAGE, "lockstep:=true", "speed:=0", "set:=mission.time_limit_s=2")
     with running(ROSCORE, tmp_path) as core:
         wait_for_port(core.port)
-        for command, first in ((world, "world"), (mission, "mission"), (world, "world")):
+        for command in (world, mission, world):
             with running(command, tmp_path, core.port) as program:
-                program.wait_for(lambda line, first=first: f"process[{first}" in line, f"the start of {first}")
-                if first == "mission":
+                program.wait_for(lambda line: "process[simulation" in line, "the start of the simulation")
+                if command == mission:
                     program.wait()
                     assert "time limit reached" in program.output, program.output
                 else:
@@ -260,28 +277,32 @@ def test_wrong_argument_ends_the_launch_with_one_line_and_status_2(argument: str
     with running((*GARAGE, argument), tmp_path) as program:
         program.wait()
     assert program.output.count(line) == 1
-    assert "REQUIRED process [world-2] has died!" in program.output
+    assert "REQUIRED process [simulation-2] has died!" in program.output
     assert "exit code 2" in program.output
     assert "Traceback" not in program.output
 
 
 @pytest.mark.parametrize(
-    ("arguments", "line"),
+    ("arguments", "line", "node"),
     [
-        (("gzserver:=no_gazebo",), "~gzserver: 'no_gazebo' is not installed; install Gazebo 11 (Debian 11: gazebo,"),
-        (("scenario:=garage_fire",), "garage_fire: Gazebo's world has no fire; expected world:=true"),
-        (("lockstep:=true",), "/robotteamsim/lockstep: does not work with Gazebo; expected false"),
+        (
+            ("gzserver:=no_gazebo",),
+            "~gzserver: 'no_gazebo' is not installed; install Gazebo 11 (Debian 11: gazebo,",
+            "gazebo-3",
+        ),
+        (("scenario:=garage_fire",), "garage_fire: Gazebo's world has no fire; expected world:=true", "gazebo-3"),
+        (("lockstep:=true",), "/robotteamsim/lockstep: true; expected false with robots in another", "simulation-2"),
     ],
     ids=["not installed", "fire", "lockstep"],
 )
 def test_launch_that_gazebo_cannot_run_ends_with_one_line(
-    arguments: tuple[str, ...], line: str, tmp_path: Path
+    arguments: tuple[str, ...], line: str, node: str, tmp_path: Path
 ) -> None:
     launch = (*ROSLAUNCH, "robotteamsim", "scenario.launch", "world:=gazebo", "controllers:=team", "rviz:=false")
     with running((*launch, *arguments), tmp_path) as program:
         program.wait()
     assert program.output.count(line) == 1
-    assert "REQUIRED process [gazebo-2] has died!" in program.output
+    assert f"REQUIRED process [{node}] has died!" in program.output
     assert "Traceback" not in program.output
 
 
@@ -293,13 +314,13 @@ def test_launch_that_gazebo_cannot_run_ends_with_one_line(
         (("world:=gazebo", "elsewhere:=2"), "elsewhere:=2; expected world:=true"),
     ],
 )
-def test_worlds_that_do_not_fit_are_refused(arguments: tuple[str, ...], line: str, tmp_path: Path) -> None:
+def test_worlds_that_do_not_fit_are_rejected(arguments: tuple[str, ...], line: str, tmp_path: Path) -> None:
     with running((*ROSLAUNCH, "robotteamsim", "scenario.launch", *arguments), tmp_path) as program:
         program.wait()
     assert program.output.count(line) == 1
 
 
-def test_launch_file_with_no_robot_in_gazebo_is_refused(tmp_path: Path) -> None:
+def test_launch_file_with_no_robot_in_gazebo_is_rejected(tmp_path: Path) -> None:
     arguments = '<arg name="world" value="gazebo"/><arg name="in_gazebo" value=""/>'
     scenario = '<include file="$(find robotteamsim)/launch/scenario.launch">'
     (tmp_path / "none.launch").write_text(f"<launch>{scenario}{arguments}</include></launch>")
@@ -321,12 +342,12 @@ def trajectory_hash(path: Path, steps: int) -> str:
         robots = zip(*(truths(bag, typestore, robot_id) for robot_id in range(3)), strict=True)
         for step, messages in enumerate(robots, 1):
             if step <= steps:
-                computed.update(step * STEP_NS, [conversion.odometry_reading(message).pose for message in messages])
+                computed.update(step * STEP_NS, [read_odometry(message).pose for message in messages])
     return computed.hexdigest()
 
 
 def truths(bag: Reader, typestore: object, robot_id: int) -> Iterator[object]:
-    topic = f"/{ros_messages.robot_name(robot_id)}/base_pose_ground_truth"
+    topic = f"/{robot_name(robot_id)}/base_pose_ground_truth"
     connections = [connection for connection in bag.connections if connection.topic == topic]
     for connection, _, data in bag.messages(connections):
         yield typestore.deserialize_ros1(data, connection.msgtype)

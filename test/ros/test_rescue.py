@@ -8,7 +8,7 @@ import pytest
 from rosbags.rosbag1 import Reader
 from running import ROSLAUNCH, running
 
-from robotteamsim.mission.status import Event
+from robotteamsim.mission.events import Event
 from robotteamsim.recording import BagWriter
 from robotteamsim.recording.results import EventList
 from robotteamsim.scenario import load
@@ -19,12 +19,18 @@ def shown(events: list[Event]) -> list[tuple[float, str, str, int, str]]:
     return [(e.time_s, e.kind, e.subject, e.robot_id, e.detail) for e in events]
 
 
-@pytest.mark.parametrize(
-    ("name", "time_s", "hosted"), [("garage_rescue", 36, "per_robot"), ("office_fire", 49, "team")]
-)
+@pytest.mark.parametrize(("name", "time_s", "hosted"), [("garage_rescue", 36, "nodes"), ("office_fire", 49, "team")])
 def test_rescue_in_lockstep_has_the_bits_events_and_topics_of_the_headless_mission(name, time_s, hosted, tmp_path):
     settings = (f"mission.time_limit_s={time_s}", "network.publish_matrices=false")
-    command = (*ROSLAUNCH, "robotteamsim", f"{name}.launch", "rviz:=false", "lockstep:=true", "speed:=0")
+    command = (
+        *ROSLAUNCH,
+        "robotteamsim",
+        "mission.launch",
+        f"scenario:={name}",
+        "rviz:=false",
+        "lockstep:=true",
+        "speed:=0",
+    )
     options = (f"controllers:={hosted}", "out:=results", "record:=true", "bag:=run.bag")
     with running((*command, f"set:={' '.join(settings)}", *options), tmp_path) as program:
         assert program.wait() == 0, program.output

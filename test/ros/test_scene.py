@@ -20,7 +20,7 @@ from running import TIMEOUT_S, environment, wait_for_port
 from robotteamsim import palette
 from robotteamsim.recording import BagWriter
 from robotteamsim.ros.nodes.rviz_view import fitted
-from robotteamsim.ros.scene.plan import FLOOR
+from robotteamsim.ros.scene.building import FLOOR
 from robotteamsim.ros.scene.team import robot_colour
 from robotteamsim.scenario import Bounds, load
 from robotteamsim.simulation import Simulation
@@ -38,27 +38,6 @@ markers = {topic: rospy.wait_for_message(topic, MarkerArray, 300.0).markers for 
 print(json.dumps({
     topic: [[m.ns, m.id, m.action, m.header.frame_id] for m in of_topic] for topic, of_topic in markers.items()
 }))
-"""
-
-LATE_NETWORK = """
-import rospy
-from robotteamsim.msg import MissionStatus, NetworkState
-from visualization_msgs.msg import MarkerArray
-
-def headline_with(words):
-    while True:
-        markers = rospy.wait_for_message("/scene/headline", MarkerArray, 300.0).markers
-        for text in (marker.text for marker in markers if marker.ns == "headline"):
-            if words in text:
-                return text
-
-rospy.init_node("late_network", anonymous=True, disable_rostime=True)
-status = rospy.Publisher("/mission/status", MissionStatus, queue_size=1, latch=True)
-network = rospy.Publisher("/network/state", NetworkState, queue_size=1, latch=True)
-status.publish(MissionStatus(scenario="late", state="running"))
-headline_with("late")
-network.publish(NetworkState(num_endangered=3))
-print(headline_with("endangered links 3"))
 """
 
 LEAVING = """
@@ -134,22 +113,17 @@ def listen(variables: dict[str, str], *topics: str) -> dict[str, list[tuple[str,
 
 
 def test_late_listener_gets_the_whole_scene_of_a_bag_that_has_ended(master):
-    layers = ("building", "doors", "voice", "areas", "victims", "robots", "headline")
+    layers = ("building", "doors", "voice", "areas", "victims", "robots", "links", "headline")
     scene = listen(master, *(f"/scene/{layer}" for layer in layers))
     drawn = {topic: {ns for ns, _, action, _ in markers if action == 0} for topic, markers in scene.items()}
     assert drawn["/scene/building"] == {"floor", "shadows", "walls"}
     assert drawn["/scene/headline"] == {"headline", "legend", "legend_words"}
-    assert drawn["/scene/voice"] == {"voice"}
+    assert drawn["/scene/voice"] == {"voice", "contours"}
+    assert drawn["/scene/links"] == {"links"}
     assert drawn["/scene/robots"] >= {"bodies", "decks", "wedges", "robot_ids"}
     bodies = [key for key in scene["/scene/robots"] if key[0] == "bodies"]
     assert [robot_id for _, robot_id, _, _ in bodies] == [0, 1, 2]
     assert {frame for markers in scene.values() for _, _, _, frame in markers} == {"map"}
-
-
-def test_headline_counts_links_that_are_told_of_after_the_status(master):
-    command = [sys.executable, "-c", LATE_NETWORK]
-    answer = subprocess.run(command, env=master, check=True, capture_output=True, timeout=TIMEOUT_S, text=True)
-    assert "late" in answer.stdout
 
 
 def test_markers_of_a_robot_that_leaves_are_deleted_and_come_back_with_it(master):
@@ -158,24 +132,37 @@ def test_markers_of_a_robot_that_leaves_are_deleted_and_come_back_with_it(master
     before, while_away, deleted, after = json.loads(answer.stdout)
     assert {tuple(key) for key in before} == {tuple(key) for key in while_away + deleted}
     assert not any(key in while_away for key in deleted)
-    assert {name for name, _ in before if name != "contacts"} == {name for name, _ in deleted}
+    assert {name for name, _ in before} == {name for name, _ in deleted}
     assert after == before
 
 
 @pytest.mark.parametrize(
     ("corner", "scale"), [((60.0, 40.0), 1.0), ((30.0, 20.0), 0.5), ((12.0, 40.0), 1.0), ((120.0, 10.0), 2.0)]
 )
-def test_view_is_from_so_far_that_the_building_fits(corner, scale):
-    config = ROOT / "rviz" / "robotteamsim.rviz"
+def test_view_is_far_enough_for_the_whole_building(corner, scale):
+    config, scenario = ROOT / "rviz" / "robotteamsim.rviz", load("tutorial_arena")
+    plan = scenario.plan.model_copy(update={"bounds": Bounds(max=corner)})
+    scenario = scenario.model_copy(update={"plan": plan})
     before, after = (
         {view["Name"]: view for view in (views["Current"], *views["Saved"])}
         for views in (
             settings["Visualization Manager"]["Views"]
-            for settings in (yaml.safe_load(config.read_text()), fitted(config, Bounds(max=corner)))
+            for settings in (yaml.safe_load(config.read_text()), fitted(config, scenario))
         )
     )
     assert after["Current View"]["Distance"] == scale * before["Current View"]["Distance"]
     assert after["From above"]["Scale"] == before["From above"]["Scale"] / scale
+
+
+def test_rviz_shows_the_scans_of_each_robot_in_its_colour():
+    config = ROOT / "rviz" / "robotteamsim.rviz"
+    displays = fitted(config, load("warehouse_push"))["Visualization Manager"]["Displays"]
+    of_robots = {
+        display["Topic"]: display for display in displays if display["Class"] in ("rviz/LaserScan", "rviz/Range")
+    }
+    assert {"/robot_0/base_scan", "/robot_1/base_scan"} <= of_robots.keys()
+    red, green, blue = (round(255.0 * part) for part in robot_colour(1)[:3])
+    assert of_robots["/robot_1/base_scan"]["Color"] == f"{red}; {green}; {blue}"
 
 
 def grab(display: str) -> np.ndarray:

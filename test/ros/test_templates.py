@@ -69,7 +69,7 @@ def test_careful_driver_halves_the_speed_and_stops_before_the_wall(language, tmp
     (tmp_path / "drive.py").write_text(DRIVE)
     world = (*ROSLAUNCH, "robotteamsim", "world.launch", "scenario:=tutorial_arena", "speed:=3")
     with running(world, tmp_path) as program:
-        program.wait_for(lambda line: "process[world" in line, "the world's start")
+        program.wait_for(lambda line: "process[simulation" in line, "the start of the simulation")
         shared = ("env", f"ROS_MASTER_URI=http://localhost:{program.port}", "ROS_NAMESPACE=robot_0")
         with running((*shared, *command), tmp_path), running((*shared, sys.executable, "drive.py"), tmp_path) as driver:
             assert driver.wait() == 0, driver.output

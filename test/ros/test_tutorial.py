@@ -130,7 +130,7 @@ def test_misspelt_key_is_reported_as_printed(folder):
 def test_robot_is_driven_by_command_keyboard_and_nodes(folder):
     topics, scan, publish, keyboard, view, my_node, careful, careful_keyboard = COMMANDS[4:12]
     with running((*ROSLAUNCH, *LAUNCHES[0].split()[1:]), folder) as world:
-        world.wait_for(lambda line: "process[mission" in line, "the mission's start")
+        world.wait_for(lambda line: "process[simulation" in line, "the start of the simulation")
         for command, expected in ((scan, "range_max: 5.0"), (topics, "/robot_0/base_scan")):
             with running(at_master(world, command), folder) as program:
                 assert program.wait() == 0, program.output

@@ -29,7 +29,7 @@ struct Twist {
 };
 
 /// Returns the same direction as an angle in (-pi, pi].
-double NormaliseAngle(double angle);
+double NormaliseAngle(double angle_rad);
 
 /// Returns the motion from `from` to `to`, in the frame of `from`.
 Pose RelativePose(const Pose& from, const Pose& to);

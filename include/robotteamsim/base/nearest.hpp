@@ -14,9 +14,9 @@ Point NearestPoint(const Point& position, const std::vector<Point>& points);
 /// Places that are reached by a point within their reach.
 class Places {
  public:
-  /// Args: reaches: one per place [m].
+  /// Args: reaches_m: one per place [m].
   /// Throws std::invalid_argument if the number of reaches differs from that of places.
-  Places(std::vector<Point> places, std::vector<double> reaches);
+  Places(std::vector<Point> places, std::vector<double> reaches_m);
 
   /// Returns the places that have a point within their reach: the index of each such place, ascending, and the index of
   /// the point nearest to it, the first of equally near points.
@@ -24,7 +24,7 @@ class Places {
 
  private:
   std::vector<Point> places_;
-  std::vector<double> reaches_;
+  std::vector<double> reaches_m_;
 };
 
 }  // namespace robotteamsim::base

@@ -14,7 +14,7 @@ namespace robotteamsim::control {
 /// A disc that a robot keeps out of [m].
 struct KeptOut {
   base::Point center;
-  double radius = 0.0;
+  double radius_m = 0.0;
 };
 
 /// Paths between the cells of a coarse grid: a graph over the fine grid in which robots drive.
@@ -52,8 +52,8 @@ class CellPaths {
   float LengthBetween(int from, int to) const;
 
   /// Returns the farthest place on the path to a cell to which the straight line from a position is free, at most
-  /// `longest` [m] of path ahead; if none is, the next one. Nothing without a path.
-  std::optional<base::Point> Ahead(const base::Point& position, int goal, double longest) const;
+  /// `longest_m` of path ahead; if none is, the next one. Nothing without a path.
+  std::optional<base::Point> Ahead(const base::Point& position, int goal, double longest_m) const;
 
  private:
   static constexpr int kNeighbours = 8;

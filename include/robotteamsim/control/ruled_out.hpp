@@ -43,11 +43,11 @@ class HeardNotes {
 
 /// The places where victims cannot be, as far as known.
 ///
-/// A note rules out all places within `radius` [m] of its robot except the loudest cell, of width `cell` [m], and
-/// everything within `next_to` [m].
+/// A note rules out all places within `radius_m` of its robot except the loudest cell, of width `cell_m`, and
+/// everything within `next_to_m`.
 class RuledOut {
  public:
-  RuledOut(double radius, double cell, double next_to);
+  RuledOut(double radius_m, double cell_m, double next_to_m);
 
   /// Forgets all notes.
   void Clear();
@@ -66,7 +66,7 @@ class RuledOut {
   bool RulesOut(const HeardNote& note, const base::Point& place) const;
   std::int64_t BucketOf(double x, double y, int d_column, int d_row) const;
 
-  double radius_, cell_, next_to_, bucket_;
+  double radius_m_, cell_m_, next_to_m_, bucket_m_;
   std::vector<HeardKey> known_;
   /// A hash table with open addressing: indices in `known_` plus 1; 0: empty. Robots of a large team add a hundred
   /// notes every second, and each has its own table: std::unordered_set took most of that time.

@@ -8,11 +8,11 @@ namespace robotteamsim::hazards {
 
 /// How smoke and heat spread over a floor, and how heat is lost; docs/fire.md has the equations.
 struct AirModel {
-  double cell = 0.5;            ///< size of a cell [m]
-  double diffusivity = 0.25;    ///< [m^2/s]
-  double ambient = 293.15;      ///< [K]
-  double heat_capacity = 3.14;  ///< of the air above a square metre [kJ/(m^2 K)]
-  double convection = 0.010;    ///< [kW/(m^2 K)]
+  double cell_m = 0.5;  ///< size of a cell
+  double diffusivity_m2_s = 0.25;
+  double ambient_k = 293.15;
+  double heat_capacity_kj_m2_k = 3.14;  ///< of the air above a square metre
+  double convection_kw_m2_k = 0.010;
   double emissivity = 0.8;
 };
 
@@ -23,7 +23,7 @@ class Air {
   Air(const AirModel& model, const Links& links);
 
   /// Adds soot [g/m^2] and heat [kJ/m^2] to a cell.
-  void Add(int padded, double soot, double heat);
+  void Add(int padded, double soot_g_m2, double heat_kj_m2);
 
   /// Lets soot and heat spread through the links, and heat be lost, for some time [s].
   void Advance(const Links& links, double seconds);

@@ -11,13 +11,13 @@ namespace robotteamsim::hazards {
 /// A door as an obstacle for fire and smoke.
 struct DoorModel {
   bool closed = false;
-  double leakage = 0.0;  ///< share of the smoke that passes the closed door
-  double endures = 0.0;  ///< a closed door burns through after so long beside flames [s]; negative: never
+  double leakage = 0.0;    ///< share of the smoke that passes the closed door
+  double endures_s = 0.0;  ///< a closed door burns through after so long beside flames; negative: never
 };
 
 /// What a fire gives to the air of its cell, per heat that it releases.
 struct Yields {
-  double soot = 0.003;  ///< [g/kJ]
+  double soot_g_kj = 0.003;
   double warmth = 0.7;  ///< share of the heat that warms the air
 };
 
@@ -44,11 +44,11 @@ class BurningFloor {
 
   /// Soot in the air if it fills a height [m] evenly [g/m^3]. Throws std::invalid_argument if the height is not above
   /// 0.
-  std::vector<float> SootDensity(double height) const;
+  std::vector<float> SootDensity(double height_m) const;
 
   /// Temperature of the air [degC]; where it burns, at least that of flames.
   /// Throws std::invalid_argument if a number is not finite.
-  std::vector<float> Temperature(float ambient, float flame) const;
+  std::vector<float> Temperature(float ambient_c, float flame_c) const;
 
   const Links& links() const { return links_; }
   const Fire& fire() const { return fire_; }
@@ -61,10 +61,10 @@ class BurningFloor {
   Links links_;
   Fire fire_;
   Air air_;
-  double cell_area_;
+  double cell_area_m2_;
   Yields yields_;
   std::vector<DoorModel> doors_;
-  std::vector<double> heated_;  ///< time beside flames [s]
+  std::vector<double> heated_s_;  ///< time beside flames
   std::vector<bool> is_burnt_through_;
 };
 

@@ -9,9 +9,9 @@ namespace robotteamsim::hazards {
 
 /// What burns in one cell.
 struct Fuel {
-  double load = 0.0;    ///< heat of all of it [kJ]
-  double peak = 0.0;    ///< highest heat release rate [kW]
-  double growth = 0.0;  ///< of the t-squared fire [kW/s^2]
+  double load_kj = 0.0;       ///< heat of all of it
+  double peak_kw = 0.0;       ///< highest heat release rate
+  double growth_kw_s2 = 0.0;  ///< of the t-squared fire
 };
 
 enum class Burning : std::uint8_t { kNot, kBurns, kBurntOut };
@@ -19,7 +19,7 @@ enum class Burning : std::uint8_t { kNot, kBurns, kBurntOut };
 /// A cell that burns, and the heat that it released in the last step [kJ].
 struct Release {
   int padded = 0;
-  double heat = 0.0;
+  double heat_kj = 0.0;
 };
 
 /// Fire that spreads from cell to cell.
@@ -52,14 +52,14 @@ class Fire {
   const std::vector<Burning>& states() const { return states_; }
   const std::vector<Release>& releases() const { return releases_; }
   int num_burning() const { return static_cast<int>(burning_.size()); }
-  double heat_release_rate() const;  ///< of all cells, now [kW]
+  double heat_release_kw() const;  ///< of all cells, now
 
  private:
   struct Cell {
     int padded = 0;
-    double age = 0.0;       ///< since its ignition [s]
-    bool grows = false;     ///< a fire begins here; else it has its peak from the beginning
-    double released = 0.0;  ///< heat [kJ]
+    double age_s = 0.0;        ///< since its ignition
+    bool grows = false;        ///< a fire begins here; else it has its peak from the beginning
+    double released_kj = 0.0;  ///< heat
   };
 
   void Begin(const Links& links, int padded, bool grows);

@@ -17,10 +17,10 @@ struct GridValues {
 /// Throws std::invalid_argument if the shape cannot be used, or a value or `outside` is not finite.
 std::vector<double> ValuesAt(const GridValues& values, const std::vector<base::Point>& points, double outside);
 
-/// Returns the centres of the cells that are at least as hot as `limit` and within `range` [m] of a place, and to which
+/// Returns the centres of the cells that are at least as hot as `limit_c` and within `range_m` of a place, and to which
 /// the straight line is free in `sight`; row by row.
 /// Throws std::invalid_argument if the shape, the place or the range cannot be used.
-std::vector<base::Point> HotInSight(const GridValues& temperatures, double limit, const plan::PlanningGrid& sight,
-                                    const base::Point& place, double range);
+std::vector<base::Point> HotInSight(const GridValues& temperatures, double limit_c, const plan::PlanningGrid& sight,
+                                    const base::Point& place, double range_m);
 
 }  // namespace robotteamsim::hazards

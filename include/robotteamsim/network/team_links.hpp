@@ -14,9 +14,9 @@ namespace robotteamsim::network {
 /// The conditions for a link and for an endangered link.
 struct LinkRule {
   bool by_distance = false;
-  double lost_below = -94.0;        ///< by signal: a weaker signal is not a link [dBm]
-  double max_distance = 25.0;       ///< by distance: robots farther apart have no link [m]
-  double endangered_below = -80.0;  ///< a link with a weaker signal is endangered [dBm]
+  double lost_below_dbm = -94.0;        ///< by signal: a weaker signal is not a link
+  double max_distance_m = 25.0;         ///< by distance: robots farther apart have no link
+  double endangered_below_dbm = -80.0;  ///< a link with a weaker signal is endangered
 };
 
 /// The radio links of a team, step by step. Hops and the Fiedler value are computed only if a link appears or

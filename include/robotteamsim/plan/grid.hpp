@@ -6,14 +6,13 @@
 #include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
-#include "robotteamsim/plan/disc_fill.hpp"
 
 namespace robotteamsim::plan {
 
 /// Where the cells of a grid lie in the map frame [m]; row 0 has the lowest y, cells are stored row by row.
 struct GridShape {
   base::Point origin;  ///< lower left corner of the lower left cell
-  double resolution = 0.1;
+  double resolution_m = 0.1;
   int rows = 0;
   int cols = 0;
 };
@@ -31,8 +30,8 @@ class PlanningGrid {
     double value;
   };
 
-  /// Blocks every cell whose centre is nearer than `inflation` [m] to an occupied cell (nonzero in `occupied`).
-  PlanningGrid(const GridShape& shape, const std::vector<std::uint8_t>& occupied, double inflation);
+  /// Blocks every cell whose centre is nearer than `inflation_m` to an occupied cell (nonzero in `occupied`).
+  PlanningGrid(const GridShape& shape, const std::vector<std::uint8_t>& occupied, double inflation_m);
 
   const GridShape& shape() const { return shape_; }
   const std::vector<std::uint8_t>& blocked() const { return blocked_; }
@@ -40,8 +39,8 @@ class PlanningGrid {
   bool IsFree(const base::Point& point) const;
 
   /// Returns the centre of the free cell nearest to `point`, or `point` itself if it is free; nothing if no cell within
-  /// `max_distance` is free.
-  std::optional<base::Point> NearestFree(const base::Point& point, double max_distance) const;
+  /// `max_distance_m` is free.
+  std::optional<base::Point> NearestFree(const base::Point& point, double max_distance_m) const;
 
   /// Returns whether the segment crosses only free cells; at a cell corner, both cells beside it count.
   bool IsLineFree(const base::Point& a, const base::Point& b) const;
@@ -53,51 +52,51 @@ class PlanningGrid {
   /// Returns the value of `distances` (a DistanceMap of `size` cells) in the cell of a point; infinity beyond the grid.
   double ValueAt(const float* distances, std::size_t size, const base::Point& point) const;
 
-  /// Returns the place up to `look_ahead` [m] down the steepest descent of `distances` (a DistanceMap) to which the
+  /// Returns the place up to `look_ahead_m` down the steepest descent of `distances` (a DistanceMap) to which the
   /// straight line from `from` is free: where to walk next on the shortest path. Nothing if there is no path.
   std::optional<base::Point> Descend(const float* distances, std::size_t size, const base::Point& from,
-                                     double look_ahead) const;
+                                     double look_ahead_m) const;
 
   /// Returns the cell centres of a shortest path, the cells of `from` and `to` included (A*). Empty if an end is
-  /// blocked or no path of at most `max_length` [m] exists.
-  std::vector<base::Point> ShortestPath(const base::Point& from, const base::Point& to, double max_length) const;
+  /// blocked or no path of at most `max_length_m` exists.
+  std::vector<base::Point> ShortestPath(const base::Point& from, const base::Point& to, double max_length_m) const;
 
   /// Returns the corners that remain of a path when every stretch with free line of sight becomes straight.
   std::vector<base::Point> Shortcut(const std::vector<base::Point>& path) const;
 
   /// Returns the corners of a shortest path, its ends included: the Shortcut of ShortestPath.
-  std::vector<base::Point> Waypoints(const base::Point& from, const base::Point& to, double max_length) const {
-    return Shortcut(ShortestPath(from, to, max_length));
+  std::vector<base::Point> Waypoints(const base::Point& from, const base::Point& to, double max_length_m) const {
+    return Shortcut(ShortestPath(from, to, max_length_m));
   }
 
-  /// Returns, of the cells within `radius` [m] of `from` that can be reached from it inside that disc, the centre of
+  /// Returns, of the cells within `radius_m` of `from` that can be reached from it inside that disc, the centre of
   /// the cell with the least value of `distances` (a DistanceMap); nothing if `from` is blocked or all are infinite.
   std::optional<Valued> LeastReachable(const float* distances, std::size_t size, const base::Point& from,
-                                       double radius) const;
+                                       double radius_m) const;
 
   /// Returns, of the same cells, the centre of the cell nearest to `to`; nothing if `from` is blocked.
-  std::optional<base::Point> NearestReachable(const base::Point& from, const base::Point& to, double radius) const;
+  std::optional<base::Point> NearestReachable(const base::Point& from, const base::Point& to, double radius_m) const;
 
   /// Returns `goal` if the straight path to it is free; else the place nearest to it that can be reached close by.
   base::Point ReachableTowards(const base::Point& from, const base::Point& goal) const;
 
   /// Returns the first bend of a shortest path and the length of the whole path [m]. The bend is `goal` itself, at its
-  /// straight distance, if the straight path is free or no path of at most `max_length` [m] exists.
-  Valued FirstStretch(const base::Point& from, const base::Point& goal, double max_length) const;
+  /// straight distance, if the straight path is free or no path of at most `max_length_m` exists.
+  Valued FirstStretch(const base::Point& from, const base::Point& goal, double max_length_m) const;
 
   /// Returns a point at the length of the path to `goal`, in the direction of its first stretch.
-  base::Point AlongPath(const base::Point& from, const base::Point& goal, double max_length) const;
+  base::Point AlongPath(const base::Point& from, const base::Point& goal, double max_length_m) const;
 
-  /// Returns, of all free cells within `radius` [m] of `center`, the centre of the cell with the least straight
+  /// Returns, of all free cells within `radius_m` of `center`, the centre of the cell with the least straight
   /// distance to `to`.
-  std::optional<base::Point> NearestInDisc(const base::Point& center, const base::Point& to, double radius) const;
+  std::optional<base::Point> NearestInDisc(const base::Point& center, const base::Point& to, double radius_m) const;
 
  private:
   struct Step {
     int offset;
     int d_row;
     int d_col;
-    double length;
+    double length_m;
   };
 
   struct Cell {
@@ -115,21 +114,19 @@ class PlanningGrid {
   base::Point Center(int row, int col) const;
   base::Point Center(int cell) const;
   template <typename Value>
-  std::optional<Valued> BestReachable(const base::Point& from, double radius, const Value& value) const;
+  std::optional<Valued> BestReachable(const base::Point& from, double radius_m, const Value& value) const;
 
   GridShape shape_;
   std::vector<std::uint8_t> blocked_;
   std::vector<Step> steps_;
-  DiscFill disc_fill_;
   std::vector<std::uint8_t> exits_;  ///< bit i: step i leads from this free cell to a free cell and cuts no corner
 
   // A cell's scratch entries are valid only if its stamp is that of the current search: they need not be cleared.
   mutable std::uint32_t search_ = 0;
   mutable std::vector<std::uint32_t> stamp_;
-  mutable std::vector<double> length_;
+  mutable std::vector<double> length_m_;
   mutable std::vector<int> parent_;
   mutable std::vector<Cell> reached_;
-  mutable std::vector<DiscFill::Row> filled_;
 };
 
 }  // namespace robotteamsim::plan

@@ -17,7 +17,7 @@ using MapValues = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::Ro
 
 /// Returns the centre of a cell [m].
 inline base::Point CellCenter(const plan::GridShape& grid, int row, int col) {
-  return {grid.origin.x + (col + 0.5) * grid.resolution, grid.origin.y + (row + 0.5) * grid.resolution};
+  return {grid.origin.x + (col + 0.5) * grid.resolution_m, grid.origin.y + (row + 0.5) * grid.resolution_m};
 }
 
 /// Indices from first to last - 1.

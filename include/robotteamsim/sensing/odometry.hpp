@@ -24,6 +24,13 @@ struct PoseCovariance {
   double yaw_yaw = 0.0;  ///< [rad^2]
 };
 
+/// The variances of the errors of a twist, which are independent of each other.
+struct TwistVariances {
+  double forward = 0.0;  ///< [m^2/s^2]
+  double left = 0.0;     ///< [m^2/s^2]; 0 unless the robot is omnidirectional
+  double turn = 0.0;     ///< [rad^2/s^2]
+};
+
 /// A robot's odometry: its true motion plus drift, in a frame `odom` that begins where the robot does.
 ///
 /// A motion is a turn, a distance and a second turn, each with Gaussian noise of the variances
@@ -53,9 +60,9 @@ class Odometry {
     double second_turn = 0.0;
   };
 
-  /// Args: step: length of a step [s]; omni: whether the robot is omnidirectional.
+  /// Args: step_s: length of a step [s]; omni: whether the robot is omnidirectional.
   /// Throws std::invalid_argument if a coefficient is negative or not finite, or the step is not above 0.
-  Odometry(const OdometryModel& model, double step, bool omni = false);
+  Odometry(const OdometryModel& model, double step_s, bool omni = false);
 
   /// Adds one step. Args: motion: in the frame of its beginning; twist: the mean velocity, in base_link.
   void Step(const base::Pose& motion, const base::Twist& twist, const Noise& noise);
@@ -67,25 +74,19 @@ class Odometry {
 
   /// The covariance of the estimated pose.
   const PoseCovariance& covariance() const { return covariance_; }
-  /// Variance of the measured forward speed [m^2/s^2].
-  double speed_variance() const { return speed_variance_; }
-  /// Variance of the measured speed to the left [m^2/s^2], independent of the others; 0 unless the robot is
-  /// omnidirectional.
-  double sideways_variance() const { return omni_ ? speed_variance_ : 0.0; }
-  /// Variance of the measured yaw rate [rad^2/s^2], independent of the speed's.
-  double turn_variance() const { return turn_variance_; }
+  /// The variances of the measured twist.
+  const TwistVariances& twist_variances() const { return twist_variances_; }
 
  private:
   void StepOmni(const base::Pose& motion, const base::Twist& twist, const Noise& noise);
 
   OdometryModel model_;
-  double step_;
+  double step_s_;
   bool omni_;
   base::Pose pose_;
   base::Twist twist_;
   PoseCovariance covariance_;
-  double speed_variance_ = 0.0;
-  double turn_variance_ = 0.0;
+  TwistVariances twist_variances_;
 };
 
 }  // namespace robotteamsim::sensing

@@ -19,9 +19,9 @@ struct VoiceReading {
 /// Reads one voice map at the robots' positions.
 class VoiceSensor {
  public:
-  /// Args: map: the levels of the cells of `grid` [dB]; radius: of the search for the loudest cell [m].
+  /// Args: map: the levels of the cells of `grid` [dB]; radius_m: of the search for the loudest cell [m].
   /// Throws std::invalid_argument if the map does not fit the grid.
-  VoiceSensor(const plan::GridShape& grid, propagation::MapValues map, double radius);
+  VoiceSensor(const plan::GridShape& grid, propagation::MapValues map, double radius_m);
 
   /// Returns the reading of each robot. Throws std::invalid_argument if a position is not finite.
   std::vector<VoiceReading> Hear(const std::vector<base::Point>& positions);
@@ -31,7 +31,7 @@ class VoiceSensor {
 
   plan::GridShape grid_;
   propagation::MapValues map_;
-  double radius_;
+  double radius_m_;
   std::vector<std::optional<propagation::Cell>> last_;  ///< the last loudest cell of each robot
 };
 

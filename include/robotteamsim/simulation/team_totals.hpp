@@ -4,16 +4,15 @@
 #include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
-#include "robotteamsim/base/table.hpp"
 
 namespace robotteamsim::simulation {
 
 /// One robot's totals over a trial.
 struct RobotTotals {
-  double distance = 0.0;   ///< length of its true path [m]
-  int contact_steps = 0;   ///< in which it touched something
-  int excluded_steps = 0;  ///< as an excluded robot
-  int longest_stay = 0;    ///< most steps within 0.5 m of one place
+  double distance_m = 0.0;  ///< length of its true path
+  int contact_steps = 0;    ///< in which it touched something
+  int excluded_steps = 0;   ///< as an excluded robot
+  int longest_stay = 0;     ///< most steps within 0.5 m of one place
 };
 
 /// Adds up the totals of each robot of a team.
@@ -21,12 +20,12 @@ class TeamTotals {
  public:
   explicit TeamTotals(int num_robots);
 
-  /// Adds some steps: one row per step, one column per robot.
+  /// Adds a step.
   /// Args: positions: the true ones in `map` [m]; NaN for a robot that is not there: then nothing counts.
-  ///       running: whether the mission runs in each step; staying counts only then.
-  /// Throws std::invalid_argument if a table has another shape.
-  void AddSteps(const base::Table<const base::Point>& positions, const base::Table<const bool>& in_contact,
-                const base::Table<const bool>& excluded, const std::vector<bool>& running);
+  ///       running: whether the mission runs; staying counts only then.
+  /// Throws std::invalid_argument unless there is one of each per robot.
+  void AddStep(const std::vector<base::Point>& positions, const std::vector<bool>& in_contact,
+               const std::vector<bool>& excluded, bool running);
 
   /// The sums so far, of each robot.
   std::vector<RobotTotals> Totals() const;

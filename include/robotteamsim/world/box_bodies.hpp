@@ -17,9 +17,9 @@ b2Vec2 ToBox(double x, double y);
 void AddPieces(b2Body* body, const Solid& solid, const base::Point& origin);
 
 /// Gives a body the shape and mass [kg] of a disc.
-void AddDisc(b2Body* body, double radius, double mass);
+void AddDisc(b2Body* body, double radius_m, double mass_kg);
 
 /// Gives a body the shape and mass [kg] of a convex polygon in its own frame.
-void AddPolygon(b2Body* body, const Polygon& corners, double mass);
+void AddPolygon(b2Body* body, const Polygon& corners, double mass_kg);
 
 }  // namespace robotteamsim::world

@@ -10,26 +10,26 @@ namespace robotteamsim::world {
 
 /// The parameters of the collision-free speed model [tordeux2016]; the scenario's `people` has the defaults.
 struct CrowdParameters {
-  double time_gap = 1.0;            ///< T: people keep this time to the one ahead [s]
+  double time_gap_s = 1.0;          ///< T: people keep this time to the one ahead
   double neighbour_strength = 8.0;  ///< a: how far a neighbour turns the direction aside
-  double neighbour_range = 0.1;     ///< D: over which this effect fades [m]
+  double neighbour_range_m = 0.1;   ///< D: over which this effect fades
   double wall_strength = 5.0;       ///< the same of a wall
-  double wall_range = 0.02;         ///< [m]
-  double longest_substep = 0.05;    ///< a step is divided into equal substeps that are not longer [s]
+  double wall_range_m = 0.02;
+  double longest_substep_s = 0.05;  ///< a step is divided into equal substeps that are not longer
 };
 
 /// Someone who walks to a target in a straight line, around others and along walls.
 struct Walker {
-  base::Point position;  ///< [m, map]
-  base::Point target;    ///< [m, map]; at the target they stand
-  double speed = 0.0;    ///< with nobody ahead [m/s]
-  double radius = 0.2;   ///< [m]
+  base::Point position;    ///< [m, map]
+  base::Point target;      ///< [m, map]; at the target they stand
+  double speed_mps = 0.0;  ///< with nobody ahead
+  double radius_m = 0.2;
 };
 
 /// A body that walkers avoid: a robot, or someone who stands.
 struct Bystander {
   base::Point position;  ///< [m, map]
-  double radius = 0.2;   ///< [m]
+  double radius_m = 0.2;
 };
 
 /// People on a floor plan who walk by the collision-free speed model of Tordeux, Chraibi and Seyfried.
@@ -47,11 +47,11 @@ class Crowd {
   /// matter. Args: closed: whether each door is closed. Throws std::invalid_argument if a number is out of range, or
   /// `closed` has another length than the doors.
   std::vector<base::Point> Step(std::vector<Walker> walkers, const std::vector<Bystander>& others,
-                                const std::vector<bool>& closed, double time) const;
+                                const std::vector<bool>& closed, double time_s) const;
 
  private:
   base::Point NextPosition(const std::vector<Walker>& walkers, std::size_t index, const std::vector<Bystander>& others,
-                           const std::vector<base::Segment>& walls, double time) const;
+                           const std::vector<base::Segment>& walls, double time_s) const;
   std::vector<base::Segment> WallsNear(const Walker& walker, const std::vector<bool>& closed) const;
 
   CrowdParameters parameters_;

@@ -16,9 +16,9 @@ class DiscGrid {
 
   /// Calls meet(robot, pose) for all robots whose centre is within reach of the point, and for some beyond it.
   template <typename Meet>
-  void ForEachNear(const base::Point& point, double reach, const Meet& meet) const {
-    const int first_column = Column(point.x - reach), last_column = Column(point.x + reach);
-    const int first_row = Row(point.y - reach), last_row = Row(point.y + reach);
+  void ForEachNear(const base::Point& point, double reach_m, const Meet& meet) const {
+    const int first_column = Column(point.x - reach_m), last_column = Column(point.x + reach_m);
+    const int first_row = Row(point.y - reach_m), last_row = Row(point.y + reach_m);
     for (int row = first_row; row <= last_row; ++row) {
       const int* const start = start_.data() + static_cast<std::ptrdiff_t>(row) * columns_;
       for (int k = start[first_column]; k < start[last_column + 1]; ++k) meet(robots_[k], poses_[k]);

@@ -19,7 +19,7 @@ struct MovingLeaf {
   bool shall_close = false;  ///< its target: closed or open
   bool is_held = false;      ///< whether something blocked it in the last step
   Polygon outline;           ///< where it is now
-  double reach = 0.0;        ///< its greatest distance from the hinge in any position [m]
+  double reach_m = 0.0;      ///< its greatest distance from the hinge in any position
 
   bool IsThere() const { return opening == (shall_close ? 0.0 : 1.0); }
 };
@@ -57,7 +57,7 @@ class Doors {
   void SetClosed(int door, bool closed);
 
   /// Moves the leaves for a time [s], as far as nothing blocks them.
-  void Advance(double time, const IsBlocked& is_blocked);
+  void Advance(double time_s, const IsBlocked& is_blocked);
 
   const std::vector<Door>& all() const { return doors_; }
   const std::vector<MovingLeaf>& leaves() const { return leaves_; }
@@ -70,15 +70,15 @@ class Doors {
   void UpdateStates();
 
   /// Returns how far any moving leaf moves at most in a time [m].
-  double Travel(double time) const;
+  double Travel(double time_s) const;
   /// Returns whether a leaf that swings or slides is within a distance of a point.
-  bool IsLeafNear(const base::Point& point, double distance) const;
+  bool IsLeafNear(const base::Point& point, double distance_m) const;
 
  private:
   Polygon OutlineAt(const MovingLeaf& leaf, double opening) const;
   double Pace(const MovingLeaf& leaf) const;
   void PutBody(const MovingLeaf& leaf);
-  void GoOn(MovingLeaf& leaf, double time, const IsBlocked& is_blocked);
+  void GoOn(MovingLeaf& leaf, double time_s, const IsBlocked& is_blocked);
 
   const std::vector<Door> first_;
   base::Point origin_;

@@ -14,8 +14,8 @@ namespace robotteamsim::world {
 
 /// An object that robots can push: it slides and turns until the friction of the ground has stopped it.
 struct MovableObject {
-  double radius = 0.2;    ///< [m]; a world sets it to that of the disc around its middle that contains the corners
-  double mass = 1.0;      ///< [kg]
+  double radius_m = 0.2;  ///< a world sets it to that of the disc around its middle that contains the corners
+  double mass_kg = 1.0;
   double friction = 0.5;  ///< of the ground, per weight
   base::Pose start;       ///< of its middle
   Polygon corners = {};   ///< around its middle, 3 to 8 counter-clockwise [m]; none: it is round
@@ -43,14 +43,14 @@ class MovableObjects {
   const std::vector<MovableObject>& all() const { return objects_; }
   const std::vector<base::Pose>& poses() const { return poses_; }
   const DiscGrid& grid() const { return grid_; }
-  double max_radius() const { return max_radius_; }
+  double max_radius() const { return max_radius_m_; }
 
   /// Returns the current pose of an object, also within a step.
   base::Pose PoseNow(int object) const;
   /// Returns whether any object moves: one at rest for half a second sleeps until something touches it.
   bool AnyMoves() const;
   /// Returns the longest distance that any object travels at its speed in a time [s].
-  double Travel(double time) const;
+  double Travel(double time_s) const;
 
  private:
   void Build(const MovableObject& object);
@@ -65,7 +65,7 @@ class MovableObjects {
   std::vector<b2Body*> bodies_;
   std::vector<base::Pose> poses_;
   DiscGrid grid_;
-  double max_radius_ = 0.0;
+  double max_radius_m_ = 0.0;
 };
 
 }  // namespace robotteamsim::world

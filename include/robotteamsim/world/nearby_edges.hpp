@@ -24,8 +24,8 @@ std::vector<Edge> EdgesOf(const std::vector<Solid>& solids, const std::vector<Do
 /// Finds the edges near a point: each square cell of the floor keeps a list for all points in it.
 class NearbyEdges {
  public:
-  /// Args: reach: of `Near` [m]. Throws std::invalid_argument if it is not above 0.
-  NearbyEdges(std::vector<Edge> edges, double reach);
+  /// Args: reach_m: of `Near` [m]. Throws std::invalid_argument if it is not above 0.
+  NearbyEdges(std::vector<Edge> edges, double reach_m);
 
   /// Returns all edges within reach of the point and some beyond it, in no particular order.
   const std::vector<Edge>& Near(const base::Point& point) const;
@@ -33,10 +33,10 @@ class NearbyEdges {
  private:
   int Column(double x) const;
   int Row(double y) const;
-  void AddToCells(const Edge& edge, double reach);
+  void AddToCells(const Edge& edge, double reach_m);
 
   base::Point origin_;
-  double cell_ = 1.0;
+  double cell_m_ = 1.0;
   int columns_ = 0;
   int rows_ = 0;
   std::vector<std::vector<Edge>> cells_;

@@ -17,10 +17,10 @@ struct Solid {
 
 /// The motion of a leaf, at constant speed: it turns about its hinge, or shifts, or both.
 struct LeafMotion {
-  double time = 0.0;   ///< from closed to open [s]; 0: instantly, and the leaf exists only while the door is closed
-  double angle = 0.0;  ///< by which an open leaf has turned about the hinge, counter-clockwise [rad]
-  base::Point shift;   ///< by which an open leaf has shifted [m]
-  base::Point hinge;   ///< [m]
+  double time_s = 0.0;     ///< from closed to open; 0: instantly, and the leaf exists only while the door is closed
+  double angle_rad = 0.0;  ///< by which an open leaf has turned about the hinge, counter-clockwise
+  base::Point shift;       ///< by which an open leaf has shifted [m]
+  base::Point hinge;       ///< [m]
 };
 
 /// A door: a leaf that covers its gap while the door is closed.

@@ -12,6 +12,7 @@
 #include "robotteamsim/world/nearby_edges.hpp"
 #include "robotteamsim/world/outline.hpp"
 #include "robotteamsim/world/solid.hpp"
+#include "robotteamsim/world/team_motion.hpp"
 
 class b2Body;
 class b2World;
@@ -20,8 +21,8 @@ namespace robotteamsim::world {
 
 /// A robot: round, or a convex polygon that turns about base_link.
 struct Robot {
-  double radius = 0.2;  ///< [m]; a world sets it to that of the disc around base_link that contains the footprint
-  double mass = 5.0;    ///< [kg]
+  double radius_m = 0.2;  ///< a world sets it to that of the disc around base_link that contains the footprint
+  double mass_kg = 5.0;
   DriveLimits drive;
   base::Pose start;
   Polygon footprint = {};  ///< in base_link, 3 to 8 corners counter-clockwise around it [m]; none: it is round
@@ -36,11 +37,11 @@ struct Robot {
 /// worlds with equal calls are equal to the bit.
 class World {
  public:
-  /// Args: step: length of a step [s]; substeps: parts of a step, each with constant speed; there are more if a robot
+  /// Args: step_s: length of a step [s]; substeps: parts of a step, each with constant speed; there are more if a robot
   /// could move by more than half its radius in one.
   /// Throws std::invalid_argument if a piece is not convex and counter-clockwise with 3 to 8 corners, or a size is not
   /// above 0.
-  World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps,
+  World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step_s, int substeps,
         std::vector<MovableObject> objects = {});
   ~World();
 
@@ -62,7 +63,7 @@ class World {
   /// The grid to find robots near a point.
   const DiscGrid& grid() const { return grid_; }
   /// The greatest radius of any robot [m].
-  double max_radius() const { return max_radius_; }
+  double max_radius() const { return max_radius_m_; }
 
   /// The grid to find objects near a point.
   const DiscGrid& object_grid() const { return objects_.grid(); }
@@ -83,6 +84,8 @@ class World {
   const std::vector<base::Pose>& motions() const { return motions_; }
   /// Whether each robot touched something (within 5 mm) in the last step.
   const std::vector<bool>& in_contact() const { return in_contact_; }
+  /// The last step of all robots.
+  TeamMotion team() const { return {poses_, twists_, motions_, {in_contact_.begin(), in_contact_.end()}}; }
   /// The directions of a robot's last contacts in the last step: angles in base_link, ascending in (-pi, pi], one per
   /// place; empty without contact.
   const std::vector<double>& contact_angles(int robot) const { return contact_angles_.at(robot); }
@@ -121,7 +124,7 @@ class World {
   void Place(int robot, const base::Pose& pose);
   DriveSpeed BodySpeed(int robot) const;
   double MaxTravel(const std::vector<base::Twist>& commands) const;
-  bool CouldTouch(int robot, double travel) const;
+  bool CouldTouch(int robot, double travel_m) const;
   void SetBusy(int robot, bool is_busy);
   void StartDrive(int robot, const base::Twist& command);
   void FinishDrive(int robot);
@@ -129,13 +132,13 @@ class World {
 
   const std::vector<Solid> solids_;
   const std::vector<Robot> robots_;
-  const double step_;
+  const double step_s_;
   const int substeps_;
-  const double dt_;
+  const double dt_s_;
   // The origin of Box2D in the map frame: its floats resolve half a millimetre only within 4 km.
   const base::Point origin_;
-  const double max_radius_;
-  double max_travel_;  // of anything in a step [m]
+  const double max_radius_m_;
+  double max_travel_m_;  // of anything in a step
   NearbyEdges edges_;
 
   std::unique_ptr<b2World> box_;

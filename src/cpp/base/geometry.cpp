@@ -9,9 +9,9 @@ constexpr double kPi = 3.14159265358979323846;
 
 }  // namespace
 
-double NormaliseAngle(double angle) {
-  if (-kPi < angle && angle <= kPi) return angle;  // as almost always
-  const double wrapped = std::remainder(angle, 2.0 * kPi);
+double NormaliseAngle(double angle_rad) {
+  if (-kPi < angle_rad && angle_rad <= kPi) return angle_rad;  // as almost always
+  const double wrapped = std::remainder(angle_rad, 2.0 * kPi);
   return wrapped == -kPi ? kPi : wrapped;
 }
 

@@ -27,19 +27,19 @@ Point NearestPoint(const Point& position, const std::vector<Point>& points) {
   return *nearest;
 }
 
-Places::Places(std::vector<Point> places, std::vector<double> reaches)
-    : places_(std::move(places)), reaches_(std::move(reaches)) {
-  if (reaches_.size() != places_.size()) throw std::invalid_argument("there must be one reach per place");
+Places::Places(std::vector<Point> places, std::vector<double> reaches_m)
+    : places_(std::move(places)), reaches_m_(std::move(reaches_m)) {
+  if (reaches_m_.size() != places_.size()) throw std::invalid_argument("there must be one reach per place");
 }
 
 std::vector<std::pair<int, int>> Places::Reached(const std::vector<Point>& points) const {
   std::vector<std::pair<int, int>> reached;
   for (std::size_t k = 0; k < places_.size(); ++k) {
-    double best = std::nextafter(reaches_[k], std::numeric_limits<double>::infinity());
+    double best = std::nextafter(reaches_m_[k], std::numeric_limits<double>::infinity());
     int nearest = -1;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double dx = points[i].x - places_[k].x, dy = points[i].y - places_[k].y;
-      if (std::abs(dx) > reaches_[k] || std::abs(dy) > reaches_[k]) continue;
+      if (std::abs(dx) > reaches_m_[k] || std::abs(dy) > reaches_m_[k]) continue;
       const double distance = std::hypot(dx, dy);
       if (distance < best) {
         best = distance;

@@ -30,7 +30,7 @@ constexpr std::array<CellStep, 8> kSteps{{{-1, -1}, {-1, 0}, {-1, 1}, {0, -1}, {
 
 plan::GridShape CheckedCells(const plan::GridShape& cells) {
   base::Check(cells.origin, "origin_m");
-  base::CheckPositive(cells.resolution, "cell_m");
+  base::CheckPositive(cells.resolution_m, "cell_m");
   if (cells.rows < 1 || cells.cols < 1 || cells.rows > VoiceLosses::kMostCells / cells.cols) {
     throw std::invalid_argument("a grid of cells must have 1 to 65536 cells");
   }
@@ -52,7 +52,7 @@ CellPaths::CellPaths(std::shared_ptr<const plan::PlanningGrid> fine, const plan:
   if (fine_ == nullptr) throw std::invalid_argument("paths need a grid");
   if (kept_out_) {
     base::Check(kept_out_->center, "center_m");
-    base::CheckNotNegative(kept_out_->radius, "radius_m");
+    base::CheckNotNegative(kept_out_->radius_m, "radius_m");
   }
   FindPlaces();
   links_.resize(places_.size());
@@ -68,7 +68,7 @@ void CellPaths::FindPlaces() {
   for (int row = 0; row < cells_.rows; ++row) {
     for (int col = 0; col < cells_.cols; ++col) {
       std::optional<base::Point> place =
-          fine_->NearestFree(propagation::CellCenter(cells_, row, col), kPlaceOffCenter * cells_.resolution);
+          fine_->NearestFree(propagation::CellCenter(cells_, row, col), kPlaceOffCenter * cells_.resolution_m);
       if (place && !IsAllowed(*place, *place)) place.reset();
       places_.push_back(place);
     }
@@ -86,8 +86,8 @@ void CellPaths::Link(int row, int col) {
     if (!places_[other] || !IsAllowed(*places_[cell], *places_[other])) continue;
     double length = Distance(*places_[cell], *places_[other]);
     if (!fine_->IsLineFree(*places_[cell], *places_[other])) {
-      const double longest = kLongestLink * cells_.resolution;
-      const std::vector<base::Point> corners = fine_->Waypoints(*places_[cell], *places_[other], longest);
+      const double longest_m = kLongestLink * cells_.resolution_m;
+      const std::vector<base::Point> corners = fine_->Waypoints(*places_[cell], *places_[other], longest_m);
       if (corners.size() < 2) continue;
       length = 0.0;
       for (std::size_t i = 1; i < corners.size(); ++i) length += Distance(corners[i - 1], corners[i]);
@@ -97,21 +97,21 @@ void CellPaths::Link(int row, int col) {
 }
 
 bool CellPaths::IsAllowed(const base::Point& a, const base::Point& b) const {
-  return !kept_out_ || DistanceToSegment(kept_out_->center, a, b) > kept_out_->radius;
+  return !kept_out_ || DistanceToSegment(kept_out_->center, a, b) > kept_out_->radius_m;
 }
 
 int CellPaths::CellOf(const base::Point& point) const {
-  const double row = std::floor((point.y - cells_.origin.y) / cells_.resolution);
-  const double col = std::floor((point.x - cells_.origin.x) / cells_.resolution);
+  const double row = std::floor((point.y - cells_.origin.y) / cells_.resolution_m);
+  const double col = std::floor((point.x - cells_.origin.x) / cells_.resolution_m);
   return base::ClampedInt(row, 0, cells_.rows - 1) * cells_.cols + base::ClampedInt(col, 0, cells_.cols - 1);
 }
 
 int CellPaths::StartOf(const base::Point& point) const {
   base::Check(point, "point_m");
   constexpr int kReach = 2;
-  const double reach = kReach * cells_.resolution;
+  const double reach = kReach * cells_.resolution_m;
   // A robot that is too near to a wall is in no free cell.
-  const std::optional<base::Point> from = fine_->NearestFree(point, cells_.resolution);
+  const std::optional<base::Point> from = fine_->NearestFree(point, cells_.resolution_m);
   const int cell = CellOf(point), row = cell / cells_.cols, col = cell % cells_.cols;
   struct Near {
     double distance;
@@ -149,7 +149,7 @@ int CellPaths::StartOf(const base::Point& point) const {
 
 /// Beside a place, the line to it may cross a corner of a blocked cell, but no wall.
 bool CellPaths::IsInSight(const base::Point& from, int cell) const {
-  return Distance(from, *places_[cell]) < fine_->shape().resolution || fine_->IsLineFree(from, *places_[cell]);
+  return Distance(from, *places_[cell]) < fine_->shape().resolution_m || fine_->IsLineFree(from, *places_[cell]);
 }
 
 bool CellPaths::IsLinked(int cell) const {
@@ -186,7 +186,7 @@ const std::vector<float>& CellPaths::LengthsFrom(int cell) const {
     int cell;
   };
   std::array<std::vector<Reached>, 16> buckets;
-  const float per_m = 2.0F / static_cast<float>(cells_.resolution);
+  const float per_m = 2.0F / static_cast<float>(cells_.resolution_m);
   std::array<int, kNeighbours> offsets{};
   for (int k = 0; k < kNeighbours; ++k) offsets[k] = kSteps[k].row * cells_.cols + kSteps[k].col;
   std::size_t num_open = 0;
@@ -213,15 +213,15 @@ const std::vector<float>& CellPaths::LengthsFrom(int cell) const {
   return lengths;
 }
 
-std::optional<base::Point> CellPaths::Ahead(const base::Point& position, int goal, double longest) const {
-  base::CheckNotNegative(longest, "longest_m");
+std::optional<base::Point> CellPaths::Ahead(const base::Point& position, int goal, double longest_m) const {
+  base::CheckNotNegative(longest_m, "longest_m");
   const std::vector<float>& lengths = LengthsFrom(goal);
   int at = StartOf(position);
   if (at == kNone || !(lengths[at] < kNoPath)) return std::nullopt;
-  const float least = lengths[at] - static_cast<float>(longest);
+  const float least = lengths[at] - static_cast<float>(longest_m);
   base::Point ahead = *places_[at];
   // A robot that is too near to a wall is in no free cell.
-  const base::Point from = fine_->NearestFree(position, cells_.resolution).value_or(position);
+  const base::Point from = fine_->NearestFree(position, cells_.resolution_m).value_or(position);
   bool is_first = IsInSight(from, at);
   while (at != goal && lengths[at] > least) {
     int best = at;

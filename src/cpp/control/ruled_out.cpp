@@ -49,17 +49,21 @@ HeardNotes::HeardNotes(std::vector<HeardNote> notes) : notes_(std::move(notes)) 
   }
 }
 
-RuledOut::RuledOut(double radius, double cell, double next_to)
-    : radius_(radius), cell_(cell), next_to_(next_to), bucket_(std::max(radius, next_to)), table_(kSmallestTable, 0) {
-  base::CheckNotNegative(radius, "radius");
-  base::CheckNotNegative(cell, "cell");
-  base::CheckNotNegative(next_to, "next_to");
-  base::CheckPositive(bucket_, "radius");
+RuledOut::RuledOut(double radius_m, double cell_m, double next_to_m)
+    : radius_m_(radius_m),
+      cell_m_(cell_m),
+      next_to_m_(next_to_m),
+      bucket_m_(std::max(radius_m, next_to_m)),
+      table_(kSmallestTable, 0) {
+  base::CheckNotNegative(radius_m, "radius_m");
+  base::CheckNotNegative(cell_m, "cell");
+  base::CheckNotNegative(next_to_m, "next_to_m");
+  base::CheckPositive(bucket_m_, "radius_m");
 }
 
 std::int64_t RuledOut::BucketOf(double x, double y, int d_column, int d_row) const {
-  const std::int64_t column = base::ClampedInt(std::floor(x / bucket_), -kMostBuckets, kMostBuckets) + d_column;
-  const std::int64_t row = base::ClampedInt(std::floor(y / bucket_), -kMostBuckets, kMostBuckets) + d_row;
+  const std::int64_t column = base::ClampedInt(std::floor(x / bucket_m_), -kMostBuckets, kMostBuckets) + d_column;
+  const std::int64_t row = base::ClampedInt(std::floor(y / bucket_m_), -kMostBuckets, kMostBuckets) + d_row;
   return column * (std::int64_t{1} << 32) + row;
 }
 
@@ -115,10 +119,11 @@ bool RuledOut::Covers(const base::Point& place) const {
 
 bool RuledOut::RulesOut(const HeardNote& note, const base::Point& place) const {
   // A distance is at least its greater component.
-  if (std::abs(place.x - note.position.x) >= bucket_ || std::abs(place.y - note.position.y) >= bucket_) return false;
+  if (std::abs(place.x - note.position.x) >= bucket_m_ || std::abs(place.y - note.position.y) >= bucket_m_)
+    return false;
   const double distance = Distance(place, note.position);
-  if (distance < next_to_) return true;
-  return distance < radius_ && !(note.loudest && Distance(place, *note.loudest) < 0.5 * cell_);
+  if (distance < next_to_m_) return true;
+  return distance < radius_m_ && !(note.loudest && Distance(place, *note.loudest) < 0.5 * cell_m_);
 }
 
 }  // namespace robotteamsim::control

@@ -15,15 +15,15 @@ constexpr double kBeamWidth = 0.05;
 
 }  // namespace
 
-Surroundings::Surroundings(const LaserLayout& laser, int stride, double sensing_radius,
-                           const std::vector<double>& headings)
+Surroundings::Surroundings(const LaserLayout& laser, int stride, double sensing_radius_m,
+                           const std::vector<double>& headings_rad)
     : clearance_(laser),
       stride_(static_cast<std::size_t>(stride)),
-      sensing_radius_(sensing_radius),
-      directions_(headings.begin(), headings.end()) {
+      sensing_radius_m_(sensing_radius_m),
+      directions_(headings_rad.begin(), headings_rad.end()) {
   if (stride < 1) throw std::invalid_argument("the stride must be at least 1");
-  base::CheckPositive(sensing_radius, "sensing_radius");
-  for (const double heading : headings) base::Check(heading, "a heading");
+  base::CheckPositive(sensing_radius_m, "sensing_radius_m");
+  for (const double heading_rad : headings_rad) base::Check(heading_rad, "a heading");
 }
 
 std::optional<base::Point> Surroundings::ClearestPlace(const base::Pose& pose, const Ranges& ranges) const {
@@ -31,16 +31,16 @@ std::optional<base::Point> Surroundings::ClearestPlace(const base::Pose& pose, c
   std::vector<float> some;
   some.reserve(ranges.size / stride_ + 1);
   for (std::size_t beam = 0; beam < ranges.size; beam += stride_) some.push_back(ranges.data[beam]);
-  const std::vector<base::Point> hits = clearance_.Hits(some, 2.0 * sensing_radius_);
-  const double limit = sensing_radius_ * sensing_radius_;
+  const std::vector<base::Point> hits = clearance_.Hits(some, 2.0 * sensing_radius_m_);
+  const double limit = sensing_radius_m_ * sensing_radius_m_;
   if (std::none_of(hits.begin(), hits.end(),
                    [&](const base::Point& hit) { return hit.x * hit.x + hit.y * hit.y < limit; })) {
     return std::nullopt;
   }
-  const std::vector<double> free = clearance_.FreeDistances(some, directions_, kBeamWidth, sensing_radius_);
+  const std::vector<double> free = clearance_.FreeDistances(some, directions_, kBeamWidth, sensing_radius_m_);
   std::vector<base::Point> candidates;
   for (std::size_t i = 0; i < directions_.size(); ++i) {
-    for (const double reach : {0.5 * sensing_radius_, sensing_radius_}) {
+    for (const double reach : {0.5 * sensing_radius_m_, sensing_radius_m_}) {
       if (reach <= free[i]) candidates.push_back({reach * directions_[i].cos, reach * directions_[i].sin});
     }
   }

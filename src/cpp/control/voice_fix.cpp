@@ -45,10 +45,10 @@ void VoiceFix::Add(const base::Point& place, double level_db) {
   base::Check(level_db, "level_db");
   const std::vector<float> walls_db = losses_->WallsFromDb(place);
   const plan::GridShape& grid = losses_->grid();
-  const double least_m = std::max(losses_->fading().min_distance_m, kOffCenter * grid.resolution);
+  const double least_m = std::max(losses_->fading().min_distance_m, kOffCenter * grid.resolution_m);
   const double least_square = least_m * least_m;
   // The loss grows by this per metre at a distance of 1 m.
-  const double grows_db = 10.0 * exponent_.mean / kLn10 * kOffCenter * grid.resolution;
+  const double grows_db = 10.0 * exponent_.mean / kLn10 * kOffCenter * grid.resolution_m;
   // Distances and weights of a row come first: a loop without a branch is vectorised.
   std::vector<double> distances_db(grid.cols), weights(grid.cols);
   for (int row = 0; row < grid.rows; ++row) {

@@ -18,7 +18,7 @@ namespace {
 
 plan::GridShape CheckedGrid(const plan::GridShape& grid) {
   base::Check(grid.origin, "origin_m");
-  base::CheckPositive(grid.resolution, "cell_m");
+  base::CheckPositive(grid.resolution_m, "cell_m");
   if (grid.rows < 1 || grid.cols < 1 || grid.rows > VoiceLosses::kMostCells / grid.cols) {
     throw std::invalid_argument("a grid of the belief must have 1 to 65536 cells");
   }
@@ -49,7 +49,7 @@ VoiceLosses::VoiceLosses(propagation::FaceSet faces, const plan::GridShape& grid
   over_distance_.reserve(static_cast<std::size_t>(grid_.rows) * (2 * grid_.cols - 1));
   for (int row = 0; row < grid_.rows; ++row) {
     for (int col = 1 - grid_.cols; col < grid_.cols; ++col) {
-      const double apart = grid_.resolution * base::Hypot(1.0 * col, 1.0 * row);
+      const double apart = grid_.resolution_m * base::Hypot(1.0 * col, 1.0 * row);
       const double distance = std::max(apart - fading_.nearer_m, fading_.min_distance_m);
       over_distance_.push_back(static_cast<float>(fading_.slope_db * base::Log10(distance)));
     }
@@ -89,20 +89,17 @@ int VoiceLosses::ReachOf(int steps) const {
   const int longest = std::max(grid_.rows, grid_.cols);
   for (int apart = 1; apart < longest; ++apart) {
     // Without walls, and along a row or a column, the loss is smallest.
-    const double distance = std::max(apart * grid_.resolution - fading_.nearer_m, fading_.min_distance_m);
+    const double distance = std::max(apart * grid_.resolution_m - fading_.nearer_m, fading_.min_distance_m);
     if (std::ceil(fading_.slope_db * base::Log10(distance) / fading_.step_db) < steps) reach = apart;
   }
   return reach;
 }
 
 std::vector<float> VoiceLosses::WallsFromDb(const base::Point& place) const {
-  const propagation::WeightMap weights(faces_, propagation::RoundToMm(place, "place_m"), grid_);
   std::vector<float> walls_db;
   walls_db.reserve(rows_.size());
-  for (int row = 0; row < grid_.rows; ++row) {
-    for (int col = 0; col < grid_.cols; ++col) {
-      walls_db.push_back(static_cast<float>(fading_.wall_unit_db * weights.At(row, col)));
-    }
+  for (const std::int32_t weight : propagation::WeightsFrom(faces_, propagation::RoundToMm(place, "place_m"), grid_)) {
+    walls_db.push_back(static_cast<float>(fading_.wall_unit_db * weight));
   }
   return walls_db;
 }

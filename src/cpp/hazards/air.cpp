@@ -21,15 +21,15 @@ constexpr double kHottest = 1e4;  // [K]
 constexpr int kMostPasses = 1'000'000;
 
 AirModel Checked(const AirModel& model) {
-  base::CheckPositive(model.cell, "cell");
-  base::CheckPositive(model.diffusivity, "diffusivity");
-  base::CheckPositive(model.ambient, "ambient");
-  base::CheckPositive(model.heat_capacity, "heat_capacity");
-  base::CheckNotNegative(model.convection, "convection");
+  base::CheckPositive(model.cell_m, "cell");
+  base::CheckPositive(model.diffusivity_m2_s, "diffusivity_m2_s");
+  base::CheckPositive(model.ambient_k, "ambient");
+  base::CheckPositive(model.heat_capacity_kj_m2_k, "heat_capacity_kj_m2_k");
+  base::CheckNotNegative(model.convection_kw_m2_k, "convection");
   base::CheckNotNegative(model.emissivity, "emissivity");
   // Temperatures have single precision and must stay finite.
-  if (model.cell < kSmallest || model.heat_capacity < kSmallest || model.ambient > kHottest) {
-    throw std::invalid_argument("cell and heat_capacity must be at least 0.001, ambient at most 10000");
+  if (model.cell_m < kSmallest || model.heat_capacity_kj_m2_k < kSmallest || model.ambient_k > kHottest) {
+    throw std::invalid_argument("cell_m and heat_capacity_kj_m2_k must be at least 0.001, ambient_k at most 10000");
   }
   return model;
 }
@@ -120,18 +120,18 @@ Air::Air(const AirModel& model, const Links& links)
       first_(links.rows() + 1),
       last_(0) {}
 
-void Air::Add(int padded, double soot, double heat) {
+void Air::Add(int padded, double soot_g_m2, double heat_kj_m2) {
   const int row = padded / (static_cast<int>(soot_.size()) / (rows_ + 2));
   first_ = std::min(first_, row);
   last_ = std::max(last_, row);
-  soot_.at(padded) += soot;
-  excess_.at(padded) += static_cast<float>(heat / model_.heat_capacity);
+  soot_.at(padded) += soot_g_m2;
+  excess_.at(padded) += static_cast<float>(heat_kj_m2 / model_.heat_capacity_kj_m2_k);
 }
 
 void Air::Advance(const Links& links, double seconds) {
   base::CheckPositive(seconds, "seconds");
   if (first_ > last_) return;
-  const double total = model_.diffusivity * seconds / (model_.cell * model_.cell);
+  const double total = model_.diffusivity_m2_s * seconds / (model_.cell_m * model_.cell_m);
   const double passes = std::max(1.0, std::ceil(total / kLargestShare));
   if (!(passes <= kMostPasses)) throw std::invalid_argument("seconds are too many for cells of this size");
   Spread(links, total / passes, static_cast<int>(passes));
@@ -165,11 +165,11 @@ void Air::Spread(const Links& links, double share, int passes) {
 
 void Air::Cool(int stride, double seconds) {
   // To the floor and to the ceiling.
-  const double rate = 2.0 * seconds / model_.heat_capacity;
+  const double rate = 2.0 * seconds / model_.heat_capacity_kj_m2_k;
   const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(first_) * stride;
-  BestLoops().cool(static_cast<float>(rate * model_.convection),
-                   static_cast<float>(rate * model_.emissivity * kStefanBoltzmann), static_cast<float>(model_.ambient),
-                   (last_ - first_ + 1) * stride, excess_.data() + first);
+  BestLoops().cool(static_cast<float>(rate * model_.convection_kw_m2_k),
+                   static_cast<float>(rate * model_.emissivity * kStefanBoltzmann),
+                   static_cast<float>(model_.ambient_k), (last_ - first_ + 1) * stride, excess_.data() + first);
 }
 
 }  // namespace robotteamsim::hazards

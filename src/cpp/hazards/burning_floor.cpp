@@ -30,18 +30,18 @@ BurningFloor::BurningFloor(Links links, Fire fire, const AirModel& air, const Yi
     : links_(std::move(links)),
       fire_(std::move(fire)),
       air_(air, links_),
-      cell_area_(air.cell * air.cell),
+      cell_area_m2_(air.cell_m * air.cell_m),
       yields_(yields),
       doors_(std::move(doors)),
-      heated_(doors_.size(), 0.0),
+      heated_s_(doors_.size(), 0.0),
       is_burnt_through_(doors_.size(), false) {
-  base::CheckNotNegative(yields.soot, "soot");
+  base::CheckNotNegative(yields.soot_g_kj, "soot");
   base::CheckNotNegative(yields.warmth, "warmth");
   if (yields.warmth > 1.0) throw std::invalid_argument("warmth must be at most 1");
   if (static_cast<int>(doors_.size()) != links_.doors()) throw std::invalid_argument("each door must have a model");
   for (std::size_t door = 0; door < doors_.size(); ++door) {
     base::CheckNotNegative(doors_[door].leakage, "leakage");
-    base::Check(doors_[door].endures, "endures");
+    base::Check(doors_[door].endures_s, "endures_s");
     Apply(static_cast<int>(door));
   }
 }
@@ -61,15 +61,16 @@ void BurningFloor::SetDoor(int door, bool closed) {
 void BurningFloor::Advance(double seconds) {
   fire_.Advance(links_, seconds);
   for (const Release& release : fire_.releases()) {
-    air_.Add(release.padded, yields_.soot * release.heat / cell_area_, yields_.warmth * release.heat / cell_area_);
+    air_.Add(release.padded, yields_.soot_g_kj * release.heat_kj / cell_area_m2_,
+             yields_.warmth * release.heat_kj / cell_area_m2_);
   }
   air_.Advance(links_, seconds);
   if (fire_.num_burning() == 0) return;
   for (int door = 0; door < links_.doors(); ++door) {
     const DoorModel& model = doors_[door];
-    if (!model.closed || model.endures < 0.0 || is_burnt_through_[door] || !fire_.BurnsBeside(links_, door)) continue;
-    heated_[door] += seconds;
-    if (heated_[door] < model.endures) continue;
+    if (!model.closed || model.endures_s < 0.0 || is_burnt_through_[door] || !fire_.BurnsBeside(links_, door)) continue;
+    heated_s_[door] += seconds;
+    if (heated_s_[door] < model.endures_s) continue;
     is_burnt_through_[door] = true;
     Apply(door);
     fire_.FollowLinks(links_);
@@ -84,23 +85,23 @@ std::vector<double> BurningFloor::Soot() const {
   return WithoutBorder<double>(links_, [this](int i) { return air_.soot()[i]; });
 }
 
-std::vector<float> BurningFloor::SootDensity(double height) const {
-  base::CheckPositive(height, "height_m");
+std::vector<float> BurningFloor::SootDensity(double height_m) const {
+  base::CheckPositive(height_m, "height_m");
   const double* const soot = air_.soot().data();
-  const double share = 1.0 / height;
+  const double share = 1.0 / height_m;
   return WithoutBorder<float>(links_, [=](int i) { return static_cast<float>(soot[i] * share); });
 }
 
-std::vector<float> BurningFloor::Temperature(float ambient, float flame) const {
-  base::Check(ambient, "ambient_c");
-  base::Check(flame, "flame_c");
+std::vector<float> BurningFloor::Temperature(float ambient_c, float flame_c) const {
+  base::Check(ambient_c, "ambient_c");
+  base::Check(flame_c, "flame_c");
   const float* const excess = air_.excess().data();
-  std::vector<float> temperature = WithoutBorder<float>(links_, [=](int i) { return ambient + excess[i]; });
+  std::vector<float> temperature = WithoutBorder<float>(links_, [=](int i) { return ambient_c + excess[i]; });
   for (const Release& release : fire_.releases()) {
     const int padded = release.padded, stride = links_.stride();
     if (fire_.states()[padded] != Burning::kBurns) continue;
     float& cell = temperature[(padded / stride - 1) * links_.cols() + padded % stride - 1];
-    cell = std::max(cell, flame);
+    cell = std::max(cell, flame_c);
   }
   return temperature;
 }

@@ -85,18 +85,19 @@ int Nearest2(std::uint64_t burning_near) {
 }
 
 // Returns the time in which a fire in one cell reaches its peak [s].
-double TimeToPeak(const Fuel& fuel) { return std::sqrt(fuel.peak / fuel.growth); }
+double TimeToPeak(const Fuel& fuel) { return std::sqrt(fuel.peak_kw / fuel.growth_kw_s2); }
 
 // Returns the heat that a cell has released after some time [kJ].
-double ReleasedBy(const Fuel& fuel, double age, bool grows) {
-  const double growing = grows ? std::min(age, TimeToPeak(fuel)) : 0.0;
-  return std::min(fuel.growth * growing * growing * growing / 3.0 + fuel.peak * (age - growing), fuel.load);
+double ReleasedBy(const Fuel& fuel, double age_s, bool grows) {
+  const double growing = grows ? std::min(age_s, TimeToPeak(fuel)) : 0.0;
+  return std::min(fuel.growth_kw_s2 * growing * growing * growing / 3.0 + fuel.peak_kw * (age_s - growing),
+                  fuel.load_kj);
 }
 
 void CheckFuel(const Fuel& fuel) {
-  base::CheckPositive(fuel.load, "load");
-  base::CheckPositive(fuel.peak, "peak");
-  base::CheckPositive(fuel.growth, "growth");
+  base::CheckPositive(fuel.load_kj, "load_kj");
+  base::CheckPositive(fuel.peak_kw, "peak_kw");
+  base::CheckPositive(fuel.growth_kw_s2, "growth_kw_s2");
 }
 
 }  // namespace
@@ -155,11 +156,11 @@ void Fire::Advance(const Links& links, double seconds) {
   still.reserve(burning_.size() + ignited.size());
   for (Cell& cell : burning_) {
     const Fuel& fuel = fuels_[fuel_of_[cell.padded]];
-    cell.age += seconds;
-    const double released = ReleasedBy(fuel, cell.age, cell.grows);
-    releases_.push_back({cell.padded, released - cell.released});
-    cell.released = released;
-    if (released < fuel.load) {
+    cell.age_s += seconds;
+    const double released_kj = ReleasedBy(fuel, cell.age_s, cell.grows);
+    releases_.push_back({cell.padded, released_kj - cell.released_kj});
+    cell.released_kj = released_kj;
+    if (released_kj < fuel.load_kj) {
       still.push_back(cell);
     } else {
       states_[cell.padded] = Burning::kBurntOut;
@@ -183,11 +184,11 @@ bool Fire::BurnsBeside(const Links& links, int door) const {
   });
 }
 
-double Fire::heat_release_rate() const {
+double Fire::heat_release_kw() const {
   double sum = 0.0;
   for (const Cell& cell : burning_) {
     const Fuel& fuel = fuels_[fuel_of_[cell.padded]];
-    sum += cell.grows ? std::min(fuel.growth * cell.age * cell.age, fuel.peak) : fuel.peak;
+    sum += cell.grows ? std::min(fuel.growth_kw_s2 * cell.age_s * cell.age_s, fuel.peak_kw) : fuel.peak_kw;
   }
   return sum;
 }

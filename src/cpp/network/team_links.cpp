@@ -41,11 +41,11 @@ TeamLinks::Changes TeamLinks::FindLinks(const Eigen::Ref<const propagation::Cell
   }
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j < n; ++j) {
-      const bool is_near = rule_.by_distance ? link(i, j) <= rule_.max_distance : link(i, j) >= rule_.lost_below;
+      const bool is_near = rule_.by_distance ? link(i, j) <= rule_.max_distance_m : link(i, j) >= rule_.lost_below_dbm;
       const bool is_link = is_near && i != j;
       changes.links |= adjacency_(i, j) != is_link;
       adjacency_(i, j) = is_link;
-      const bool is_endangered = is_link && rssi(i, j) < rule_.endangered_below;
+      const bool is_endangered = is_link && rssi(i, j) < rule_.endangered_below_dbm;
       changes.endangered |= endangered_(i, j) != is_endangered;
       endangered_(i, j) = is_endangered;
     }

@@ -28,7 +28,7 @@ double SquaredDistance(const base::Point& a, const base::Point& b) {
 }
 
 void CheckShape(const GridShape& shape, std::size_t num_cells) {
-  base::CheckPositive(shape.resolution, "resolution");
+  base::CheckPositive(shape.resolution_m, "resolution_m");
   base::Check(shape.origin, "the origin of a grid");
   if (shape.rows < 1 || shape.cols < 1) throw std::invalid_argument("a grid needs at least one row and one column");
   if (num_cells != static_cast<std::size_t>(shape.rows) * static_cast<std::size_t>(shape.cols)) {
@@ -36,42 +36,17 @@ void CheckShape(const GridShape& shape, std::size_t num_cells) {
   }
 }
 
-/// Returns the index of the lowest set bit of a number that is not 0.
-int LowestBit(std::uint64_t bits) {
-#if defined(__GNUC__)
-  return __builtin_ctzll(bits);
-#else
-  int bit = 0;
-  for (; (bits & 1U) == 0; bits >>= 1U) ++bit;
-  return bit;
-#endif
-}
-
-/// Returns the least of some values, none of which is NaN.
-float LeastOf(const float* values, int count) {
-  constexpr int kLanes = 8;  // compared at once; the order does not change the result
-  constexpr float kInfinite = std::numeric_limits<float>::infinity();
-  std::array<float, kLanes> lanes;
-  lanes.fill(kInfinite);
-  int i = 0;
-  for (; i + kLanes <= count; i += kLanes) {
-    for (int lane = 0; lane < kLanes; ++lane) lanes[lane] = std::min(lanes[lane], values[i + lane]);
-  }
-  for (; i < count; ++i) lanes[0] = std::min(lanes[0], values[i]);
-  return *std::min_element(lanes.begin(), lanes.end());
-}
-
-/// Returns row and column offsets of the cells whose centre is nearer than `inflation` to the square of cell (0, 0).
-std::vector<std::pair<int, int>> InflationStamp(double inflation, const GridShape& shape) {
+/// Returns row and column offsets of the cells whose centre is nearer than `inflation_m` to the square of cell (0, 0).
+std::vector<std::pair<int, int>> InflationStamp(double inflation_m, const GridShape& shape) {
   std::vector<std::pair<int, int>> stamp;
-  const double reach = std::ceil(inflation / shape.resolution) + 1.0;
+  const double reach = std::ceil(inflation_m / shape.resolution_m) + 1.0;
   const int rows = base::ClampedInt(reach, 0, shape.rows), cols = base::ClampedInt(reach, 0, shape.cols);
   for (int d_row = -rows; d_row <= rows; ++d_row) {
     for (int d_col = -cols; d_col <= cols; ++d_col) {
-      const double x = std::max(0.0, std::abs(d_col) - 0.5) * shape.resolution;
-      const double y = std::max(0.0, std::abs(d_row) - 0.5) * shape.resolution;
+      const double x = std::max(0.0, std::abs(d_col) - 0.5) * shape.resolution_m;
+      const double y = std::max(0.0, std::abs(d_row) - 0.5) * shape.resolution_m;
       // The margin keeps a cell at exactly the inflation free despite rounding.
-      if (x * x + y * y < inflation * inflation - 1e-9) stamp.emplace_back(d_row, d_col);
+      if (x * x + y * y < inflation_m * inflation_m - 1e-9) stamp.emplace_back(d_row, d_col);
     }
   }
   return stamp;
@@ -79,18 +54,18 @@ std::vector<std::pair<int, int>> InflationStamp(double inflation, const GridShap
 
 }  // namespace
 
-PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_t>& occupied, double inflation)
-    : shape_(shape), blocked_(occupied), disc_fill_(0, 0, {}) {
+PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_t>& occupied, double inflation_m)
+    : shape_(shape), blocked_(occupied) {
   CheckShape(shape, occupied.size());
-  base::CheckNotNegative(inflation, "inflation");
+  base::CheckNotNegative(inflation_m, "inflation_m");
   for (int d_row = -1; d_row <= 1; ++d_row) {
     for (int d_col = -1; d_col <= 1; ++d_col) {
       if (d_row == 0 && d_col == 0) continue;
-      const double length = (d_row != 0 && d_col != 0 ? std::sqrt(2.0) : 1.0) * shape.resolution;
+      const double length = (d_row != 0 && d_col != 0 ? std::sqrt(2.0) : 1.0) * shape.resolution_m;
       steps_.push_back({d_row * shape.cols + d_col, d_row, d_col, length});
     }
   }
-  const auto stamp = InflationStamp(inflation, shape);
+  const auto stamp = InflationStamp(inflation_m, shape);
   for (int row = 0; row < shape.rows; ++row) {
     for (int col = 0; col < shape.cols; ++col) {
       if (occupied[row * shape.cols + col] == 0) continue;
@@ -99,21 +74,20 @@ PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_
       }
     }
   }
-  disc_fill_ = DiscFill(shape.rows, shape.cols, blocked_);
   exits_.resize(blocked_.size());
   for (int cell = 0; cell < static_cast<int>(blocked_.size()); ++cell) exits_[cell] = ExitsOf(cell);
   stamp_.assign(blocked_.size(), 0);
-  length_.resize(blocked_.size());
+  length_m_.resize(blocked_.size());
   parent_.resize(blocked_.size());
 }
 
 int PlanningGrid::RowOf(double y) const {
-  const double row = std::floor((y - shape_.origin.y) / shape_.resolution);
+  const double row = std::floor((y - shape_.origin.y) / shape_.resolution_m);
   return row >= 0.0 && row < shape_.rows ? static_cast<int>(row) : -1;
 }
 
 int PlanningGrid::ColOf(double x) const {
-  const double col = std::floor((x - shape_.origin.x) / shape_.resolution);
+  const double col = std::floor((x - shape_.origin.x) / shape_.resolution_m);
   return col >= 0.0 && col < shape_.cols ? static_cast<int>(col) : -1;
 }
 
@@ -124,7 +98,7 @@ int PlanningGrid::FreeCellOf(const base::Point& point) const {
 }
 
 base::Point PlanningGrid::Center(int row, int col) const {
-  return {shape_.origin.x + (col + 0.5) * shape_.resolution, shape_.origin.y + (row + 0.5) * shape_.resolution};
+  return {shape_.origin.x + (col + 0.5) * shape_.resolution_m, shape_.origin.y + (row + 0.5) * shape_.resolution_m};
 }
 
 base::Point PlanningGrid::Center(int cell) const { return Center(cell / shape_.cols, cell % shape_.cols); }
@@ -145,20 +119,20 @@ std::uint8_t PlanningGrid::ExitsOf(int cell) const {
 
 bool PlanningGrid::IsFree(const base::Point& point) const { return FreeCellOf(point) >= 0; }
 
-std::optional<base::Point> PlanningGrid::NearestFree(const base::Point& point, double max_distance) const {
+std::optional<base::Point> PlanningGrid::NearestFree(const base::Point& point, double max_distance_m) const {
   if (IsFree(point)) return point;
-  return NearestInDisc(point, point, max_distance);
+  return NearestInDisc(point, point, max_distance_m);
 }
 
 std::optional<base::Point> PlanningGrid::NearestInDisc(const base::Point& center, const base::Point& to,
-                                                       double radius) const {
+                                                       double radius_m) const {
   base::Check(center, "center");
   base::Check(to, "goal");
-  base::CheckNotNegative(radius, "radius");
-  const double low_row = (center.y - radius - shape_.origin.y) / shape_.resolution - 1.0;
-  const double low_col = (center.x - radius - shape_.origin.x) / shape_.resolution - 1.0;
-  const double high_row = (center.y + radius - shape_.origin.y) / shape_.resolution + 1.0;
-  const double high_col = (center.x + radius - shape_.origin.x) / shape_.resolution + 1.0;
+  base::CheckNotNegative(radius_m, "radius_m");
+  const double low_row = (center.y - radius_m - shape_.origin.y) / shape_.resolution_m - 1.0;
+  const double low_col = (center.x - radius_m - shape_.origin.x) / shape_.resolution_m - 1.0;
+  const double high_row = (center.y + radius_m - shape_.origin.y) / shape_.resolution_m + 1.0;
+  const double high_col = (center.x + radius_m - shape_.origin.x) / shape_.resolution_m + 1.0;
   std::optional<base::Point> best;
   double best_squared = kInfinity;
   const int first_col = base::ClampedInt(low_col, 0, shape_.cols);
@@ -167,7 +141,7 @@ std::optional<base::Point> PlanningGrid::NearestInDisc(const base::Point& center
       if (!Free(row, col)) continue;
       const base::Point cell = Center(row, col);
       const double squared = SquaredDistance(cell, to);
-      if (squared >= best_squared || SquaredDistance(cell, center) > radius * radius) continue;
+      if (squared >= best_squared || SquaredDistance(cell, center) > radius_m * radius_m) continue;
       best = cell;
       best_squared = squared;
     }
@@ -183,10 +157,10 @@ bool PlanningGrid::IsLineFree(const base::Point& a, const base::Point& b) const 
   const int last_col = ColOf(b.x);
   const int d_row = b.y > a.y ? 1 : -1;
   const int d_col = b.x > a.x ? 1 : -1;
-  const double x = (a.x - shape_.origin.x) / shape_.resolution;
-  const double y = (a.y - shape_.origin.y) / shape_.resolution;
-  const double dx = (b.x - a.x) / shape_.resolution;
-  const double dy = (b.y - a.y) / shape_.resolution;
+  const double x = (a.x - shape_.origin.x) / shape_.resolution_m;
+  const double y = (a.y - shape_.origin.y) / shape_.resolution_m;
+  const double dx = (b.x - a.x) / shape_.resolution_m;
+  const double dy = (b.y - a.y) / shape_.resolution_m;
   while (row != last_row || col != last_col) {
     // Fractions of the segment at which it leaves the column and the row.
     const double t_col = col == last_col ? kInfinity : (col + (d_col > 0 ? 1 : 0) - x) / dx;
@@ -208,7 +182,7 @@ std::vector<float> PlanningGrid::DistanceMap(const base::Point& goal) const {
   // the order within a bucket does not matter. The longest step reaches two buckets ahead.
   std::vector<double> distance(blocked_.size(), kInfinity);
   std::array<std::vector<int>, 4> buckets;
-  const double width = shape_.resolution * (1.0 - 1e-9);
+  const double width = shape_.resolution_m * (1.0 - 1e-9);
   const auto bucket_of = [&](double length) { return static_cast<std::size_t>(length / width) % buckets.size(); };
   distance[start] = 0.0;
   buckets[0].push_back(start);
@@ -221,7 +195,7 @@ std::vector<float> PlanningGrid::DistanceMap(const base::Point& goal) const {
       for (std::size_t s = 0; s < steps_.size(); ++s) {
         if ((exits_[cell] >> s & 1U) == 0) continue;
         const Step& step = steps_[s];
-        const double new_length = length + step.length;
+        const double new_length = length + step.length_m;
         if (new_length >= distance[cell + step.offset]) continue;
         distance[cell + step.offset] = new_length;
         buckets[bucket_of(new_length)].push_back(cell + step.offset);
@@ -242,22 +216,22 @@ double PlanningGrid::ValueAt(const float* distances, std::size_t size, const bas
 }
 
 std::optional<base::Point> PlanningGrid::Descend(const float* distances, std::size_t size, const base::Point& from,
-                                                 double look_ahead) const {
+                                                 double look_ahead_m) const {
   if (size != blocked_.size()) throw std::invalid_argument("the distance map must have one value per cell");
   base::Check(from, "start");
-  base::CheckNotNegative(look_ahead, "look_ahead");
+  base::CheckNotNegative(look_ahead_m, "look_ahead_m");
   const std::optional<base::Point> start = NearestFree(from, kNearby);
   if (!start) return std::nullopt;
   int cell = FreeCellOf(*start);
   if (!std::isfinite(distances[cell])) return std::nullopt;
   base::Point place = *start;
-  for (double length = 0.0; length < look_ahead;) {
+  for (double length = 0.0; length < look_ahead_m;) {
     int next = cell;
     double step_length = 0.0;
     for (std::size_t s = 0; s < steps_.size(); ++s) {
       if ((exits_[cell] >> s & 1U) == 0 || !(distances[cell + steps_[s].offset] < distances[next])) continue;
       next = cell + steps_[s].offset;
-      step_length = steps_[s].length;
+      step_length = steps_[s].length_m;
     }
     if (next == cell || !IsLineFree(*start, Center(next))) break;
     cell = next;
@@ -268,8 +242,8 @@ std::optional<base::Point> PlanningGrid::Descend(const float* distances, std::si
 }
 
 std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, const base::Point& to,
-                                                    double max_length) const {
-  base::CheckNotNegative(max_length, "max_length");
+                                                    double max_length_m) const {
+  base::CheckNotNegative(max_length_m, "max_length_m");
   const int start = FreeCellOf(from);
   const int goal = FreeCellOf(to);
   if (start < 0 || goal < 0) return {};
@@ -278,7 +252,7 @@ std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, con
   const auto least_remaining = [&](int cell) {
     const int rows = std::abs(cell / shape_.cols - goal_row);
     const int cols = std::abs(cell % shape_.cols - goal_col);
-    return (std::max(rows, cols) + (std::sqrt(2.0) - 1.0) * std::min(rows, cols)) * shape_.resolution;
+    return (std::max(rows, cols) + (std::sqrt(2.0) - 1.0) * std::min(rows, cols)) * shape_.resolution_m;
   };
   struct Entry {
     double total;  // least length of a path through the cell
@@ -294,9 +268,9 @@ std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, con
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   const auto reach = [&](int cell, int parent, double length) {
     const double remaining = least_remaining(cell);
-    if (length + remaining > max_length || (stamp_[cell] == search_ && length >= length_[cell])) return;
+    if (length + remaining > max_length_m || (stamp_[cell] == search_ && length >= length_m_[cell])) return;
     stamp_[cell] = search_;
-    length_[cell] = length;
+    length_m_[cell] = length;
     parent_[cell] = parent;
     open.push({length + remaining, remaining, cell});
   };
@@ -305,11 +279,11 @@ std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, con
     const Entry entry = open.top();
     open.pop();
     if (entry.cell == goal) break;
-    const double length = length_[entry.cell];
+    const double length = length_m_[entry.cell];
     if (entry.total > length + entry.remaining) continue;  // a shorter path was found since
     for (std::size_t s = 0; s < steps_.size(); ++s) {
       if ((exits_[entry.cell] >> s & 1U) == 0) continue;
-      reach(entry.cell + steps_[s].offset, entry.cell, length + steps_[s].length);
+      reach(entry.cell + steps_[s].offset, entry.cell, length + steps_[s].length_m);
     }
   }
   std::vector<base::Point> path;
@@ -330,7 +304,7 @@ std::vector<base::Point> PlanningGrid::Shortcut(const std::vector<base::Point>& 
 }
 
 template <typename Value>
-std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const base::Point& from, double radius,
+std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const base::Point& from, double radius_m,
                                                                 const Value& value) const {
   const int start = FreeCellOf(from);
   if (start < 0) return std::nullopt;
@@ -352,9 +326,9 @@ std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const base::Poin
       const Step& step = steps_[s];
       const int next = cell + step.offset;
       if ((exits_[cell] >> s & 1U) == 0 || stamp_[next] == search_) continue;
-      const base::Point next_center{center.x + step.d_col * shape_.resolution,
-                                    center.y + step.d_row * shape_.resolution};
-      if (SquaredDistance(next_center, from) > radius * radius) continue;
+      const base::Point next_center{center.x + step.d_col * shape_.resolution_m,
+                                    center.y + step.d_row * shape_.resolution_m};
+      if (SquaredDistance(next_center, from) > radius_m * radius_m) continue;
       stamp_[next] = search_;
       reached_.push_back({next, row + step.d_row, col + step.d_col});
     }
@@ -364,46 +338,19 @@ std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const base::Poin
 }
 
 std::optional<PlanningGrid::Valued> PlanningGrid::LeastReachable(const float* distances, std::size_t size,
-                                                                 const base::Point& from, double radius) const {
+                                                                 const base::Point& from, double radius_m) const {
   if (size != blocked_.size()) throw std::invalid_argument("the distance map must have one value per cell");
-  base::CheckNotNegative(radius, "radius");
-  const int start = FreeCellOf(from);
-  if (start < 0) return std::nullopt;
-  const base::Point center{(from.x - shape_.origin.x) / shape_.resolution,
-                           (from.y - shape_.origin.y) / shape_.resolution};
-  const DiscFill::Disc disc{center, radius / shape_.resolution};
-  if (!disc_fill_.Reach(disc, start / shape_.cols, start % shape_.cols, &filled_)) {
-    return BestReachable(from, radius,
-                         [&](int cell, const base::Point&) { return static_cast<double>(distances[cell]); });
-  }
-  int best = -1;
-  float least = std::numeric_limits<float>::infinity();
-  for (const DiscFill::Row& row : filled_) {
-    int cell = row.row * shape_.cols + row.first_col;
-    for (std::uint64_t cells = row.cells; cells != 0;) {
-      const int gap = LowestBit(cells);
-      cells >>= gap;
-      const int run = ~cells == 0 ? 64 : LowestBit(~cells);
-      cells = run == 64 ? 0 : cells >> run;
-      cell += gap;
-      const float least_here = LeastOf(distances + cell, run);
-      if (least_here < least) {
-        least = least_here;
-        best = static_cast<int>(std::find(distances + cell, distances + cell + run, least) - distances);
-      }
-      cell += run;
-    }
-  }
-  if (best < 0) return std::nullopt;
-  return Valued{Center(best), static_cast<double>(least)};
+  base::CheckNotNegative(radius_m, "radius_m");
+  return BestReachable(from, radius_m,
+                       [&](int cell, const base::Point&) { return static_cast<double>(distances[cell]); });
 }
 
 std::optional<base::Point> PlanningGrid::NearestReachable(const base::Point& from, const base::Point& to,
-                                                          double radius) const {
+                                                          double radius_m) const {
   base::Check(to, "goal");
-  base::CheckNotNegative(radius, "radius");
+  base::CheckNotNegative(radius_m, "radius_m");
   const auto best =
-      BestReachable(from, radius, [&](int, const base::Point& center) { return SquaredDistance(center, to); });
+      BestReachable(from, radius_m, [&](int, const base::Point& center) { return SquaredDistance(center, to); });
   if (!best) return std::nullopt;
   return best->place;
 }
@@ -414,20 +361,20 @@ base::Point PlanningGrid::ReachableTowards(const base::Point& from, const base::
   if (IsLineFree(from, goal)) return goal;
   const std::optional<base::Point> start = NearestFree(from, kNearby);
   if (!start) return goal;
-  const double radius = base::Hypot(start->x - goal.x, start->y - goal.y) + shape_.resolution;
-  return NearestReachable(*start, goal, radius).value_or(goal);
+  const double radius_m = base::Hypot(start->x - goal.x, start->y - goal.y) + shape_.resolution_m;
+  return NearestReachable(*start, goal, radius_m).value_or(goal);
 }
 
 PlanningGrid::Valued PlanningGrid::FirstStretch(const base::Point& from, const base::Point& goal,
-                                                double max_length) const {
+                                                double max_length_m) const {
   base::Check(from, "start");
   base::Check(goal, "goal");
-  base::CheckNotNegative(max_length, "max_length");
+  base::CheckNotNegative(max_length_m, "max_length_m");
   const Valued straight{goal, base::Hypot(from.x - goal.x, from.y - goal.y)};
   if (IsLineFree(from, goal)) return straight;
   const std::optional<base::Point> start = NearestFree(from, kNearby), end = NearestFree(goal, kNearby);
   if (!start || !end) return straight;
-  const std::vector<base::Point> corners = Waypoints(*start, *end, max_length);
+  const std::vector<base::Point> corners = Waypoints(*start, *end, max_length_m);
   if (corners.size() < 2) return straight;
   double length = 0.0;
   for (std::size_t i = 1; i < corners.size(); ++i) {
@@ -436,8 +383,8 @@ PlanningGrid::Valued PlanningGrid::FirstStretch(const base::Point& from, const b
   return {corners[1], length};
 }
 
-base::Point PlanningGrid::AlongPath(const base::Point& from, const base::Point& goal, double max_length) const {
-  const auto [bend, length] = FirstStretch(from, goal, max_length);
+base::Point PlanningGrid::AlongPath(const base::Point& from, const base::Point& goal, double max_length_m) const {
+  const auto [bend, length] = FirstStretch(from, goal, max_length_m);
   const double bend_distance = base::Hypot(from.x - bend.x, from.y - bend.y);
   if ((bend.x == goal.x && bend.y == goal.y) || bend_distance == 0.0) return goal;
   const double stretch = length / bend_distance;

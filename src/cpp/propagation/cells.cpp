@@ -35,15 +35,15 @@ int CentersMm::FirstFrom(std::int64_t position) const {
 }
 
 CellCentersMm::CellCentersMm(const plan::GridShape& grid) {
-  base::CheckPositive(grid.resolution, "resolution_m");
+  base::CheckPositive(grid.resolution_m, "resolution_m");
   if (grid.rows < 1 || grid.cols < 1) {
     throw std::invalid_argument("a grid must hold at least one cell, got " + std::to_string(grid.rows) + " x " +
                                 std::to_string(grid.cols));
   }
   const PointMm first = RoundedCenter(grid, 0, 0);
   RoundedCenter(grid, grid.rows - 1, grid.cols - 1);  // throws if the grid extends beyond the limit
-  x.pitch = y.pitch = PitchMm(grid.resolution);
-  x.per_mm = y.per_mm = 1.0 / (grid.resolution * 1000.0);
+  x.pitch = y.pitch = PitchMm(grid.resolution_m);
+  x.per_mm = y.per_mm = 1.0 / (grid.resolution_m * 1000.0);
   x.at.resize(grid.cols);
   y.at.resize(grid.rows);
   for (int col = 0; col < grid.cols; ++col) {

@@ -71,10 +71,10 @@ std::optional<Cell> LoudestCell(const plan::GridShape& grid, const Eigen::Ref<co
   // Cells from `from` to `to` - 1, one more than needed on each side; the distance decides.
   const auto clamped = [](double cell, int count) { return static_cast<int>(std::clamp(cell, 0.0, 1.0 * count)); };
   const auto from = [&](double origin, double center, int count) {
-    return clamped(std::floor((center - radius_m - origin) / grid.resolution) - 1.0, count);
+    return clamped(std::floor((center - radius_m - origin) / grid.resolution_m) - 1.0, count);
   };
   const auto to = [&](double origin, double center, int count) {
-    return clamped(std::floor((center + radius_m - origin) / grid.resolution) + 2.0, count);
+    return clamped(std::floor((center + radius_m - origin) / grid.resolution_m) + 2.0, count);
   };
   std::optional<Cell> best;
   const int col_from = from(grid.origin.x, at.x, grid.cols);

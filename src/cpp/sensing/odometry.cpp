@@ -56,15 +56,15 @@ PoseCovariance CarriedOmni(PoseCovariance p, double x, double y, double way_vari
 
 }  // namespace
 
-Odometry::Odometry(const OdometryModel& model, double step, bool omni) : model_(model), step_(step), omni_(omni) {
+Odometry::Odometry(const OdometryModel& model, double step_s, bool omni) : model_(model), step_s_(step_s), omni_(omni) {
   for (const double alpha : {model.alpha1, model.alpha2, model.alpha3, model.alpha4}) {
     base::CheckNotNegative(alpha, "a coefficient of the odometry");
   }
-  base::CheckPositive(step, "step");
+  base::CheckPositive(step_s, "step_s");
 }
 
 void Odometry::StepOmni(const base::Pose& motion, const base::Twist& twist, const Noise& noise) {
-  const double turn = twist.angular_z * step_, distance2 = Square(motion.x) + Square(motion.y);
+  const double turn = twist.angular_z * step_s_, distance2 = Square(motion.x) + Square(motion.y);
   const double turn_variance = model_.alpha1 * Square(turn) + model_.alpha2 * distance2;
   const double way_variance = model_.alpha3 * distance2 + model_.alpha4 * Square(turn);
   const double turn_error = noise.first_turn * std::sqrt(turn_variance);
@@ -76,11 +76,11 @@ void Odometry::StepOmni(const base::Pose& motion, const base::Twist& twist, cons
   const double x = distance * cos - aside * sin, y = distance * sin + aside * cos;
   pose_ = {pose_.x + x, pose_.y + y, base::NormaliseAngle(pose_.yaw + turn + turn_error)};
   covariance_ = CarriedOmni(covariance_, x, y, way_variance, turn_variance);
-  twist_ = {twist.linear_x + (along * std::cos(seen) - aside * std::sin(seen)) / step_,
-            twist.linear_y + (along * std::sin(seen) + aside * std::cos(seen)) / step_,
-            twist.angular_z + turn_error / step_};
-  speed_variance_ = way_variance / Square(step_);
-  turn_variance_ = turn_variance / Square(step_);
+  twist_ = {twist.linear_x + (along * std::cos(seen) - aside * std::sin(seen)) / step_s_,
+            twist.linear_y + (along * std::sin(seen) + aside * std::cos(seen)) / step_s_,
+            twist.angular_z + turn_error / step_s_};
+  const double speed_variance = way_variance / Square(step_s_);
+  twist_variances_ = {speed_variance, speed_variance, turn_variance / Square(step_s_)};
 }
 
 void Odometry::Step(const base::Pose& motion, const base::Twist& twist, const Noise& noise) {
@@ -89,7 +89,7 @@ void Odometry::Step(const base::Pose& motion, const base::Twist& twist, const No
   base::Check({noise.first_turn, noise.distance, noise.second_turn}, "noise");
   if (omni_) return StepOmni(motion, twist, noise);
   const StraightMotion straight = StraightMotionOf(motion);
-  const double turn = twist.angular_z * step_;
+  const double turn = twist.angular_z * step_s_;
   const double rest = turn - straight.heading;
   const double first_turn = std::abs(straight.distance) < kLeastHeadedDistance ? 0.0 : straight.heading;
   const double first2 = Square(std::min(std::abs(first_turn), std::abs(turn)));
@@ -107,10 +107,9 @@ void Odometry::Step(const base::Pose& motion, const base::Twist& twist, const No
   pose_.y += distance * sin;
   pose_.yaw = base::NormaliseAngle(course + rest + second_error);
   covariance_ = Carried(covariance_, first_variance, distance, distance_variance, cos, sin, second_variance);
-  twist_ = {twist.linear_x + distance_error / step_, twist.linear_y,
-            twist.angular_z + (first_error + second_error) / step_};
-  speed_variance_ = distance_variance / Square(step_);
-  turn_variance_ = (first_variance + second_variance) / Square(step_);
+  twist_ = {twist.linear_x + distance_error / step_s_, twist.linear_y,
+            twist.angular_z + (first_error + second_error) / step_s_};
+  twist_variances_ = {distance_variance / Square(step_s_), 0.0, (first_variance + second_variance) / Square(step_s_)};
 }
 
 }  // namespace robotteamsim::sensing

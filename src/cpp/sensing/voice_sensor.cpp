@@ -9,12 +9,12 @@
 
 namespace robotteamsim::sensing {
 
-VoiceSensor::VoiceSensor(const plan::GridShape& grid, propagation::MapValues map, double radius)
-    : grid_(grid), map_(std::move(map)), radius_(radius) {
+VoiceSensor::VoiceSensor(const plan::GridShape& grid, propagation::MapValues map, double radius_m)
+    : grid_(grid), map_(std::move(map)), radius_m_(radius_m) {
   if (map_.rows() != grid.rows || map_.cols() != grid.cols) throw std::invalid_argument("the map must fit the grid");
   base::Check(grid.origin, "origin_m");
-  base::CheckPositive(grid.resolution, "resolution_m");
-  base::CheckNotNegative(radius, "radius_m");
+  base::CheckPositive(grid.resolution_m, "resolution_m");
+  base::CheckNotNegative(radius_m, "radius_m");
   if (!map_.allFinite()) throw std::invalid_argument("levels_db must be finite");
 }
 
@@ -28,12 +28,12 @@ std::vector<VoiceReading> VoiceSensor::Hear(const std::vector<base::Point>& posi
 
 VoiceReading VoiceSensor::HearAt(const base::Point& position, std::optional<propagation::Cell>* last) const {
   base::Check(position, "position_m");
-  const double row = std::floor((position.y - grid_.origin.y) / grid_.resolution);
-  const double col = std::floor((position.x - grid_.origin.x) / grid_.resolution);
+  const double row = std::floor((position.y - grid_.origin.y) / grid_.resolution_m);
+  const double col = std::floor((position.x - grid_.origin.x) / grid_.resolution_m);
   const bool is_inside = row >= 0.0 && row < grid_.rows && col >= 0.0 && col < grid_.cols;
   VoiceReading reading;
   reading.level_db = is_inside ? map_(static_cast<int>(row), static_cast<int>(col)) : 0.0F;
-  *last = propagation::LoudestCell(grid_, map_, position, radius_, *last);
+  *last = propagation::LoudestCell(grid_, map_, position, radius_m_, *last);
   reading.heard = last->has_value();
   reading.local_best = *last ? propagation::CellCenter(grid_, (*last)->row, (*last)->col) : position;
   reading.local_best_level_db = *last ? (*last)->value : 0.0;

@@ -27,18 +27,13 @@ std::size_t Checked(int num_robots) {
 
 TeamTotals::TeamTotals(int num_robots) : logs_(Checked(num_robots)) {}
 
-void TeamTotals::AddSteps(const base::Table<const base::Point>& positions, const base::Table<const bool>& in_contact,
-                          const base::Table<const bool>& excluded, const std::vector<bool>& running) {
-  const std::size_t steps = running.size(), robots = logs_.size();
-  if (!positions.HasShape(steps, robots) || !in_contact.HasShape(steps, robots) || !excluded.HasShape(steps, robots)) {
-    throw std::invalid_argument("positions and flags must have one row per step and one column per robot");
+void TeamTotals::AddStep(const std::vector<base::Point>& positions, const std::vector<bool>& in_contact,
+                         const std::vector<bool>& excluded, bool running) {
+  const std::size_t robots = logs_.size();
+  if (positions.size() != robots || in_contact.size() != robots || excluded.size() != robots) {
+    throw std::invalid_argument("positions and flags must have one row per robot");
   }
-  for (std::size_t step = 0; step < steps; ++step) {
-    const base::Point* const at = positions.Row(step);
-    const bool *const touches = in_contact.Row(step), *const is_excluded = excluded.Row(step);
-    const bool is_running = running[step];
-    for (std::size_t i = 0; i < robots; ++i) Add(at[i], touches[i], is_excluded[i], is_running, &logs_[i]);
-  }
+  for (std::size_t i = 0; i < robots; ++i) Add(positions[i], in_contact[i], excluded[i], running, &logs_[i]);
 }
 
 void TeamTotals::Add(const base::Point& at, bool in_contact, bool is_excluded, bool is_running, Log* log) {
@@ -47,7 +42,7 @@ void TeamTotals::Add(const base::Point& at, bool in_contact, bool is_excluded, b
   log->last = at;
   if (std::isnan(at.x)) return;
   const bool has_come = std::isnan(before.x);
-  if (!has_come) log->sums.distance += Distance(at, before);
+  if (!has_come) log->sums.distance_m += Distance(at, before);
   if (has_come || Distance(at, log->anchor) > kStayRadius) {
     log->anchor = at;
     log->stay = 0;

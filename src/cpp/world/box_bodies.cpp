@@ -57,16 +57,16 @@ void AddPieces(b2Body* body, const Solid& solid, const base::Point& origin) {
   }
 }
 
-void AddDisc(b2Body* body, double radius, double mass) {
+void AddDisc(b2Body* body, double radius_m, double mass_kg) {
   b2CircleShape shape;
-  shape.m_radius = static_cast<float>(radius) + kSkin;
-  AddFixture(body, shape, mass / (static_cast<double>(b2_pi) * shape.m_radius * shape.m_radius));
+  shape.m_radius = static_cast<float>(radius_m) + kSkin;
+  AddFixture(body, shape, mass_kg / (static_cast<double>(b2_pi) * shape.m_radius * shape.m_radius));
 }
 
-void AddPolygon(b2Body* body, const Polygon& corners, double mass) {
+void AddPolygon(b2Body* body, const Polygon& corners, double mass_kg) {
   double twice_area = 0.0;
   for (std::size_t i = 2; i < corners.size(); ++i) twice_area += Cross(corners[0], corners[i - 1], corners[i]);
-  AddFixture(body, ConvexShape(corners, {}), 2.0 * mass / twice_area);
+  AddFixture(body, ConvexShape(corners, {}), 2.0 * mass_kg / twice_area);
 }
 
 }  // namespace robotteamsim::world

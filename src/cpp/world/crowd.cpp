@@ -52,23 +52,23 @@ void CheckWalkers(const std::vector<Walker>& walkers, const std::vector<Bystande
   for (const Walker& walker : walkers) {
     base::Check(walker.position, "the position of a walker");
     base::Check(walker.target, "the target of a walker");
-    base::CheckNotNegative(walker.speed, "the speed of a walker");
-    base::CheckPositive(walker.radius, "the radius of a walker");
-    if (walker.radius > kWallReach) throw std::invalid_argument("the radius of a walker must be at most 2 m");
+    base::CheckNotNegative(walker.speed_mps, "the speed of a walker");
+    base::CheckPositive(walker.radius_m, "the radius of a walker");
+    if (walker.radius_m > kWallReach) throw std::invalid_argument("the radius of a walker must be at most 2 m");
   }
   for (const Bystander& other : others) {
     base::Check(other.position, "the position of a bystander");
-    base::CheckPositive(other.radius, "the radius of a bystander");
+    base::CheckPositive(other.radius_m, "the radius of a bystander");
   }
 }
 
 CrowdParameters CheckedParameters(const CrowdParameters& parameters) {
-  base::CheckPositive(parameters.time_gap, "time_gap");
+  base::CheckPositive(parameters.time_gap_s, "time_gap_s");
   base::CheckNotNegative(parameters.neighbour_strength, "neighbour_strength");
-  base::CheckPositive(parameters.neighbour_range, "neighbour_range");
+  base::CheckPositive(parameters.neighbour_range_m, "neighbour_range_m");
   base::CheckNotNegative(parameters.wall_strength, "wall_strength");
-  base::CheckPositive(parameters.wall_range, "wall_range");
-  base::CheckPositive(parameters.longest_substep, "longest_substep");
+  base::CheckPositive(parameters.wall_range_m, "wall_range_m");
+  base::CheckPositive(parameters.longest_substep_s, "longest_substep_s");
   return parameters;
 }
 
@@ -82,13 +82,13 @@ class Surroundings {
  public:
   Surroundings(const Walker& walker, const CrowdParameters& parameters) : walker_(walker), parameters_(parameters) {}
 
-  void Add(const base::Point& other, double radius) {
+  void Add(const base::Point& other, double radius_m) {
     const base::Point away = Minus(walker_.position, other);
     const double distance = base::Hypot(away.x, away.y);
     if (distance < kSamePosition) return;
-    const double contact = walker_.radius + radius;
+    const double contact = walker_.radius_m + radius_m;
     const double weight =
-        Push(parameters_.neighbour_strength, contact, distance, parameters_.neighbour_range) / distance;
+        Push(parameters_.neighbour_strength, contact, distance, parameters_.neighbour_range_m) / distance;
     push_.x += weight * away.x;
     push_.y += weight * away.y;
     neighbours_.push_back({{-away.x, -away.y}, contact});
@@ -98,7 +98,8 @@ class Surroundings {
     const base::Point away = Minus(walker_.position, NearestOn(wall, walker_.position));
     const double distance = base::Hypot(away.x, away.y);
     if (distance < kSamePosition || IsInside(wall, walker_.position)) return;
-    const double weight = Push(parameters_.wall_strength, walker_.radius, distance, parameters_.wall_range) / distance;
+    const double weight =
+        Push(parameters_.wall_strength, walker_.radius_m, distance, parameters_.wall_range_m) / distance;
     push_.x += weight * away.x;
     push_.y += weight * away.y;
   }
@@ -140,7 +141,7 @@ base::Point WithoutWalls(const Walker& walker, base::Point move, const std::vect
       const base::Point to = Minus(NearestOn(wall, walker.position), walker.position);
       const double distance = base::Hypot(to.x, to.y);
       if (distance < kSamePosition || IsInside(wall, walker.position)) continue;
-      const double approach = Dot(move, to) / distance, room = std::max(0.0, distance - walker.radius);
+      const double approach = Dot(move, to) / distance, room = std::max(0.0, distance - walker.radius_m);
       if (approach <= room) continue;
       move.x -= (approach - room) * to.x / distance;
       move.y -= (approach - room) * to.y / distance;
@@ -157,17 +158,17 @@ Crowd::Crowd(const std::vector<Solid>& solids, std::vector<Door> doors, const Cr
       edges_(EdgesOf(solids, AsInstant(std::move(doors))), 2.0 * kWallReach) {}
 
 std::vector<base::Point> Crowd::Step(std::vector<Walker> walkers, const std::vector<Bystander>& others,
-                                     const std::vector<bool>& closed, double time) const {
+                                     const std::vector<bool>& closed, double time_s) const {
   CheckWalkers(walkers, others);
-  base::CheckPositive(time, "time");
+  base::CheckPositive(time_s, "time_s");
   if (closed.size() != num_doors_) throw std::invalid_argument("closed must have one value per door");
-  const double wanted = std::ceil(time / parameters_.longest_substep);
+  const double wanted = std::ceil(time_s / parameters_.longest_substep_s);
   if (wanted > kMostCrowdSubsteps) throw std::invalid_argument("a step of a crowd needs too many substeps");
   const int substeps = std::max(1, static_cast<int>(wanted));
   std::vector<base::Point> next(walkers.size());
   for (int substep = 0; substep < substeps; ++substep) {
     for (std::size_t i = 0; i < walkers.size(); ++i) {
-      next[i] = NextPosition(walkers, i, others, WallsNear(walkers[i], closed), time / substeps);
+      next[i] = NextPosition(walkers, i, others, WallsNear(walkers[i], closed), time_s / substeps);
     }
     for (std::size_t i = 0; i < walkers.size(); ++i) walkers[i].position = next[i];
   }
@@ -176,7 +177,7 @@ std::vector<base::Point> Crowd::Step(std::vector<Walker> walkers, const std::vec
 
 base::Point Crowd::NextPosition(const std::vector<Walker>& walkers, std::size_t index,
                                 const std::vector<Bystander>& others, const std::vector<base::Segment>& walls,
-                                double time) const {
+                                double time_s) const {
   const Walker& walker = walkers[index];
   base::Point to_target = Minus(walker.target, walker.position);
   const double left = base::Hypot(to_target.x, to_target.y);
@@ -184,13 +185,13 @@ base::Point Crowd::NextPosition(const std::vector<Walker>& walkers, std::size_t 
   to_target = {to_target.x / left, to_target.y / left};
   Surroundings around(walker, parameters_);
   for (std::size_t i = 0; i < walkers.size(); ++i) {
-    if (i != index) around.Add(walkers[i].position, walkers[i].radius);
+    if (i != index) around.Add(walkers[i].position, walkers[i].radius_m);
   }
-  for (const Bystander& other : others) around.Add(other.position, other.radius);
+  for (const Bystander& other : others) around.Add(other.position, other.radius_m);
   for (const base::Segment& wall : walls) around.AddWall(wall);
   const base::Point direction = around.Direction(to_target);
-  const double by_gap = std::max(0.0, around.GapAhead(direction) / parameters_.time_gap);
-  const double length = std::min(std::min(walker.speed, by_gap) * time, left);
+  const double by_gap = std::max(0.0, around.GapAhead(direction) / parameters_.time_gap_s);
+  const double length = std::min(std::min(walker.speed_mps, by_gap) * time_s, left);
   const base::Point move = WithoutWalls(walker, {length * direction.x, length * direction.y}, walls);
   return {walker.position.x + move.x, walker.position.y + move.y};
 }
@@ -199,7 +200,7 @@ std::vector<base::Segment> Crowd::WallsNear(const Walker& walker, const std::vec
   std::vector<base::Segment> walls;
   for (const Edge& edge : edges_.Near(walker.position)) {
     if (edge.door != Edge::kNoDoor && !closed[edge.door]) continue;
-    if (DistanceToSegment(walker.position, edge.segment) <= walker.radius + kWallReach) walls.push_back(edge.segment);
+    if (DistanceToSegment(walker.position, edge.segment) <= walker.radius_m + kWallReach) walls.push_back(edge.segment);
   }
   return walls;
 }

@@ -27,11 +27,11 @@ std::vector<Door> Checked(std::vector<Door> doors) {
   for (const Door& door : doors) {
     const LeafMotion& motion = door.motion;
     for (const double value :
-         {motion.time, motion.angle, motion.shift.x, motion.shift.y, motion.hinge.x, motion.hinge.y}) {
+         {motion.time_s, motion.angle_rad, motion.shift.x, motion.shift.y, motion.hinge.x, motion.hinge.y}) {
       base::Check(value, "the motion of a door");
     }
     CheckSolid(door.leaf);
-    if (motion.time < 0.0) throw std::invalid_argument("the time of a door must be >= 0");
+    if (motion.time_s < 0.0) throw std::invalid_argument("the time of a door must be >= 0");
   }
   return doors;
 }
@@ -68,7 +68,7 @@ void Doors::Place(b2World& box, const base::Point& origin) {
     const Door& door = doors_[i];
     const LeafMotion& motion = door.motion;
     b2BodyDef still;
-    if (motion.time == 0.0) {
+    if (motion.time_s == 0.0) {
       still.enabled = door.closed;
       bodies_.push_back(box.CreateBody(&still));
       AddPieces(bodies_.back(), door.leaf, origin);
@@ -78,7 +78,7 @@ void Doors::Place(b2World& box, const base::Point& origin) {
     AddPieces(bodies_.back(), door.leaf, motion.hinge);
     MovingLeaf leaf{static_cast<int>(i), door.closed ? 0.0 : 1.0, door.closed, false, {}, 0.0};
     leaf.outline = OutlineAt(leaf, leaf.opening);
-    leaf.reach = ReachOf(FromHinge(door.leaf.outline, motion.hinge)) + std::hypot(motion.shift.x, motion.shift.y);
+    leaf.reach_m = ReachOf(FromHinge(door.leaf.outline, motion.hinge)) + std::hypot(motion.shift.x, motion.shift.y);
     leaves_.push_back(leaf);
     PutBody(leaf);
   }
@@ -103,21 +103,21 @@ void Doors::UpdateStates() {
 
 Polygon Doors::OutlineAt(const MovingLeaf& leaf, double opening) const {
   const Door& door = doors_[leaf.door];
-  const auto& [time, angle, shift, hinge] = door.motion;
+  const auto& [time_s, angle_rad, shift, hinge] = door.motion;
   const Polygon from_hinge = FromHinge(door.leaf.outline, hinge);
-  return Placed(from_hinge, {hinge.x + shift.x * opening, hinge.y + shift.y * opening, angle * opening});
+  return Placed(from_hinge, {hinge.x + shift.x * opening, hinge.y + shift.y * opening, angle_rad * opening});
 }
 
 // In Box2D a leaf is a static body that is moved: it stops robots that drive at it and never pushes.
 void Doors::PutBody(const MovingLeaf& leaf) {
-  const auto& [time, angle, shift, hinge] = doors_[leaf.door].motion;
+  const auto& [time_s, angle_rad, shift, hinge] = doors_[leaf.door].motion;
   const double x = hinge.x + shift.x * leaf.opening, y = hinge.y + shift.y * leaf.opening;
-  bodies_[leaf.door]->SetTransform(ToBox(x - origin_.x, y - origin_.y), static_cast<float>(angle * leaf.opening));
+  bodies_[leaf.door]->SetTransform(ToBox(x - origin_.x, y - origin_.y), static_cast<float>(angle_rad * leaf.opening));
 }
 
 void Doors::SetClosed(int door, bool closed) {
   Door& stored = doors_.at(door);
-  if (stored.motion.time == 0.0) {
+  if (stored.motion.time_s == 0.0) {
     stored.closed = closed;
     bodies_[door]->SetEnabled(closed);
   }
@@ -132,20 +132,20 @@ void Doors::SetClosed(int door, bool closed) {
 // Returns the speed of the fastest corner of a moving leaf [m/s].
 double Doors::Pace(const MovingLeaf& leaf) const {
   const LeafMotion& motion = doors_[leaf.door].motion;
-  return (std::abs(motion.angle) * leaf.reach + std::hypot(motion.shift.x, motion.shift.y)) / motion.time;
+  return (std::abs(motion.angle_rad) * leaf.reach_m + std::hypot(motion.shift.x, motion.shift.y)) / motion.time_s;
 }
 
-void Doors::Advance(double time, const IsBlocked& is_blocked) {
+void Doors::Advance(double time_s, const IsBlocked& is_blocked) {
   for (MovingLeaf& leaf : leaves_) {
-    if (!leaf.IsThere()) GoOn(leaf, time, is_blocked);
+    if (!leaf.IsThere()) GoOn(leaf, time_s, is_blocked);
   }
 }
 
-void Doors::GoOn(MovingLeaf& leaf, double time, const IsBlocked& is_blocked) {
+void Doors::GoOn(MovingLeaf& leaf, double time_s, const IsBlocked& is_blocked) {
   Door& door = doors_[leaf.door];
-  const int parts = base::ClampedInt(std::ceil(Pace(leaf) * time / kGlance), 0, kMostGlances);
+  const int parts = base::ClampedInt(std::ceil(Pace(leaf) * time_s / kGlance), 0, kMostGlances);
   const double end = leaf.shall_close ? 0.0 : 1.0;
-  const double part = (leaf.shall_close ? -1.0 : 1.0) * time / door.motion.time / parts;
+  const double part = (leaf.shall_close ? -1.0 : 1.0) * time_s / door.motion.time_s / parts;
   leaf.is_held = false;
   for (int i = 0; i < parts && !leaf.IsThere() && !leaf.is_held; ++i) {
     const double further = leaf.opening + part;
@@ -162,21 +162,21 @@ void Doors::GoOn(MovingLeaf& leaf, double time, const IsBlocked& is_blocked) {
   PutBody(leaf);
 }
 
-double Doors::Travel(double time) const {
-  double travel = 0.0;
+double Doors::Travel(double time_s) const {
+  double travel_m = 0.0;
   for (const MovingLeaf& leaf : leaves_) {
-    if (!leaf.IsThere()) travel = std::max(travel, Pace(leaf) * time);
+    if (!leaf.IsThere()) travel_m = std::max(travel_m, Pace(leaf) * time_s);
   }
-  return travel;
+  return travel_m;
 }
 
-bool Doors::IsLeafNear(const base::Point& point, double distance) const {
+bool Doors::IsLeafNear(const base::Point& point, double distance_m) const {
   for (const MovingLeaf& leaf : leaves_) {
     const base::Point& hinge = doors_[leaf.door].motion.hinge;
-    if (std::hypot(point.x - hinge.x, point.y - hinge.y) > leaf.reach + distance) continue;
+    if (std::hypot(point.x - hinge.x, point.y - hinge.y) > leaf.reach_m + distance_m) continue;
     for (std::size_t i = 0; i < leaf.outline.size(); ++i) {
       const base::Segment side{leaf.outline[i], leaf.outline[(i + 1) % leaf.outline.size()]};
-      if (DistanceToSegment(point, side) <= distance) return true;
+      if (DistanceToSegment(point, side) <= distance_m) return true;
     }
   }
   return false;

@@ -22,10 +22,10 @@ constexpr double kGravity = 9.81;  // [m/s^2]
 MovableObject Checked(MovableObject object) {
   if (!object.corners.empty()) {
     CheckFootprint(object.corners, "an object");
-    object.radius = ReachOf(object.corners);
+    object.radius_m = ReachOf(object.corners);
   }
   const bool is_fine =
-      base::IsPositive(object.radius) && base::IsPositive(object.mass) && base::IsPositive(object.friction);
+      base::IsPositive(object.radius_m) && base::IsPositive(object.mass_kg) && base::IsPositive(object.friction);
   if (!is_fine) throw std::invalid_argument("size, mass and friction of an object must be > 0");
   base::Check(object.start, "the pose of an object");
   return object;
@@ -69,16 +69,16 @@ void MovableObjects::Build(const MovableObject& object) {
   def.bullet = true;
   b2Body* body = box_->CreateBody(&def);
   if (object.corners.empty()) {
-    AddDisc(body, object.radius, object.mass);
+    AddDisc(body, object.radius_m, object.mass_kg);
   } else {
-    AddPolygon(body, object.corners, object.mass);
+    AddPolygon(body, object.corners, object.mass_kg);
   }
-  const double weight = kGravity * object.mass;
+  const double weight = kGravity * object.mass_kg;
   b2FrictionJointDef rub;
   rub.Initialize(ground_, body, body->GetWorldCenter());
   rub.maxForce = static_cast<float>(object.friction * weight);
   // The mean distance of a disc's points from its middle is two thirds of its radius.
-  rub.maxTorque = static_cast<float>(object.friction * weight * 2.0 / 3.0 * object.radius);
+  rub.maxTorque = static_cast<float>(object.friction * weight * 2.0 / 3.0 * object.radius_m);
   box_->CreateJoint(&rub);
   bodies_.push_back(body);
   poses_.push_back(Normalised(object.start));
@@ -110,8 +110,8 @@ void MovableObjects::SetPose(int object, const base::Pose& pose) {
 }
 
 void MovableObjects::Changed() {
-  max_radius_ = 0.0;
-  for (const MovableObject& object : objects_) max_radius_ = std::max(max_radius_, object.radius);
+  max_radius_m_ = 0.0;
+  for (const MovableObject& object : objects_) max_radius_m_ = std::max(max_radius_m_, object.radius_m);
   grid_.Rebuild(poses_);
 }
 
@@ -139,13 +139,13 @@ bool MovableObjects::AnyMoves() const {
   return std::any_of(bodies_.begin(), bodies_.end(), [](const b2Body* body) { return body->IsAwake(); });
 }
 
-double MovableObjects::Travel(double time) const {
+double MovableObjects::Travel(double time_s) const {
   double speed = 0.0;
   for (std::size_t i = 0; i < objects_.size(); ++i) {
-    const double turning = objects_[i].radius * std::abs(static_cast<double>(bodies_[i]->GetAngularVelocity()));
+    const double turning = objects_[i].radius_m * std::abs(static_cast<double>(bodies_[i]->GetAngularVelocity()));
     speed = std::max(speed, static_cast<double>(bodies_[i]->GetLinearVelocity().Length()) + turning);
   }
-  return speed * time;
+  return speed * time_s;
 }
 
 }  // namespace robotteamsim::world

@@ -36,13 +36,13 @@ std::vector<Edge> EdgesOf(const std::vector<Solid>& solids, const std::vector<Do
   };
   for (const Solid& solid : solids) add(solid.outline, Edge::kNoDoor);
   for (std::size_t door = 0; door < doors.size(); ++door) {
-    if (doors[door].motion.time == 0.0) add(doors[door].leaf.outline, static_cast<int>(door));
+    if (doors[door].motion.time_s == 0.0) add(doors[door].leaf.outline, static_cast<int>(door));
   }
   return edges;
 }
 
-NearbyEdges::NearbyEdges(std::vector<Edge> edges, double reach) : all_(std::move(edges)) {
-  base::CheckPositive(reach, "reach");
+NearbyEdges::NearbyEdges(std::vector<Edge> edges, double reach_m) : all_(std::move(edges)) {
+  base::CheckPositive(reach_m, "reach_m");
   if (all_.empty()) return;
   const double infinity = std::numeric_limits<double>::infinity();
   base::Point low{infinity, infinity}, high{-infinity, -infinity};
@@ -56,11 +56,11 @@ NearbyEdges::NearbyEdges(std::vector<Edge> edges, double reach) : all_(std::move
   // Smaller cells have shorter lists, but there are more of them; lists for a long reach are long for any cell size.
   const double width = high.x - low.x, height = high.y - low.y;
   const double most = std::min(kMostCells, kMostCellsPerEdge * static_cast<double>(all_.size()));
-  cell_ = std::max({0.2 * reach, 0.5, std::sqrt(width * height / most), (width + height) / most});
-  columns_ = static_cast<int>(width / cell_) + 1;
-  rows_ = static_cast<int>(height / cell_) + 1;
+  cell_m_ = std::max({0.2 * reach_m, 0.5, std::sqrt(width * height / most), (width + height) / most});
+  columns_ = static_cast<int>(width / cell_m_) + 1;
+  rows_ = static_cast<int>(height / cell_m_) + 1;
   cells_.resize(static_cast<std::size_t>(columns_) * rows_);
-  for (const Edge& edge : all_) AddToCells(edge, reach);
+  for (const Edge& edge : all_) AddToCells(edge, reach_m);
 }
 
 const std::vector<Edge>& NearbyEdges::Near(const base::Point& point) const {
@@ -69,20 +69,22 @@ const std::vector<Edge>& NearbyEdges::Near(const base::Point& point) const {
   return inside ? cells_[static_cast<std::size_t>(row) * columns_ + column] : all_;
 }
 
-int NearbyEdges::Column(double x) const { return base::ClampedInt(std::floor((x - origin_.x) / cell_), -1, columns_); }
+int NearbyEdges::Column(double x) const {
+  return base::ClampedInt(std::floor((x - origin_.x) / cell_m_), -1, columns_);
+}
 
-int NearbyEdges::Row(double y) const { return base::ClampedInt(std::floor((y - origin_.y) / cell_), -1, rows_); }
+int NearbyEdges::Row(double y) const { return base::ClampedInt(std::floor((y - origin_.y) / cell_m_), -1, rows_); }
 
-void NearbyEdges::AddToCells(const Edge& edge, double reach) {
+void NearbyEdges::AddToCells(const Edge& edge, double reach_m) {
   const base::Segment& segment = edge.segment;
-  const double far = reach + 0.7072 * cell_;  // from a cell's centre: its half diagonal is cell * sqrt(1/2)
+  const double far = reach_m + 0.7072 * cell_m_;  // from a cell's centre: its half diagonal is cell * sqrt(1/2)
   const int first_column = std::max(Column(std::min(segment.a.x, segment.b.x) - far), 0);
   const int last_column = std::min(Column(std::max(segment.a.x, segment.b.x) + far), columns_ - 1);
   const int first_row = std::max(Row(std::min(segment.a.y, segment.b.y) - far), 0);
   const int last_row = std::min(Row(std::max(segment.a.y, segment.b.y) + far), rows_ - 1);
   for (int row = first_row; row <= last_row; ++row) {
     for (int column = first_column; column <= last_column; ++column) {
-      const base::Point center{origin_.x + (column + 0.5) * cell_, origin_.y + (row + 0.5) * cell_};
+      const base::Point center{origin_.x + (column + 0.5) * cell_m_, origin_.y + (row + 0.5) * cell_m_};
       if (DistanceToSegment(center, segment) <= far) {
         cells_[static_cast<std::size_t>(row) * columns_ + column].push_back(edge);
       }

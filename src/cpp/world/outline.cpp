@@ -56,9 +56,9 @@ Polygon Placed(const Polygon& corners, const base::Pose& pose) {
 }
 
 double ReachOf(const Polygon& corners) {
-  double reach = 0.0;
-  for (const base::Point& corner : corners) reach = std::max(reach, std::hypot(corner.x, corner.y));
-  return reach;
+  double reach_m = 0.0;
+  for (const base::Point& corner : corners) reach_m = std::max(reach_m, std::hypot(corner.x, corner.y));
+  return reach_m;
 }
 
 double HalfWidth(const Polygon& corners) {

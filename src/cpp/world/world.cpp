@@ -44,7 +44,7 @@ constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr base::Pose kNowhere{kNaN, kNaN, kNaN};
 
 void CheckRobot(const Robot& robot) {
-  for (const double value : {robot.radius, robot.mass}) {
+  for (const double value : {robot.radius_m, robot.mass_kg}) {
     if (!base::IsPositive(value)) throw std::invalid_argument("sizes and limits of a robot must be > 0");
   }
   base::Check(robot.start, "the start of a robot");
@@ -57,13 +57,13 @@ constexpr double kMostSubsteps = 1e5;
 
 // Box2D moves no body by more than 2 m at once and prevents robots from jumping over each other only if they move by
 // less than their width. So no robot moves by more than half its radius, or a quarter of its width, at once.
-int CheckedSubsteps(const std::vector<Robot>& robots, double step, int substeps) {
-  if (!base::IsPositive(step) || substeps < 1) throw std::invalid_argument("step and substeps must be > 0");
+int CheckedSubsteps(const std::vector<Robot>& robots, double step_s, int substeps) {
+  if (!base::IsPositive(step_s) || substeps < 1) throw std::invalid_argument("step and substeps must be > 0");
   double parts = 1.0;
   for (const Robot& robot : robots) {
     CheckRobot(robot);
-    const double radius = robot.footprint.empty() ? robot.radius : HalfWidth(robot.footprint);
-    parts = std::max(parts, std::ceil(robot.drive.max_speed * step / substeps / (0.5 * radius)));
+    const double radius_m = robot.footprint.empty() ? robot.radius_m : HalfWidth(robot.footprint);
+    parts = std::max(parts, std::ceil(robot.drive.max_speed_mps * step_s / substeps / (0.5 * radius_m)));
   }
   if (substeps * parts > kMostSubsteps) {
     throw std::invalid_argument("a robot must not move by so many times its radius in a step; substeps needed: " +
@@ -74,7 +74,7 @@ int CheckedSubsteps(const std::vector<Robot>& robots, double step, int substeps)
 
 std::vector<Robot> WithReach(std::vector<Robot> robots) {
   for (Robot& robot : robots) {
-    if (!robot.footprint.empty()) robot.radius = ReachOf(robot.footprint);
+    if (!robot.footprint.empty()) robot.radius_m = ReachOf(robot.footprint);
   }
   return robots;
 }
@@ -84,7 +84,7 @@ double MaxCornerSpeed(const Robot& robot) {
   if (robot.footprint.empty()) return 0.0;
   const DriveLimits& drive = robot.drive;
   const bool is_car = drive.kind == DriveKind::kCar;
-  return robot.radius * (is_car ? CarTurn(drive.max_speed, drive.max_steering, drive) : drive.max_turn);
+  return robot.radius_m * (is_car ? CarTurn(drive.max_speed_mps, drive.max_steering_rad, drive) : drive.max_turn_radps);
 }
 
 std::vector<Solid> Checked(std::vector<Solid> solids) {
@@ -93,32 +93,32 @@ std::vector<Solid> Checked(std::vector<Solid> solids) {
 }
 
 double MaxRadius(const std::vector<Robot>& robots) {
-  double radius = 0.0;
-  for (const Robot& robot : robots) radius = std::max(radius, robot.radius);
-  return radius;
+  double radius_m = 0.0;
+  for (const Robot& robot : robots) radius_m = std::max(radius_m, robot.radius_m);
+  return radius_m;
 }
 
 // Returns the greatest distance that anything travels in a step [m]. No robot pushes anything to more than its own
 // speed, but the far end of a turning object may be twice as fast.
-double MaxTravelOf(const std::vector<Robot>& robots, bool are_there_things, double step) {
+double MaxTravelOf(const std::vector<Robot>& robots, bool are_there_things, double step_s) {
   double speed = 0.0;
-  for (const Robot& robot : robots) speed = std::max(speed, robot.drive.max_speed + MaxCornerSpeed(robot));
-  return (are_there_things ? 2.0 : 1.0) * speed * step;
+  for (const Robot& robot : robots) speed = std::max(speed, robot.drive.max_speed_mps + MaxCornerSpeed(robot));
+  return (are_there_things ? 2.0 : 1.0) * speed * step_s;
 }
 
 }  // namespace
 
-World::World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step, int substeps,
+World::World(std::vector<Solid> solids, std::vector<Door> doors, std::vector<Robot> robots, double step_s, int substeps,
              std::vector<MovableObject> objects)
     : solids_(Checked(std::move(solids))),
       robots_(WithReach(std::move(robots))),
-      step_(step),
-      substeps_(CheckedSubsteps(robots_, step, substeps)),
-      dt_(step_ / substeps_),
+      step_s_(step_s),
+      substeps_(CheckedSubsteps(robots_, step_s, substeps)),
+      dt_s_(step_s_ / substeps_),
       origin_(robots_.empty() ? base::Point{} : base::Point{robots_[0].start.x, robots_[0].start.y}),
-      max_radius_(MaxRadius(robots_)),
-      max_travel_(MaxTravelOf(robots_, !objects.empty(), step_)),
-      edges_(EdgesOf(solids_, doors), max_radius_ + (max_travel_ + kMargin)),
+      max_radius_m_(MaxRadius(robots_)),
+      max_travel_m_(MaxTravelOf(robots_, !objects.empty(), step_s_)),
+      edges_(EdgesOf(solids_, doors), max_radius_m_ + (max_travel_m_ + kMargin)),
       doors_(std::move(doors)),
       objects_(std::move(objects)) {
   Reset();
@@ -163,13 +163,13 @@ void World::AddRobot(const Robot& robot) {
   def.bullet = true;  // robots stop at each other as precisely as at walls
   b2Body* body = box_->CreateBody(&def);
   if (is_round) {
-    AddDisc(body, robot.radius, robot.mass);
+    AddDisc(body, robot.radius_m, robot.mass_kg);
   } else {
-    AddPolygon(body, robot.footprint, robot.mass);
-    b2MassData mass;
-    body->GetMassData(&mass);  // inertia about the origin
-    mass.center.SetZero();     // the wheels hold base_link: the robot turns about it
-    body->SetMassData(&mass);
+    AddPolygon(body, robot.footprint, robot.mass_kg);
+    b2MassData mass_data;
+    body->GetMassData(&mass_data);  // inertia about the origin
+    mass_data.center.SetZero();     // the wheels hold base_link: the robot turns about it
+    body->SetMassData(&mass_data);
   }
   robot_bodies_.push_back(body);
   poses_.push_back({robot.start.x, robot.start.y, base::NormaliseAngle(robot.start.yaw)});
@@ -182,18 +182,18 @@ void World::Step(const std::vector<base::Twist>& commands) {
   twists_.assign(robots_.size(), {});
   in_contact_.assign(robots_.size(), false);
   for (std::vector<double>& angles : contact_angles_) angles.clear();
-  const double travel = std::min(std::max(MaxTravel(commands), objects_.Travel(step_)), max_travel_);
+  const double travel_m = std::min(std::max(MaxTravel(commands), objects_.Travel(step_s_)), max_travel_m_);
   bool any_busy = objects_.AnyMoves();
   for (int i = 0; i < num_robots; ++i) {
-    SetBusy(i, present_[i] && CouldTouch(i, travel));
+    SetBusy(i, present_[i] && CouldTouch(i, travel_m));
     any_busy = any_busy || drives_[i].is_busy;
   }
   for (int substep = 0; substep < substeps_; ++substep) {
-    doors_.Advance(dt_, [this](const Polygon& now, const Polygon& next) { return HoldsLeaf(now, next); });
+    doors_.Advance(dt_s_, [this](const Polygon& now, const Polygon& next) { return HoldsLeaf(now, next); });
     for (int i = 0; i < num_robots; ++i) {
       if (present_[i]) StartDrive(i, commands[i]);
     }
-    if (any_busy) box_->Step(static_cast<float>(dt_), kVelocityIterations, kPositionIterations);
+    if (any_busy) box_->Step(static_cast<float>(dt_s_), kVelocityIterations, kPositionIterations);
     for (int i = 0; i < num_robots; ++i) {
       if (present_[i]) FinishDrive(i);
     }
@@ -213,24 +213,24 @@ double World::MaxTravel(const std::vector<base::Twist>& commands) const {
     if (!present_[i]) continue;
     speed = std::max(speed, SpeedBound(drives_[i].speed, commands[i], robots_[i].drive) + MaxCornerSpeed(robots_[i]));
   }
-  return speed * step_;
+  return speed * step_s_;
 }
 
-bool World::CouldTouch(int robot, double travel) const {
+bool World::CouldTouch(int robot, double travel_m) const {
   const base::Point at{poses_[robot].x, poses_[robot].y};
-  const double reach = robots_[robot].radius + travel + kMargin;
+  const double reach_m = robots_[robot].radius_m + travel_m + kMargin;
   for (const Edge& edge : edges_.Near(at)) {
     const bool is_there = edge.door == Edge::kNoDoor || doors_.all()[edge.door].closed;
-    if (is_there && DistanceToSegment(at, edge.segment) <= reach) return true;
+    if (is_there && DistanceToSegment(at, edge.segment) <= reach_m) return true;
   }
-  bool found = doors_.IsLeafNear(at, reach + doors_.Travel(step_));
-  grid_.ForEachNear(at, reach + travel + max_radius_, [&](int other, const base::Pose& pose) {
-    const double dx = pose.x - at.x, dy = pose.y - at.y, apart = reach + travel + robots_[other].radius;
+  bool found = doors_.IsLeafNear(at, reach_m + doors_.Travel(step_s_));
+  grid_.ForEachNear(at, reach_m + travel_m + max_radius_m_, [&](int other, const base::Pose& pose) {
+    const double dx = pose.x - at.x, dy = pose.y - at.y, apart = reach_m + travel_m + robots_[other].radius_m;
     found = found || (other != robot && dx * dx + dy * dy <= apart * apart);
   });
   if (objects().empty()) return found;
-  object_grid().ForEachNear(at, reach + travel + max_object_radius(), [&](int object, const base::Pose& pose) {
-    found = found || std::hypot(pose.x - at.x, pose.y - at.y) <= reach + travel + objects()[object].radius;
+  object_grid().ForEachNear(at, reach_m + travel_m + max_object_radius(), [&](int object, const base::Pose& pose) {
+    found = found || std::hypot(pose.x - at.x, pose.y - at.y) <= reach_m + travel_m + objects()[object].radius_m;
   });
   return found;
 }
@@ -257,15 +257,15 @@ base::Point World::BodyPosition(int robot) const {
 
 void World::StartDrive(int robot, const base::Twist& command) {
   Drive& drive = drives_[robot];
-  drive.speed = ReachedSpeed(drive.speed, command, robots_[robot].drive, dt_);
-  drive.target = AdvancedPose(poses_[robot], drive.speed, dt_);
+  drive.speed = ReachedSpeed(drive.speed, command, robots_[robot].drive, dt_s_);
+  drive.target = AdvancedPose(poses_[robot], drive.speed, dt_s_);
   if (!drive.is_busy) return;
   b2Body* body = robot_bodies_[robot];
   const base::Point at = BodyPosition(robot);
-  body->SetLinearVelocity(ToBox((drive.target.x - at.x) / dt_, (drive.target.y - at.y) / dt_));
+  body->SetLinearVelocity(ToBox((drive.target.x - at.x) / dt_s_, (drive.target.y - at.y) / dt_s_));
   if (robots_[robot].footprint.empty()) return;
   const double turn = base::NormaliseAngle(drive.target.yaw - static_cast<double>(body->GetAngle()));
-  body->SetAngularVelocity(static_cast<float>(turn / dt_));
+  body->SetAngularVelocity(static_cast<float>(turn / dt_s_));
 }
 
 void World::FinishDrive(int robot) {
@@ -275,23 +275,26 @@ void World::FinishDrive(int robot) {
   if (drive.is_busy && IsTouching(robot_bodies_[robot])) {
     reached = BodySpeed(robot);
     // A robot that is stopped completely stops its wheels; while it slides along something or pushes, they slip.
-    const double wanted2 = drive.speed.forward * drive.speed.forward + drive.speed.left * drive.speed.left;
-    if ((reached.forward * drive.speed.forward + reached.left * drive.speed.left) / wanted2 < kStalled) {
-      drive.speed.forward = 0.0;
-      drive.speed.left = 0.0;
+    const double wanted2 =
+        drive.speed.forward_mps * drive.speed.forward_mps + drive.speed.left_mps * drive.speed.left_mps;
+    if ((reached.forward_mps * drive.speed.forward_mps + reached.left_mps * drive.speed.left_mps) / wanted2 <
+        kStalled) {
+      drive.speed.forward_mps = 0.0;
+      drive.speed.left_mps = 0.0;
     }
     const base::Point at = BodyPosition(robot);
-    if (reached.turn != drive.speed.turn) drive.target.yaw = base::NormaliseAngle(pose.yaw + reached.turn * dt_);
-    if (reached.turn / drive.speed.turn < kStalled) drive.speed.turn = 0.0;
+    if (reached.turn_radps != drive.speed.turn_radps)
+      drive.target.yaw = base::NormaliseAngle(pose.yaw + reached.turn_radps * dt_s_);
+    if (reached.turn_radps / drive.speed.turn_radps < kStalled) drive.speed.turn_radps = 0.0;
     drive.target.x = at.x;
     drive.target.y = at.y;
     in_contact_[robot] = true;
     NoteContacts(robot, drive.target.yaw);
   }
   pose = drive.target;
-  twists_[robot].linear_x += reached.forward / substeps_;
-  twists_[robot].linear_y += reached.left / substeps_;
-  twists_[robot].angular_z += reached.turn / substeps_;
+  twists_[robot].linear_x += reached.forward_mps / substeps_;
+  twists_[robot].linear_y += reached.left_mps / substeps_;
+  twists_[robot].angular_z += reached.turn_radps / substeps_;
 }
 
 // Returns the motion of a body with contacts in a substep as a speed of its drive.
@@ -300,19 +303,19 @@ DriveSpeed World::BodySpeed(int robot) const {
   const Robot& body = robots_[robot];
   DriveSpeed speed = drives_[robot].speed;
   if (!body.footprint.empty()) {
-    speed.turn = base::NormaliseAngle(static_cast<double>(robot_bodies_[robot]->GetAngle()) - pose.yaw) / dt_;
+    speed.turn_radps = base::NormaliseAngle(static_cast<double>(robot_bodies_[robot]->GetAngle()) - pose.yaw) / dt_s_;
   }
   const base::Point at = BodyPosition(robot);
-  const double heading = pose.yaw + 0.5 * speed.turn * dt_;
+  const double heading = pose.yaw + 0.5 * speed.turn_radps * dt_s_;
   const double cos = std::cos(heading), sin = std::sin(heading);
   const double dx = at.x - pose.x, dy = at.y - pose.y;
-  speed.forward = (cos * dx + sin * dy) / dt_;
-  speed.left = (cos * dy - sin * dx) / dt_;
+  speed.forward_mps = (cos * dx + sin * dy) / dt_s_;
+  speed.left_mps = (cos * dy - sin * dx) / dt_s_;
   if (body.drive.kind == DriveKind::kCar) {  // it turns only as far as its wheels roll
-    const double rolled = CarTurn(speed.forward, speed.steering, body.drive);
-    const double wanted = drives_[robot].speed.turn;
-    const bool turns_too_far = speed.turn * wanted > 0.0 && std::abs(speed.turn) > std::abs(rolled);
-    if (body.footprint.empty() || turns_too_far) speed.turn = rolled;
+    const double rolled = CarTurn(speed.forward_mps, speed.steering_rad, body.drive);
+    const double wanted = drives_[robot].speed.turn_radps;
+    const bool turns_too_far = speed.turn_radps * wanted > 0.0 && std::abs(speed.turn_radps) > std::abs(rolled);
+    if (body.footprint.empty() || turns_too_far) speed.turn_radps = rolled;
   }
   return speed;
 }
@@ -367,21 +370,21 @@ void World::SpawnRobot(int robot, const base::Pose& pose) {
 }
 
 bool World::HoldsLeaf(const Polygon& now, const Polygon& next) const {
-  const auto holds = [&](const base::Pose& pose, double radius, const Polygon& corners) {
+  const auto holds = [&](const base::Pose& pose, double radius_m, const Polygon& corners) {
     const base::Point at{pose.x, pose.y};
-    const double apart = GapBetween(next, at) - radius;
+    const double apart = GapBetween(next, at) - radius_m;
     if (apart >= kClearOfLeaves) return false;
     // Contact with a leaf that moves away does not hold it.
-    if (corners.empty()) return apart < GapBetween(now, at) - radius;
+    if (corners.empty()) return apart < GapBetween(now, at) - radius_m;
     const Polygon body = Placed(corners, pose);
     const double gap = GapBetween(next, body);
     return gap < kClearOfLeaves && gap < GapBetween(now, body);
   };
   for (std::size_t i = 0; i < robots_.size(); ++i) {
-    if (present_[i] && holds(poses_[i], robots_[i].radius, robots_[i].footprint)) return true;
+    if (present_[i] && holds(poses_[i], robots_[i].radius_m, robots_[i].footprint)) return true;
   }
   for (std::size_t i = 0; i < objects().size(); ++i) {
-    if (holds(objects_.PoseNow(static_cast<int>(i)), objects()[i].radius, objects()[i].corners)) return true;
+    if (holds(objects_.PoseNow(static_cast<int>(i)), objects()[i].radius_m, objects()[i].corners)) return true;
   }
   return false;
 }
@@ -390,10 +393,10 @@ void World::SetDoorClosed(int door, bool closed) { doors_.SetClosed(door, closed
 
 void World::AddObject(MovableObject object) {
   objects_.Add(std::move(object));
-  const double travel = MaxTravelOf(robots_, true, step_);
-  if (travel == max_travel_) return;
-  max_travel_ = travel;
-  edges_ = NearbyEdges(EdgesOf(solids_, doors_.all()), max_radius_ + (max_travel_ + kMargin));
+  const double travel_m = MaxTravelOf(robots_, true, step_s_);
+  if (travel_m == max_travel_m_) return;
+  max_travel_m_ = travel_m;
+  edges_ = NearbyEdges(EdgesOf(solids_, doors_.all()), max_radius_m_ + (max_travel_m_ + kMargin));
 }
 
 void World::RemoveObject(int object) { objects_.Remove(object); }

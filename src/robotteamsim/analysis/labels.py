@@ -1,4 +1,4 @@
-"""Places for texts beside what they name, where they cover neither walls nor each other."""
+"""Places for texts next to what they name, where they cover neither walls nor each other."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,11 +14,8 @@ SIDES = np.array(
     + [(0.0, -2.0), (0.0, 2.0), (2.0, 0.0), (-2.0, 0.0)]
 )
 """Sides of its anchor on which a text can be, best first: below, above, right, left, between, and farther away."""
-BELOW, ABOVE, RIGHT, LEFT = range(4)
 
 _PREFERENCE = 0.01 * np.arange(len(SIDES))
-_STAYS = 0.1
-"""Advantage of the side on which a text was before, so that texts of moving robots do not jump."""
 
 _NOT_FREE, _TOUCHES = 0.3, 0.01
 """Cost of covering more than this share of the text's area: any side that is free is better, also a farther one."""
@@ -31,22 +28,19 @@ class Text:
     anchor_m: what it names [m].
     half_m:   half its width and height [m].
     clear_m:  distance from the anchor that it leaves free.
-    before:   index of its preferred side in SIDES.
     """
 
     anchor_m: Point
     half_m: Point
     clear_m: float
-    before: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class Spot:
-    """The place of a text: its middle, half its width and height, and its side of the anchor."""
+    """The place of a text: its middle, and half its width and height."""
 
     middle_m: Point
     half_m: Point
-    side: int
 
     @property
     def box(self) -> shapely.Polygon:
@@ -73,12 +67,10 @@ def _best(text: Text, taken: shapely.Geometry, written: shapely.Geometry, inside
     x, y = (np.array(text.anchor_m) + SIDES * (text.clear_m + np.array(text.half_m))).T
     boxes = shapely.box(x - half_x, y - half_y, x + half_x, y + half_y)
     cost = _PREFERENCE.copy()
-    if text.before is not None:
-        cost[text.before] -= _STAYS
     covered_m2 = shapely.area(shapely.intersection(boxes, taken))
     overwritten_m2 = shapely.area(shapely.intersection(boxes, written))
     outside_m2 = shapely.area(shapely.difference(boxes, inside))
     bad = (covered_m2 + 3.0 * overwritten_m2 + 2.0 * outside_m2) / (4.0 * half_x * half_y)
     cost += bad + _NOT_FREE * (bad > _TOUCHES)
     side = int(np.argmin(cost))
-    return Spot((float(x[side]), float(y[side])), text.half_m, side)
+    return Spot((float(x[side]), float(y[side])), text.half_m)

@@ -1,7 +1,7 @@
 """Draws a floor plan, and the areas, victims, objects and robots of a scenario."""
 
 import math
-import os
+from collections.abc import Sequence
 
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
@@ -15,7 +15,7 @@ from robotteamsim.scenario.body import corners_at
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import bay_lines
 from robotteamsim.scenario.sections import PlacedRobot
-from robotteamsim.world.placement import placed_robots
+from robotteamsim.setup import Setup
 
 VICTIM_SHAPES = {"waiting": "X", "heard": "^", "saved": "s", "safe": "s", "dead": "P"}
 """Markers by state; colour alone does not suffice for everybody."""
@@ -23,56 +23,50 @@ VICTIM_SHAPES = {"waiting": "X", "heard": "^", "saved": "s", "safe": "s", "dead"
 _PLAN_INCHES = 11.0
 
 
-def render_plan(plan: FloorPlan, path_png: str | os.PathLike[str], scenario: Scenario | None = None) -> None:
-    """Draw a floor plan to scale, with the areas, victims, objects and robots of a scenario if one is given.
-
-    The suffix of the file selects the format: png, pdf or svg. Raises: OSError: the file cannot be written.
-    """
-    draw_plan(plan, scenario).savefig(path_png)
-
-
-def draw_plan(plan: FloorPlan, scenario: Scenario | None = None) -> Figure:
-    """Return the figure that `render_plan` writes."""
+def draw_plan(plan: FloorPlan, setup: Setup | None = None) -> Figure:
+    """Return a floor plan to scale, with the areas, victims, objects and robots of a scenario if one is given."""
     (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
     width_m, height_m = max_x - min_x, max_y - min_y
     scale = _PLAN_INCHES / max(width_m, height_m)
     figure = Figure(figsize=(width_m * scale + 1.0, height_m * scale + 1.4), dpi=120, layout="constrained")
     axes = figure.subplots()
-    axes.add_patch(
-        Polygon([(min_x, min_y), (max_x, min_y), (max_x, max_y), (min_x, max_y)], color=palette.FLOOR, zorder=0)
-    )
-    axes.add_collection(LineCollection(bay_lines(plan), colors=palette.BAY, linewidths=0.8, zorder=1))
-    draw_solids(axes, plan)
-    draw_doors(axes, plan)
-    if scenario is not None:
-        _draw_mission(axes, scenario, unit_m=max(width_m, height_m) / 60.0)
-        _draw_objects(axes, scenario)
-        _draw_robots(axes, scenario)
+    draw_floor_plan(axes, plan)
+    if setup is not None:
+        _draw_mission(axes, setup.scenario, unit_m=max(width_m, height_m) / 60.0)
+        _draw_objects(axes, setup.scenario)
+        _draw_robots(axes, setup.robots)
         figure.legend(loc="outside lower center", ncols=5, frameon=False, fontsize=9)
     margin_m = 0.01 * max(width_m, height_m)
     axes.set_xlim(min_x - margin_m, max_x + margin_m)
     axes.set_ylim(min_y - margin_m, max_y + margin_m)
-    axes.set_aspect("equal")
     axes.set_xlabel("x [m]")
     axes.set_ylabel("y [m]")
-    axes.spines[:].set_visible(False)
-    name = plan.name if scenario is None or scenario.name == plan.name else f"{scenario.name} in {plan.name}"
+    scenario = plan.name if setup is None else setup.scenario.name
+    name = plan.name if scenario == plan.name else f"{scenario} in {plan.name}"
     axes.set_title(f"{name}, {width_m:g} x {height_m:g} m", fontsize=11)
     return figure
 
 
-def draw_solids(axes: Axes, plan: FloorPlan) -> None:
-    """Draw walls, blocks and pillars."""
+def draw_floor_plan(axes: Axes, plan: FloorPlan, *, floor: bool = True) -> None:
+    """Draw the floor, its bays, walls, blocks, pillars and doors to scale in axes of its size [m].
+
+    Closed leaves are drawn in their gaps, and open ones swung out, with their arc, or slid aside.
+
+    Args: floor: whether to draw floor and bays; not if the axes show a map of the floor.
+    """
+    (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
+    if floor:
+        axes.fill([min_x, max_x, max_x, min_x], [min_y, min_y, max_y, max_y], color=palette.FLOOR, zorder=0)
+        axes.add_collection(LineCollection(bay_lines(plan), colors=palette.BAY, linewidths=0.8, zorder=1))
     for solid in solids(plan.model_copy(update={"doors": ()})):
         colour = palette.SOLIDS[solid.kind]
         # The thin edge hides the gaps that anti-aliasing leaves between adjacent polygons.
         axes.add_patch(Polygon(solid.corners, facecolor=colour, edgecolor=colour, linewidth=0.4, zorder=3))
 
-
-def draw_doors(axes: Axes, plan: FloorPlan) -> None:
-    """Draw closed leaves in their gaps, and open ones swung out, with their arc, or slid aside."""
     for door in plan.doors:
         _draw_door(axes, door)
+    axes.set(xlim=(min_x, max_x), ylim=(min_y, max_y), aspect="equal")
+    axes.spines[:].set_visible(False)
 
 
 def _draw_door(axes: Axes, door: Door) -> None:
@@ -123,8 +117,7 @@ def _draw_mission(axes: Axes, scenario: Scenario, unit_m: float) -> None:
         )
 
 
-def _draw_robots(axes: Axes, scenario: Scenario) -> None:
-    robots = placed_robots(scenario)
+def _draw_robots(axes: Axes, robots: Sequence[PlacedRobot]) -> None:
     bodies = [_outline(robot, robot.start_pose) for robot in robots]
     axes.add_collection(
         PatchCollection(bodies, facecolor=palette.BLUE, edgecolor=palette.PAPER, linewidth=0.4, zorder=6)

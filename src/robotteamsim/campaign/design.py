@@ -15,8 +15,7 @@ from robotteamsim.control.driving.localisation import check_headless
 from robotteamsim.errors import CampaignError, RobotTeamSimError, ScenarioError
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.yaml_text import shown
-from robotteamsim.simulation.hazard_stage import check_fire
-from robotteamsim.world.placement import check_places
+from robotteamsim.setup import resolve
 
 _NUM_SEEDS = 2**53
 
@@ -160,8 +159,7 @@ def _checked_keys(
 def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:
     try:
         loaded = scenario.load(scenario_name, [f"{s.key}={json.dumps(s.values[0])}" for s in settings])
-        check_places(loaded)
-        check_fire(loaded)
+        resolve(loaded)
         check_headless(loaded)
         return loaded
     except ScenarioError as error:
@@ -182,7 +180,7 @@ def _check_algorithm(of: Scenario, settings: Sequence[Factor], allow_code: bool)
         place = matching[-1].place if matching else of.origin.place
         foreign_code.check_foreign(of.control.algorithm, place, "--allow-code")
     try:
-        make_controller(0, of)
+        make_controller(0, resolve(of))
     except RobotTeamSimError as error:
         message = str(error).removeprefix(f"{of.name}: ")
         raise CampaignError(f"{matching[-1].place if matching else of.name}: {message}") from None

@@ -6,9 +6,8 @@ import zlib
 import numpy as np
 
 from robotteamsim.errors import CampaignError
-from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.simulation import Result, StepRecord
-from robotteamsim.world.placement import placed_robots
+from robotteamsim.setup import Setup
+from robotteamsim.simulation import Observer, StepRecord
 
 PERIOD_S = 1.0
 """Time between two stored positions; rounded to a whole number of steps, at least one."""
@@ -17,35 +16,23 @@ _UNIT_M = 0.01
 _HEADER = struct.Struct("<II")
 
 
-class PathLog:
+class PathLog(Observer):
     """Records the true positions of all robots once a second, to a centimetre.
 
     An absent robot has its last recorded position, or its start pose if there is none.
     """
 
-    def begin(self, scenario: Scenario) -> None:
+    def begin(self, setup: Setup) -> None:
         """Clear the log."""
-        self._every = max(round(PERIOD_S / scenario.run.step_s), 1)
-        self._starts_m = [robot.start_pose[:2] for robot in placed_robots(scenario)]
-        self._positions_m: list[list[tuple[float, float]]] = []
+        self._every = max(round(PERIOD_S / setup.scenario.run.step_s), 1)
+        self._starts_m = np.array([robot.start_pose[:2] for robot in setup.robots])
+        self._positions_m: list[np.ndarray] = []
 
     def step(self, record: StepRecord) -> None:
         """Record the first step, and then one per period."""
         if (record.step_index - 1) % self._every == 0:
             last_m = self._positions_m[-1] if self._positions_m else self._starts_m
-            poses = [reading.ground_truth for reading in record.readings]
-            self._positions_m.append(
-                [
-                    (pose.x_m, pose.y_m) if record.is_there(robot_id) else last_m[robot_id]
-                    for robot_id, pose in enumerate(poses)
-                ]
-            )
-
-    def end(self, result: Result) -> None:
-        """Do nothing."""
-
-    def abandon(self) -> None:
-        """Do nothing."""
+            self._positions_m.append(np.where(record.present[:, None], record.readings.positions_m, last_m))
 
     def encoded(self) -> bytes:
         """Return the paths, as `decode_paths` reads them."""

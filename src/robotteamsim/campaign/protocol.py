@@ -15,13 +15,12 @@ from robotteamsim import scenario
 from robotteamsim.campaign.design import Cell, Design
 from robotteamsim.control import make_controller
 from robotteamsim.errors import CampaignError, PlacementError, RobotTeamSimError, ScenarioError
-from robotteamsim.recording.idleness import PATROLLING
+from robotteamsim.scenario.controllers import ALGORITHMS, Control, control_kind
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.sections import Control, Mission, Team, Voice
-from robotteamsim.world.placement import check_places
-from robotteamsim.world.random_victims import with_random_victims
+from robotteamsim.scenario.sections import Mission, Team, Voice
+from robotteamsim.setup import resolve
 
 _PUBLISHED: Mapping[str, Any] = {
     "communication": {"gated": False},
@@ -42,6 +41,9 @@ _CONTROLLERS = (
     "boustrophedon",
 )
 """Those of the search protocol; the first is the reference of all comparisons."""
+
+PATROLLING = tuple(name for name, kind in ALGORITHMS.items() if kind.patrols)
+"""The controllers that patrol."""
 
 _LEAST_LATTICE = 6.0
 """Number of places along the side of a square building, at least, in the lattice that is patrolled."""
@@ -126,13 +128,13 @@ def search_design(protocol: SearchProtocol) -> Design:
     cells = []
     for building in protocol.buildings:
         base = load_building(building)
-        mission = _section(Mission, base.mission, "--victims: ", victims=(), random_victims=protocol.victims, base=None)
+        changes = {"victims": (), "random_victims": protocol.victims, "base": None, "patrol": _lattice(base)}
+        mission = _section(Mission, base.mission, "--victims: ", **changes)
         base = base.model_copy(update={"mission": mission})
         for noise_db in protocol.noises_db:
             voice = _section(Voice, base.voice, "--noise: ", noise_db=noise_db)
             noisy = base.model_copy(update={"voice": voice})
-            lattice = {"patrol": Patrol(spacing_m=_spacing_m(base))}
-            for robots, controller, cell in _teams(noisy, protocol.robots, protocol.controllers, lattice):
+            for robots, controller, cell in _teams(noisy, protocol.robots, protocol.controllers):
                 cells.append(Cell((building, noise_db, robots, controller), cell))
     keys = ("building", "noise_db", "robots", "controller")
     return _design(cells, keys, protocol.trials, protocol.seed)
@@ -145,19 +147,18 @@ def patrol_design(protocol: PatrolProtocol) -> Design:
         if controller not in PATROLLING:
             expected = ", ".join(PATROLLING)
             raise CampaignError(f"--controller: '{controller}' does not patrol a graph; expected one of {expected}")
-    overrides = [] if protocol.graph is None else [f"control.patrol.graph={json.dumps(protocol.graph)}"]
+    overrides = [] if protocol.graph is None else [f"mission.patrol.graph={json.dumps(protocol.graph)}"]
     try:
         base = load_building(protocol.building, overrides)
     except ScenarioError as error:
-        raise CampaignError(str(error).replace("--set: control.patrol.graph", "--graph", 1)) from None
-    mission = _section(
-        Mission, base.mission, "--duration: ", areas=(), victims=(), base=None, time_limit_s=protocol.duration_s
-    )
+        raise CampaignError(str(error).replace("--set: mission.patrol.graph", "--graph", 1)) from None
+    patrol = base.mission.patrol if protocol.graph else _lattice(base)
+    changes = {"areas": (), "victims": (), "base": None, "time_limit_s": protocol.duration_s, "patrol": patrol}
+    mission = _section(Mission, base.mission, "--duration: ", **changes)
     base = base.model_copy(update={"mission": mission})
-    patrol = {"patrol": base.control.patrol if protocol.graph else Patrol(spacing_m=_spacing_m(base))}
     cells = [
         Cell((robots, controller), cell)
-        for robots, controller, cell in _teams(base, protocol.robots, protocol.controllers, patrol)
+        for robots, controller, cell in _teams(base, protocol.robots, protocol.controllers)
     ]
     return _design(cells, ("robots", "controller"), protocol.trials, protocol.seed)
 
@@ -173,25 +174,20 @@ def load_building(name: str, overrides: Sequence[str] = ()) -> Scenario:
     return loaded
 
 
-def control_of(controller: str, further: Mapping[str, Any]) -> Control:
-    """Return `control` with its defaults, except what makes a controller, and further keys.
-
-    Raises: CampaignError: it is not valid.
-    """
+def control_of(controller: str) -> Control:
+    """Return `control` with its defaults, except what makes a controller."""
     keys = VARIANTS.get(controller, {"algorithm": controller})
-    return checked(Control, {**keys, **further}, CampaignError, f"--controller: {controller}: ")
+    return control_kind(keys["algorithm"])(**keys)
 
 
-def _spacing_m(of: Scenario) -> float:
-    """Return the spacing of the lattice that is patrolled: the default, or less in a small building."""
+def _lattice(of: Scenario) -> Patrol:
+    """Return the lattice that is patrolled: with the default spacing, or less in a small building."""
     (x_low, y_low), (x_high, y_high) = of.plan.bounds.min, of.plan.bounds.max
     side_m = math.sqrt((x_high - x_low) * (y_high - y_low))
-    return min(Patrol().spacing_m, max(side_m / _LEAST_LATTICE, 1.0))
+    return Patrol(spacing_m=min(Patrol().spacing_m, max(side_m / _LEAST_LATTICE, 1.0)))
 
 
-def _teams(
-    base: Scenario, robots: Sequence[int], controllers: Sequence[str], further: Mapping[str, Any]
-) -> Iterator[tuple[int, str, Scenario]]:
+def _teams(base: Scenario, robots: Sequence[int], controllers: Sequence[str]) -> Iterator[tuple[int, str, Scenario]]:
     """Yield each number of robots with each controller and its scenario, after checks."""
     assert isinstance(base.robots, Team)
     for count in robots:
@@ -201,9 +197,9 @@ def _teams(
         sized = base.model_copy(update={"robots": team})
         _check_room(sized)
         for controller in controllers:
-            cell = sized.model_copy(update={"control": control_of(controller, further)})
+            cell = sized.model_copy(update={"control": control_of(controller)})
             try:
-                made = make_controller(0, cell)
+                made = make_controller(0, resolve(cell))
             except RobotTeamSimError as error:
                 message = str(error).removeprefix(f"{cell.name}: ").removeprefix("control.algorithm: ")
                 raise CampaignError(f"--controller: {message}") from None
@@ -214,7 +210,7 @@ def _teams(
 def _check_room(of: Scenario) -> None:
     """Check that robots and victims have room, for one seed. Raises: CampaignError, ScenarioError."""
     try:
-        check_places(with_random_victims(of))
+        resolve(of)
     except PlacementError as error:
         if error.key.partition(".")[0] != "robots":
             raise

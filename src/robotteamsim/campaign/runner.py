@@ -6,28 +6,32 @@ import asyncio
 import contextlib
 import itertools
 import logging
+import multiprocessing
 import os
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
-from multiprocessing import resource_tracker
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import robotteamsim
 from robotteamsim import _core
 from robotteamsim.campaign.design import Design, Trial
-from robotteamsim.campaign.trial import Outcome, get_ready, run_trial
+from robotteamsim.campaign.trial import Outcome, run_trial
 from robotteamsim.errors import CampaignError
 
 if TYPE_CHECKING:
     from distributed import Client, Future, LocalCluster
 
 CONNECT_TIMEOUT_S = 5
-_MIN_IN_FLIGHT = 100
+MIN_IN_FLIGHT = 100
+_NOTHING = logging.CRITICAL + 1
+"""A level without messages: Dask's scheduler calls it critical that an interrupted client has closed its connection."""
 _START_ATTEMPTS = 5
 _REPLACE_EVERY_MS = 2000
+_RESTART_CHECKS = 5
+"""After this many checks with too few workers, the missing ones are not about to restart."""
 
 # A trial whose worker dies moves to another worker. After this many deaths it is given up.
 _ALLOWED_DEATHS = 20
@@ -63,11 +67,6 @@ def local_workers(count: int | None = None) -> Iterator[Client]:
             yield client
 
 
-def prepare(client: Client, design: Design) -> None:
-    """Let workers import modules and compute shared data before the first trial; optional."""
-    client.run(get_ready, design.cells[0].scenario, on_error="ignore")  # A worker that dies is replaced.
-
-
 def _start_cluster(count: int) -> LocalCluster:
     """Return a cluster on this machine. Raises: CampaignError: its workers died repeatedly while starting."""
     from distributed import LocalCluster
@@ -80,7 +79,7 @@ def _start_cluster(count: int) -> LocalCluster:
                 processes=True,
                 memory_limit=0,
                 dashboard_address="127.0.0.1:0",  # Any free port: the default one may be in use.
-                silence_logs=logging.CRITICAL,
+                silence_logs=_NOTHING,
                 env=_ONE_THREAD,
             )
         except RuntimeError as error:
@@ -92,14 +91,18 @@ def _start_cluster(count: int) -> LocalCluster:
 @contextlib.contextmanager
 def _dead_workers_replaced(cluster: LocalCluster, count: int) -> Iterator[None]:
     """Keep the number of workers constant. Dask restarts a dead worker, but not one that died while it restarted."""
-    from distributed import Status
     from tornado.ioloop import PeriodicCallback
 
+    checks_with_too_few = 0
+
     def replace() -> None:
-        for name, worker in list(cluster.workers.items()):
-            if worker.status in (Status.closed, Status.failed):
-                del cluster.workers[name]
-        cluster.scale(count)
+        nonlocal checks_with_too_few
+        running = len(cluster.scheduler_info["workers"])
+        checks_with_too_few = checks_with_too_few + 1 if running < count else 0
+        if checks_with_too_few == _RESTART_CHECKS:
+            checks_with_too_few = 0
+            cluster.scale(running)  # Forgets those that do not run.
+            cluster.scale(count)
 
     loop, every = cluster.loop, PeriodicCallback(replace, _REPLACE_EVERY_MS)
     assert loop is not None
@@ -119,7 +122,8 @@ def _interrupts_kept_from_children() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
-    resource_tracker.ensure_running()  # Otherwise it would start later and unblock the signal.
+    # Starts Python's resource tracker, which unblocks the signal: later it would do so in a thread of Dask.
+    multiprocessing.get_context("spawn").Lock()
     former = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
@@ -162,8 +166,7 @@ def scheduler_at(address: str) -> Iterator[Client]:
 
 
 async def _shake_hands(address: str) -> None:
-    from distributed import Security
-    from distributed.comm.core import connect
+    from distributed import Security, connect
 
     # The certificates of TLS, from Dask's own settings.
     secured = Security().get_connection_args("client")
@@ -195,11 +198,11 @@ def run_trials(
             pending.add(future)
 
     # Enough that no worker waits, but not all, because each is sent with its scenario.
-    submit(max(_MIN_IN_FLIGHT, 4 * sum(client.ncores().values())))
+    submit(max(MIN_IN_FLIGHT, 4 * sum(client.ncores().values())))
     try:
         for future in pending:
             trial = running.pop(future)
-            outcome = _outcome(future)
+            outcome = completed_outcome(future)
             if outcome is None:
                 given_up.append(trial)
             else:
@@ -210,7 +213,7 @@ def run_trials(
     return tuple(given_up)
 
 
-def _outcome(future: Future[Outcome]) -> Outcome | None:
+def completed_outcome(future: Future[Outcome]) -> Outcome | None:
     """Return the outcome of a trial that ended; None: its workers died. Raises: CampaignError, as `run_trials`."""
     from distributed import KilledWorker
 

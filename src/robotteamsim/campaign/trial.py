@@ -1,7 +1,5 @@
 """One trial of a campaign, as a worker runs it."""
 
-import contextlib
-import gc
 import json
 import time
 import traceback
@@ -14,14 +12,12 @@ import robotteamsim
 from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.paths import PathLog
 from robotteamsim.errors import CampaignError
-from robotteamsim.mission.rescue import located_error_m
+from robotteamsim.mission.events import VictimLocated
 from robotteamsim.mission.status import VictimState
 from robotteamsim.recording.idleness import IdlenessLog, patrols
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.simulation import Result, Simulation, StepRecord
-
-_FIRST_STEPS = 20
-"""After this number of steps, robots have chosen their first goals."""
+from robotteamsim.setup import Setup
+from robotteamsim.simulation import Observer, Result, Simulation, StepRecord
 
 _OF_RESULT = (
     *("end", "time_s", "areas_explored", "num_areas", "victims_saved", "num_victims", "endangered_links"),
@@ -77,17 +73,6 @@ class Outcome:
         return self.error != ""
 
 
-def get_ready(scenario: Scenario) -> None:
-    """Import modules and compute shared data for trials of a scenario: formation, faces, distance maps."""
-    with contextlib.suppress(Exception):  # The first trial reports the error.
-        simulation = Simulation(scenario)
-        simulation.mission.start()
-        for _ in range(_FIRST_STEPS):
-            simulation.step()
-    gc.collect()
-    gc.freeze()  # These objects live until the end, so later garbage collections need not examine them.
-
-
 def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
     """Run one trial. An exception in it becomes a failed outcome.
 
@@ -121,14 +106,14 @@ def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
     )
 
 
-class _EventTimes:
+class _EventTimes(Observer):
     """Records when each area was explored, and each victim reached each state after waiting."""
 
-    def begin(self, scenario: Scenario) -> None:
+    def begin(self, setup: Setup) -> None:
         self._casualties: list[dict[str, Any]] = []
-        self._areas: dict[str, float | None] = {area.name: None for area in scenario.mission.areas}
+        self._areas: dict[str, float | None] = {area.name: None for area in setup.scenario.mission.areas}
         self._victims: dict[str, dict[str, float | int | None]] = {
-            victim.name: {"heard_s": None, "saved_s": None} for victim in scenario.mission.victims
+            victim.name: {"heard_s": None, "saved_s": None} for victim in setup.scenario.mission.victims
         }
 
     def step(self, record: StepRecord) -> None:
@@ -142,16 +127,11 @@ class _EventTimes:
                 key = event.kind.removeprefix("victim_") + "_s"
                 if times.get(key) is None:
                     times[key] = event.time_s
-                    if event.kind == "victim_located":
-                        times |= {"located_by": event.robot_id, "position_error_m": located_error_m(event.detail)}
+                    if isinstance(event.what, VictimLocated):
+                        error_m = round(event.what.error_m, 2)
+                        times |= {"located_by": event.robot_id, "position_error_m": error_m}
             elif event.kind in _CASUALTIES:
                 self._casualties.append({"id": event.robot_id, "kind": event.kind, "time_s": event.time_s})
-
-    def end(self, result: Result) -> None:
-        """Do nothing."""
-
-    def abandon(self) -> None:
-        """Do nothing."""
 
     def details(self, result: Result, further: dict[str, Any]) -> str:
         """Return the `details` of an outcome, with further ones."""

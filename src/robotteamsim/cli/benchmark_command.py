@@ -7,7 +7,6 @@ import contextlib
 import dataclasses
 import importlib
 import json
-import shlex
 import shutil
 import sys
 from collections.abc import Callable, Iterator
@@ -15,22 +14,14 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
-from robotteamsim.campaign import Design, Outcome, check_folder, open_store, tables
+from robotteamsim.campaign import Design, Outcome, tables
 from robotteamsim.campaign import protocol as protocols
-from robotteamsim.campaign.protocol import PatrolProtocol, SearchProtocol
-from robotteamsim.campaign.runner import scheduler_at
-from robotteamsim.cli.campaign_command import (
-    EXIT_INCOMPLETE,
-    add_worker_options,
-    run_missing,
-    warn_of_failures,
-    warn_of_open_scheduler,
-)
+from robotteamsim.cli.campaign_command import add_worker_options, command_line, run_stored
 from robotteamsim.cli.parser import SCENARIO_HELP, number, path_of, positive_number, positive_whole_number, whole_number
 
 if TYPE_CHECKING:
     from robotteamsim.analysis.benchmark.measures import Bounds
-    from robotteamsim.analysis.benchmark.report import BenchmarkReport
+    from robotteamsim.analysis.report import Report
 
 _SEARCH = """\
 Compare controllers in searches for victims at random places: all controllers have the
@@ -114,9 +105,20 @@ def run_search(options: argparse.Namespace) -> int:
         ),
     )
     design = protocols.search_design(protocol)
-    command = _search_command(protocol)
+    command = command_line(
+        ["benchmark", "search"],
+        {
+            "--controller": protocol.controllers,
+            "--building": protocol.buildings,
+            "--noise": [f"{noise_db:g}" for noise_db in protocol.noises_db],
+            "--robots": protocol.robots,
+            "--trials": [protocol.trials],
+            "--victims": [protocol.victims],
+            "--seed": [protocol.seed],
+        },
+    )
 
-    def report(outcomes: tuple[Outcome, ...]) -> BenchmarkReport:
+    def report(outcomes: tuple[Outcome, ...]) -> Report:
         from robotteamsim.analysis.benchmark.report import make_search_report
 
         with _bounds(options, design, outcomes) as bounds:
@@ -138,9 +140,20 @@ def run_patrol(options: argparse.Namespace) -> int:
     )
     protocol = dataclasses.replace(make(options.building, graph), **given)
     design = protocols.patrol_design(protocol)
-    command = _patrol_command(protocol)
+    command = command_line(
+        ["benchmark", "patrol"],
+        {
+            "--building": [protocol.building],
+            "--graph": [] if protocol.graph is None else [protocol.graph],
+            "--controller": protocol.controllers,
+            "--robots": protocol.robots,
+            "--trials": [protocol.trials],
+            "--duration": [f"{protocol.duration_s:g}"],
+            "--seed": [protocol.seed],
+        },
+    )
 
-    def report(outcomes: tuple[Outcome, ...]) -> BenchmarkReport:
+    def report(outcomes: tuple[Outcome, ...]) -> Report:
         from robotteamsim.analysis.benchmark.report import make_patrol_report
 
         return make_patrol_report(design, outcomes, command)
@@ -160,35 +173,27 @@ def _run(
     design: Design,
     command: str,
     name: str,
-    report: Callable[[tuple[Outcome, ...]], BenchmarkReport],
+    report: Callable[[tuple[Outcome, ...]], Report],
 ) -> int:
-    check_folder(options.out, design)
     # Imported late, because Matplotlib and statsmodels are slow to load, but before the first mission, in case one is
     # missing.
     importlib.import_module("robotteamsim.analysis.benchmark.report")
-    warn_of_open_scheduler(options.scheduler)
-    with contextlib.ExitStack() as stack:
-        # Connect first, so that a scheduler that does not answer leaves no store behind.
-        client = stack.enter_context(scheduler_at(options.scheduler)) if options.scheduler else None
-        store = stack.enter_context(open_store(options.out, design, command))
-        given_up = run_missing(options, design, store, client, name)
-        outcomes, csv_path = store.outcomes(), store.export()
-    failed = [outcome for outcome in outcomes if outcome.failed]
-    warn_of_failures(failed, given_up, csv_path)
-    made = report(outcomes)
-    path = made.report.write(options.out)
+    ran = run_stored(options, design, command, name)
+    ran.warn()
+    made = report(ran.outcomes)
+    path = made.write(options.out)
     if options.json:
         rows = {t.name: [dict(zip(t.head, row, strict=True)) for row in t.rows] for t in made.tables}
-        print(json.dumps({"report": str(path), "notes": made.report.notes, "tables": rows}, ensure_ascii=False))
+        print(json.dumps({"report": str(path), "notes": made.notes, "tables": rows}, ensure_ascii=False))
     elif not options.quiet:
         _print_report(made)
         print(f"\nwritten {path}")
-    return EXIT_INCOMPLETE if failed or given_up else 0
+    return ran.status
 
 
-def _print_report(made: BenchmarkReport) -> None:
+def _print_report(made: Report) -> None:
     """Print the notes and the first table."""
-    for note in made.report.notes:
+    for note in made.notes:
         print(note)
     first = made.tables[0]
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else tables.UNLIMITED
@@ -210,30 +215,3 @@ def _bounds(options: argparse.Namespace, design: Design, outcomes: tuple[Outcome
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
         task = progress.add_task("", total=total)
         yield Bounds(lambda count: progress.update(task, completed=count))
-
-
-def _search_command(protocol: SearchProtocol) -> str:
-    """Return the command line that runs a protocol in a folder DIR."""
-    words = ["robotteamsim", "benchmark", "search"]
-    for option, values in (
-        ("--controller", protocol.controllers),
-        ("--building", protocol.buildings),
-        ("--noise", tuple(f"{noise_db:g}" for noise_db in protocol.noises_db)),
-        ("--robots", tuple(map(str, protocol.robots))),
-    ):
-        for value in values:
-            words += [option, value]
-    words += ["--trials", str(protocol.trials), "--victims", str(protocol.victims), "--seed", str(protocol.seed)]
-    return shlex.join([*words, "--out", "DIR"])
-
-
-def _patrol_command(protocol: PatrolProtocol) -> str:
-    """Return the command line that runs a protocol in a folder DIR."""
-    words = ["robotteamsim", "benchmark", "patrol", "--building", protocol.building]
-    if protocol.graph is not None:
-        words += ["--graph", protocol.graph]
-    for option, values in (("--controller", protocol.controllers), ("--robots", tuple(map(str, protocol.robots)))):
-        for value in values:
-            words += [option, value]
-    words += ["--trials", str(protocol.trials), "--duration", f"{protocol.duration_s:g}", "--seed", str(protocol.seed)]
-    return shlex.join([*words, "--out", "DIR"])

@@ -7,8 +7,8 @@ import shlex
 import shutil
 import sys
 import textwrap
-from collections.abc import Sequence
-from dataclasses import asdict
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,7 @@ from rich.console import Console
 from robotteamsim.campaign import Design, Outcome, Store, check_folder, make_design, open_store, tables
 from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.factors import DesignFile, Factor, parse_override, parse_sweep, read_design_file
-from robotteamsim.campaign.runner import local_workers, prepare, run_trials, scheduler_at
+from robotteamsim.campaign.runner import local_workers, run_trials, scheduler_at
 from robotteamsim.campaign.summary import summarise
 from robotteamsim.cli.campaign_progress import CampaignProgress
 from robotteamsim.cli.parser import SCENARIO_HELP, address, number, path_of, positive_whole_number, whole_number
@@ -34,9 +34,8 @@ in DIR as soon as its mission ends. If a campaign is stopped or killed, the same
 resumes it. The results do not depend on the number of workers."""
 
 _EPILOG = """\
-DIR receives campaign.sqlite, which contains everything, and trials.csv. A campaign of the
-garage with several noise levels ends with Tables 6 to 9 of the dissertation, any other with
-one line per cell. docs/experiments.md walks you from a campaign to a table in a paper.
+DIR receives campaign.sqlite, which contains everything, and trials.csv. The table at the end
+has one line per cell. docs/experiments.md walks you from a campaign to a table in a paper.
 
 examples:
   robotteamsim campaign garage_sar --noise 10 --noise 20 --noise 30 --trials 30 --out DIR
@@ -94,32 +93,85 @@ def add_worker_options(parser: argparse.ArgumentParser) -> None:
 def run(options: argparse.Namespace) -> int:
     """Run the campaign. Returns: 0, or 1 if trials failed or were given up."""
     design = _design(options)
-    check_folder(options.out, design)
-    warn_of_open_scheduler(options.scheduler)
-    with contextlib.ExitStack() as stack:
-        # Connect first, so that a scheduler that does not answer leaves no store behind.
-        client = stack.enter_context(scheduler_at(options.scheduler)) if options.scheduler else None
-        store = stack.enter_context(open_store(options.out, design, _command(options, design)))
-        given_up = run_missing(options, design, store, client, design.scenario.name)
-        outcomes, csv_path = store.outcomes(), store.export()
-    failed = [outcome for outcome in outcomes if outcome.failed]
+    named = {
+        "--noise": [f"{noise_db:g}" for noise_db in options.noise or ()],
+        "--sweep": options.sweep,
+        "--set": options.overrides,
+        "--design": [options.design] if options.design else [],
+        "--trials": [design.trials],
+        "--seed": [design.seed],
+    }
+    command = command_line(["campaign", options.scenario], named, *(["--paired"] if design.paired else []))
+    ran = run_stored(options, design, command, design.scenario.name)
     if options.json:
+        given_up = [{"cell": trial.cell, "trial": trial.number, "seed": trial.seed} for trial in ran.given_up]
         document = {
             "scenario": design.scenario.name,
             "seed": design.seed,
             "trials": design.trials,
-            "cells": [asdict(summary) for summary in summarise(design, outcomes)],
-            "failed": [{"cell": o.cell, "trial": o.number, "seed": o.seed, "error": o.error} for o in failed],
-            "given_up": [{"cell": trial.cell, "trial": trial.number, "seed": trial.seed} for trial in given_up],
+            "cells": [asdict(summary) for summary in summarise(design, ran.outcomes)],
+            "failed": [{"cell": o.cell, "trial": o.number, "seed": o.seed, "error": o.error} for o in ran.failed],
+            "given_up": given_up,
             "folder": str(options.out),
-            "csv": str(csv_path),
+            "csv": str(ran.csv_path),
         }
         print(json.dumps(document))
     elif not options.quiet:
-        _print_tables(design, outcomes)
-        print(f"\nwritten {csv_path}")
-    warn_of_failures(failed, given_up, csv_path)
-    return EXIT_INCOMPLETE if failed or given_up else 0
+        _print_tables(design, ran.outcomes)
+        print(f"\nwritten {ran.csv_path}")
+    ran.warn()
+    return ran.status
+
+
+@dataclass(frozen=True, slots=True)
+class StoredRun:
+    """The missions of a campaign that is stored. given_up: trials that killed their workers."""
+
+    outcomes: tuple[Outcome, ...]
+    given_up: tuple[Trial, ...]
+    csv_path: Path
+
+    @property
+    def failed(self) -> list[Outcome]:
+        """Those that failed."""
+        return [outcome for outcome in self.outcomes if outcome.failed]
+
+    @property
+    def status(self) -> int:
+        """The exit status: 0, or 1 if trials failed or were given up."""
+        return EXIT_INCOMPLETE if self.failed or self.given_up else 0
+
+    def warn(self) -> None:
+        """Print one line for each trial that failed or was given up, up to a limit."""
+        for outcome in self.failed[:_MAX_LISTED_FAILURES]:
+            error = textwrap.shorten(outcome.error, 200, placeholder=" ...")
+            _warn(f"trial {outcome.number} of cell {outcome.cell} (seed {outcome.seed}) failed: {error}")
+        if len(self.failed) > _MAX_LISTED_FAILURES:
+            _warn(f"{len(self.failed) - _MAX_LISTED_FAILURES} more trials failed; {self.csv_path} lists them")
+        for trial in self.given_up:
+            _warn(f"trial {trial.number} of cell {trial.cell} (seed {trial.seed}) killed its workers; not stored")
+
+
+def run_stored(options: argparse.Namespace, design: Design, command: str, name: str) -> StoredRun:
+    """Run the missing trials of a design in its folder, and show progress under a name.
+
+    Args: options: with out, quiet, scheduler and workers.  command: see `command_line`.
+    """
+    check_folder(options.out, design)
+    if options.scheduler and not _is_protected(options.scheduler):
+        _warn(f"warning: {options.scheduler}: without TLS, whoever reaches it can run code; see docs/experiments.md")
+    with contextlib.ExitStack() as stack:
+        # Connect first, so that a scheduler that does not answer leaves no store behind.
+        client = stack.enter_context(scheduler_at(options.scheduler)) if options.scheduler else None
+        store = stack.enter_context(open_store(options.out, design, command))
+        given_up = _run_missing(options, design, store, client, name)
+        return StoredRun(store.outcomes(), given_up, store.export())
+
+
+def command_line(words: Sequence[str], options: Mapping[str, Iterable[object]], *flags: str) -> str:
+    """Return the command line that runs a campaign in a folder DIR. Args: options: with each of their values."""
+    named = [word for option, values in options.items() for value in values for word in (option, str(value))]
+    return shlex.join(["robotteamsim", *words, *named, *flags, "--out", "DIR"])
 
 
 def _design(options: argparse.Namespace) -> Design:
@@ -144,36 +196,10 @@ def _design(options: argparse.Namespace) -> Design:
     )
 
 
-def warn_of_failures(failed: Sequence[Outcome], given_up: Sequence[Trial], csv_path: Path) -> None:
-    """Print one line for each trial that failed or was given up, up to a limit."""
-    for outcome in failed[:_MAX_LISTED_FAILURES]:
-        error = textwrap.shorten(outcome.error, 200, placeholder=" ...")
-        _warn(f"trial {outcome.number} of cell {outcome.cell} (seed {outcome.seed}) failed: {error}")
-    if len(failed) > _MAX_LISTED_FAILURES:
-        _warn(f"{len(failed) - _MAX_LISTED_FAILURES} more trials failed; {csv_path} lists them")
-    for trial in given_up:
-        _warn(f"trial {trial.number} of cell {trial.cell} (seed {trial.seed}) killed its workers; not stored")
-
-
-def _command(options: argparse.Namespace, design: Design) -> str:
-    """Return the command line that runs this campaign in a folder DIR."""
-    words = ["robotteamsim", "campaign", options.scenario]
-    for noise_db in options.noise or ():
-        words += ["--noise", f"{noise_db:g}"]
-    for name, values in (("--sweep", options.sweep), ("--set", options.overrides)):
-        for value in values:
-            words += [name, value]
-    if options.design:
-        words += ["--design", str(options.design)]
-    words += ["--trials", str(design.trials), "--seed", str(design.seed), *(["--paired"] if design.paired else [])]
-    return shlex.join([*words, "--out", "DIR"])
-
-
-def run_missing(options: argparse.Namespace, design: Design, store: Store, client: Any, name: str) -> tuple[Trial, ...]:
-    """Run the missing trials and show progress under a name. Returns: trials that were given up.
-
-    Args: options: with out, quiet, scheduler and workers.  client: of a scheduler; None: of workers on this machine.
-    """
+def _run_missing(
+    options: argparse.Namespace, design: Design, store: Store, client: Any, name: str
+) -> tuple[Trial, ...]:
+    """Return the trials that were given up. Args: client: of a scheduler; None: of workers on this machine."""
     missing = store.missing()
     if not missing:
         return ()
@@ -187,7 +213,6 @@ def run_missing(options: argparse.Namespace, design: Design, store: Store, clien
                 progress.print_line(f"{options.scheduler} has no workers yet; missions start when workers connect")
             if client is None:
                 client = stack.enter_context(local_workers(options.workers))
-                prepare(client, design)
             progress.begin()
 
             def keep(outcome: Outcome) -> None:
@@ -205,22 +230,13 @@ def run_missing(options: argparse.Namespace, design: Design, store: Store, clien
 
 def _print_tables(design: Design, outcomes: tuple[Outcome, ...]) -> None:
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else tables.UNLIMITED
-    if tables.is_the_dissertations(design):
-        print(tables.dissertation_tables(tables.missions_by_noise(design, outcomes), width))
-    else:
-        print(tables.summary_table(design, summarise(design, outcomes), width))
+    print(tables.summary_table(design, summarise(design, outcomes), width))
     if note := tables.exclusion_note(outcomes):
         print(f"\n{note}")
 
 
 def _first(*values: int | None) -> int:
     return next(value for value in values if value is not None)
-
-
-def warn_of_open_scheduler(scheduler: str | None) -> None:
-    """Warn of a scheduler on another machine without encryption."""
-    if scheduler and not _is_protected(scheduler):
-        _warn(f"warning: {scheduler}: without TLS, whoever reaches it can run code; see docs/experiments.md")
 
 
 def _is_protected(scheduler: str) -> bool:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
@@ -17,7 +17,7 @@ from robotteamsim.cli.pictures import save
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.errors import ScenarioError
 from robotteamsim.recording.files import atomically, write_atomically
-from robotteamsim.world.placement import check_places
+from robotteamsim.setup import resolve
 
 if TYPE_CHECKING:
     from robotteamsim.analysis.fields.maps import VoiceRange
@@ -67,14 +67,12 @@ def add_to(commands: Any) -> None:
     radio = kinds.add_parser(
         "radio", help="map the received signal strength", description=_RADIO_TEXT, epilog=_RADIO_EPILOG
     )
-    _add_at(radio, "position of a transmitter [m]; repeatable; default the start of robot 0")
     radio.add_argument("--loss", action="store_true", help="draw the path loss [dB] instead of the signal strength")
     radio.set_defaults(command=draw_radio, range="drawn")
 
     voice = kinds.add_parser(
         "voice", help="map the level of the victims' voices", description=_VOICE_TEXT, epilog=_VOICE_EPILOG
     )
-    _add_at(voice, "position of a victim [m] instead of the scenario's; repeatable")
     voice.add_argument(
         "--range",
         choices=("drawn", "lowest", "highest"),
@@ -83,14 +81,16 @@ def add_to(commands: Any) -> None:
     )
     voice.set_defaults(command=draw_voice)
 
-    for kind in (radio, voice):
+    positions = {
+        radio: "position of a transmitter [m]; repeatable; default the start of robot 0",
+        voice: "position of a victim [m] instead of the scenario's; repeatable",
+    }
+    for kind, position in positions.items():
         kind.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
         add_set_option(kind)
+        kind.add_argument("--at", type=point, action="append", default=[], metavar="X,Y", help=position)
         kind.add_argument(
             "--resolution", type=number, metavar="M", help="cell size [m]; default 600 cells along the longer side"
-        )
-        kind.add_argument(
-            "--level", type=number, action="append", metavar="DB", help="draw a contour line at this level; repeatable"
         )
         kind.add_argument(
             "--compare",
@@ -103,10 +103,6 @@ def add_to(commands: Any) -> None:
         kind.add_argument(
             "--out", type=path_of, metavar="FILE.npz", help="write the values, and FILE.yaml for map_server"
         )
-
-
-def _add_at(parser: argparse.ArgumentParser, text: str) -> None:
-    parser.add_argument("--at", type=point, action="append", default=[], metavar="X,Y", help=text)
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,7 +119,7 @@ class _Variant:
         """Load the scenario of this map. Raises: ScenarioError, UsageError: the message names the option."""
         try:
             loaded = scenario.load(options.scenario, self.overrides)
-            check_places(loaded)
+            resolve(loaded)
         except ScenarioError as error:
             error.args = (self._with_own_option(str(error)),)
             raise
@@ -146,26 +142,43 @@ def draw_radio(options: argparse.Namespace) -> None:
     # Imported late, because Matplotlib takes longer to load than a short mission takes to run.
     from robotteamsim.analysis.fields.maps import radio_panel, radio_style
 
-    variants = _variants(options)
-    scenarios = [variant.load(options) for variant in variants]
-    panels = [
-        radio_panel(loaded, variant.at_m, _resolution_m(options, loaded), options.loss)
-        for variant, loaded in zip(variants, scenarios, strict=True)
-    ]
-    _finish(options, variants, panels, radio_style(scenarios, options.level or (), options.loss))
+    def panel(loaded: scenario.Scenario, variant: _Variant, resolution_m: float) -> Panel:
+        return radio_panel(loaded, variant.at_m, resolution_m, options.loss)
+
+    _draw(options, panel, lambda scenarios: radio_style(scenarios, options.loss))
 
 
 def draw_voice(options: argparse.Namespace) -> None:
     """Draw or write the voice maps."""
     from robotteamsim.analysis.fields.maps import voice_panel, voice_style
 
+    def panel(loaded: scenario.Scenario, variant: _Variant, resolution_m: float) -> Panel:
+        return voice_panel(loaded, variant.at_m, resolution_m, variant.voice_range)
+
+    _draw(options, panel, voice_style)
+
+
+def _draw(
+    options: argparse.Namespace,
+    panel: Callable[[scenario.Scenario, _Variant, float], Panel],
+    style: Callable[[Sequence[scenario.Scenario]], FieldStyle],
+) -> None:
+    """Draw and write the requested files, or none if the maps do not fit into one file."""
+    from robotteamsim.analysis.fields.file import map_arrays
+    from robotteamsim.analysis.fields.picture import draw_fields
+
     variants = _variants(options)
     scenarios = [variant.load(options) for variant in variants]
-    panels = [
-        voice_panel(loaded, variant.at_m, _resolution_m(options, loaded), variant.voice_range)
-        for variant, loaded in zip(variants, scenarios, strict=True)
-    ]
-    _finish(options, variants, panels, voice_style(scenarios, options.level or ()))
+    panels = []
+    for variant, loaded in zip(variants, scenarios, strict=True):
+        drawn = panel(loaded, variant, _resolution_m(options, loaded))
+        panels.append(replace(drawn, title=f"{variant.name}: {drawn.title}") if variant.name else drawn)
+    common = style(scenarios)
+    arrays = map_arrays(panels, common) if options.out else {}
+    if options.png:
+        save(draw_fields(panels, common, f"{panels[0].plan.name}: {common.quantity}"), options.png)
+    if options.out:
+        _write(options.out, arrays, panels, common)
 
 
 def _variants(options: argparse.Namespace) -> list[_Variant]:
@@ -225,25 +238,6 @@ def _resolution_m(options: argparse.Namespace, loaded: scenario.Scenario) -> flo
     if cells > MAX_CELLS:
         raise UsageError(f"--resolution {options.resolution:g} gives {cells:.0f} cells; expected at most {MAX_CELLS}")
     return float(options.resolution)
-
-
-def _finish(
-    options: argparse.Namespace, variants: Sequence[_Variant], panels: Sequence[Panel], style: FieldStyle
-) -> None:
-    """Draw and write the requested files, or none if the maps do not fit into one file."""
-    from robotteamsim.analysis.fields.file import map_arrays
-
-    panels = [
-        replace(panel, title=f"{variant.name}: {panel.title}") if variant.name else panel
-        for panel, variant in zip(panels, variants, strict=True)
-    ]
-    arrays = map_arrays(panels, style) if options.out else {}
-    if options.png:
-        from robotteamsim.analysis.fields.picture import draw_fields
-
-        save(draw_fields(panels, style, f"{panels[0].plan.name}: {style.quantity}"), options.png)
-    if options.out:
-        _write(options.out, arrays, panels, style)
 
 
 def _write(path: Path, arrays: dict[str, np.ndarray], panels: Sequence[Panel], style: FieldStyle) -> None:

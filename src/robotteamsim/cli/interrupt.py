@@ -5,21 +5,22 @@ import signal
 import threading
 from collections.abc import Iterator
 from types import FrameType
+from typing import NoReturn
 
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Terminated(KeyboardInterrupt):
-    """SIGTERM: whatever cleans up after Ctrl-C also does after this."""
+    """SIGTERM: what cleans up after Ctrl-C also does after this."""
 
 
 class InterruptBetweenSteps:
     """Ends a run on Ctrl-C or SIGTERM after the current step has been recorded; a second signal ends it at once."""
 
-    def begin(self, scenario: Scenario) -> None:
+    def begin(self, setup: Setup) -> None:
         """Install the handler."""
         self._received = 0
         self._previous = {number: signal.signal(number, self._note) for number in _SIGNALS}
@@ -27,7 +28,7 @@ class InterruptBetweenSteps:
     def step(self, record: StepRecord) -> None:
         """End the run if a signal has come. Raises: KeyboardInterrupt, Terminated."""
         if self._received:
-            raise _exception_of(self._received)
+            _raise(self._received)
 
     def end(self, result: Result) -> None:
         """Restore the previous handlers."""
@@ -40,7 +41,7 @@ class InterruptBetweenSteps:
 
     def _note(self, signal_number: int, frame: FrameType | None) -> None:
         if self._received:
-            raise _exception_of(signal_number)
+            _raise(signal_number)
         self._received = signal_number
 
 
@@ -57,9 +58,5 @@ def terminated_as_interrupted() -> Iterator[None]:
         signal.signal(signal.SIGTERM, previous)
 
 
-def _raise(signal_number: int, frame: FrameType | None) -> None:
-    raise _exception_of(signal_number)
-
-
-def _exception_of(signal_number: int) -> KeyboardInterrupt:
-    return Terminated() if signal_number == signal.SIGTERM else KeyboardInterrupt()
+def _raise(signal_number: int, frame: FrameType | None = None) -> NoReturn:
+    raise Terminated if signal_number == signal.SIGTERM else KeyboardInterrupt

@@ -1,4 +1,4 @@
-"""Entry point of the command line: runs a command and prints whatever goes wrong as one line."""
+"""Entry point of the command line: runs a command and prints each error as one line."""
 
 from __future__ import annotations
 

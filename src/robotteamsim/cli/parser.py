@@ -4,7 +4,9 @@ import argparse
 import difflib
 import math
 import re
+import sys
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -27,11 +29,12 @@ class Parser(argparse.ArgumentParser):
 
     def __init__(self, **settings: object) -> None:
         super().__init__(allow_abbrev=False, formatter_class=argparse.RawDescriptionHelpFormatter, **settings)  # type: ignore[arg-type]
-        # argparse recognises -1 as a number, but treats -1,5 as an option. No option here starts with a digit.
-        self._negative_number_matcher = re.compile(r"-[\d.]")
+        self.commands: Any = None
 
     def add_argument(self, *names: Any, **settings: Any) -> argparse.Action:
         """Add an argument; shells complete paths and scenarios."""
+        if choices := settings.get("choices"):
+            settings["type"] = partial(self._one_of, choices, names[0])
         action = super().add_argument(*names, **settings)
         if settings.get("help") == SCENARIO_HELP:
             action.complete = COMPLETE_SCENARIOS  # type: ignore[attr-defined]  # read by shtab
@@ -39,11 +42,28 @@ class Parser(argparse.ArgumentParser):
             action.complete = COMPLETE_FILES  # type: ignore[attr-defined]
         return action
 
+    def _one_of(self, choices: Sequence[str], name: str, text: str) -> str:
+        """Return one of the choices of an argument. Raises: UsageError."""
+        if text not in choices:
+            self.error(f"{name}: '{text}' is not valid; expected one of {', '.join(choices)}")
+        return text
+
+    def add_subparsers(self, **settings: Any) -> Any:
+        """Add commands."""
+        self.commands = super().add_subparsers(**settings)
+        return self.commands
+
     def parse_known_args(  # type: ignore[override]  # argparse's overloads differ in the type of the namespace alone
         self, args: Any = None, namespace: Any = None
     ) -> tuple[argparse.Namespace, list[str]]:
         """Parse the arguments; none may be left over. Raises: UsageError."""
-        parsed, rest = super().parse_known_args(args, namespace)
+        words = _with_negative_values(sys.argv[1:] if args is None else args)
+        command = next((word for word in words if not word.startswith("-")), None)
+        if self.commands and command is not None and command not in self.commands.choices:
+            near = difflib.get_close_matches(command, self.commands.choices, n=1)
+            hint = f"did you mean '{near[0]}'?" if near else f"expected one of {', '.join(self.commands.choices)}"
+            self.error(f"no such command '{command}'; {hint}")
+        parsed, rest = super().parse_known_args(words, namespace)
         if rest:
             self.error(self._left_over(rest))
         return parsed, rest
@@ -57,17 +77,19 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Raise the mistake. Raises: UsageError."""
-        wrong = re.match(r"argument (\S+): invalid choice: '(.*)' \(choose from (.*)\)", message)
-        if wrong:
-            name, value, choices = wrong[1], wrong[2], [choice.strip("'") for choice in wrong[3].split(", ")]
-            if name.startswith("-"):
-                raise UsageError(
-                    f"{name}: '{value}' is not valid; expected one of {', '.join(choices)} (see `{self.prog} --help`)"
-                )
-            near = difflib.get_close_matches(value, choices, n=1)
-            hint = f"did you mean '{near[0]}'?" if near else f"expected one of {', '.join(choices)}"
-            message = f"no such command '{value}'; {hint}"
         raise UsageError(f"{message} (see `{self.prog} --help`)")
+
+
+def _with_negative_values(words: Sequence[str]) -> list[str]:
+    """Return words with --at=-1,5 for --at -1,5, because argparse takes -1,5 for an option."""
+    # No option here starts with a digit.
+    joined: list[str] = []
+    for word in words:
+        if re.match(r"-[\d.]", word) and joined and re.fullmatch(r"--[a-z-]+", joined[-1]):
+            joined[-1] += f"={word}"
+        else:
+            joined.append(word)
+    return joined
 
 
 def path_of(text: str) -> Path:

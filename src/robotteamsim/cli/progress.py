@@ -5,7 +5,7 @@ import time
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn
 
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
 
 _REFRESH_S = 0.1
@@ -25,9 +25,10 @@ class ProgressBar:
             auto_refresh=False,
         )
 
-    def begin(self, scenario: Scenario) -> None:
+    def begin(self, setup: Setup) -> None:
         """Show the bar, which is full at the mission's time limit."""
         self._progress.start()
+        scenario = setup.scenario
         self._task = self._progress.add_task(scenario.name, total=scenario.mission.time_limit_s, note="")
         self._start_s = self._shown_s = time.monotonic()
 

@@ -1,4 +1,4 @@
-"""`robotteamsim report`: make one page with figures, tables and verdicts from the store of a campaign."""
+"""`robotteamsim report`: make one page with figures, tables and tests from the store of a campaign."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import argparse
 import json
 import textwrap
 from collections.abc import Sequence
-from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from robotteamsim.campaign import StoredCampaign, read_store
@@ -20,15 +19,14 @@ if TYPE_CHECKING:
 
 _DESCRIPTION = """\
 Make the report of a campaign: report.html, which needs no other file, the figures as PNG,
-and the tables as CSV and LaTeX. The same store always gives the same bytes. Campaigns of
-the garage with 10, 20 or 30 dB of noise are compared with the dissertation. Each claim is
-judged by all missions together, and by each campaign alone. The page plays the best, the median
-and the worst mission, which are simulated again and must have the stored trajectories."""
+and the tables as CSV and LaTeX. The same store always gives the same bytes. The page compares
+the settings, and plays the best, the median and the worst mission, which are simulated again and
+must have the stored trajectories."""
 
 _EPILOG = """\
 examples:
   robotteamsim report DIR
-  robotteamsim report DIR --out docs/report
+  robotteamsim report DIR --out page
   robotteamsim report garage_1 garage_2 garage_3 --out garage_report"""
 
 
@@ -48,12 +46,12 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument("--no-players", action="store_true", help="leave out the three missions, about 2 MB")
     add_code_option(parser)
-    parser.add_argument("--json", action="store_true", help="print notes and claims as one JSON object")
+    parser.add_argument("--json", action="store_true", help="print opening and notes as one JSON object")
     parser.set_defaults(command=run)
 
 
 def run(options: argparse.Namespace) -> None:
-    """Make the report and print its verdicts."""
+    """Make the report and print how the settings compare."""
     if len(options.folders) > 1 and options.out is None:
         raise CampaignError("--out: missing; expected a folder for the report of several campaigns")
     stored = [read_store(folder) for folder in options.folders]
@@ -65,12 +63,12 @@ def run(options: argparse.Namespace) -> None:
     finally:
         remove_empty(created)
     if options.json:
-        claims = [asdict(claim) for claim in report.claims]
-        document = {"report": str(path), "opening": report.opening, "notes": report.notes, "claims": claims}
+        document = {"report": str(path), "opening": report.opening, "notes": report.notes}
         print(json.dumps(document, ensure_ascii=False))
     else:
-        _print(report, len(options.folders) > 1)
-        print(f"{chr(10) if report.claims or report.notes else ''}written {path}")
+        for paragraph in (*report.opening, *report.notes):
+            print(textwrap.fill(paragraph, 100))
+        print(f"written {path}")
 
 
 def _report(stored: Sequence[StoredCampaign], options: argparse.Namespace) -> Report:
@@ -84,18 +82,3 @@ def _report(stored: Sequence[StoredCampaign], options: argparse.Namespace) -> Re
 
         missions = shown_missions(stored, places, allow_code=options.allow_code)
     return make_report(stored, places, missions)
-
-
-def _print(report: Report, of_several: bool) -> None:
-    from robotteamsim.analysis.report import passed_text
-
-    for paragraph in (*report.opening, *report.notes):
-        print(textwrap.fill(paragraph, 100))
-    width = max((len(claim.verdict) for claim in report.claims), default=0)
-    for title, fitted in (("Not fitted: the test", False), ("Fitted: calibration", True)):
-        shown = [claim for claim in report.claims if claim.fitted is fitted]
-        if shown:
-            print(f"\n{title}")
-        for claim in shown:
-            passed = f"{passed_text(claim):10}  " if of_several else ""
-            print(f"{claim.verdict:<{width}}  {passed}{claim.text}")

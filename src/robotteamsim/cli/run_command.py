@@ -141,11 +141,11 @@ def _check_files(options: argparse.Namespace) -> None:
 
 def _check_controllers(simulation: Simulation) -> None:
     """Raises: ScenarioError: a controller could not be constructed, so that its robot would stand still."""
-    for robot_id, guard in enumerate(simulation.controllers):
-        if guard.controller is None:
+    for robot_id, fault in enumerate(simulation.controllers.faults):
+        if fault:
             raise ScenarioError(
                 f"{simulation.scenario.name}: control.algorithm: '{simulation.scenario.control.algorithm}' cannot be "
-                f"constructed for robot {robot_id}: {guard.fault}"
+                f"constructed for robot {robot_id}: {fault}"
             )
 
 

@@ -11,9 +11,9 @@ from robotteamsim.cli.pictures import add_png_option, save
 from robotteamsim.cli.run_command import add_code_option, add_set_option, check_code
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.recording.files import write_atomically
+from robotteamsim.setup import Setup, resolve
 from robotteamsim.simulation import Simulation
 from robotteamsim.wording import counted
-from robotteamsim.world.placement import check_places
 
 _SCHEMA_EPILOG = """\
 With an editor's YAML extension, this first line enables completion and checks:
@@ -57,11 +57,11 @@ def run_check(options: argparse.Namespace) -> None:
         try:
             loaded = scenario.load(name, options.overrides)
             check_code(options, loaded)
-            check_places(loaded)
+            setup = resolve(loaded)
         except ScenarioError as error:
             mistakes += [str(error), *getattr(error, "__notes__", [])]
             continue
-        if mistake := _mistake_in_setting_up(loaded):
+        if mistake := _mistake_in_setting_up(setup):
             mistakes.append(f"{name}: {mistake}")
             continue
         mission, bounds = loaded.mission, loaded.plan.bounds
@@ -77,14 +77,14 @@ def run_check(options: argparse.Namespace) -> None:
         raise UsageError(mistakes[-1])
 
 
-def _mistake_in_setting_up(loaded: scenario.Scenario) -> str:
+def _mistake_in_setting_up(setup: Setup) -> str:
     """Return a mistake that appears only when the mission is set up, such as an unknown controller; "" if none."""
     try:
-        controllers = Simulation(loaded).controllers
+        faults = Simulation(setup).controllers.faults
     except RobotTeamSimError as error:
-        return str(error).removeprefix(f"{loaded.name}: ")
-    faults = [guard.fault for guard in controllers if guard.fault]
-    return f"control.algorithm: {loaded.control.algorithm}: {faults[0]}" if faults else ""
+        return str(error).removeprefix(f"{setup.scenario.name}: ")
+    fault = next(filter(None, faults), "")
+    return f"control.algorithm: {setup.scenario.control.algorithm}: {fault}" if fault else ""
 
 
 def run_show(options: argparse.Namespace) -> None:
@@ -97,7 +97,7 @@ def run_render(options: argparse.Namespace) -> None:
     from robotteamsim.analysis.plan_picture import draw_plan
 
     loaded = scenario.load(options.scenario, options.overrides)
-    save(draw_plan(loaded.plan, loaded), options.png)
+    save(draw_plan(loaded.plan, resolve(loaded)), options.png)
 
 
 def run_schema(options: argparse.Namespace) -> None:

@@ -2,6 +2,6 @@
 
 from robotteamsim.control.runtime import foreign_code
 from robotteamsim.control.runtime.guard import Guard
-from robotteamsim.control.runtime.registry import ALGORITHMS, algorithm_names, make_controller
+from robotteamsim.control.runtime.registry import algorithm_names, make_controller
 
-__all__ = ["ALGORITHMS", "Guard", "algorithm_names", "foreign_code", "make_controller"]
+__all__ = ["Guard", "algorithm_names", "foreign_code", "make_controller"]

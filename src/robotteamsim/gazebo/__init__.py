@@ -1,6 +1,5 @@
-"""Converter between scenarios and worlds of the Gazebo simulator, in SDF."""
+"""Exporter of scenarios to worlds of the Gazebo simulator, in SDF."""
 
 from robotteamsim.gazebo.exporting import GazeboExport, export_world
-from robotteamsim.gazebo.importing import GazeboImport, import_world
 
-__all__ = ["GazeboExport", "GazeboImport", "export_world", "import_world"]
+__all__ = ["GazeboExport", "export_world"]

@@ -66,6 +66,4 @@ def _joint(door: Door, length_m: float) -> Element:
 def door_setting(name: str, door: Door) -> Element:
     """Return what the world plugin needs: model, joint, the state at the start, how long the leaf moves [s]."""
     parts = element("model", text=name), element("joint", text=JOINT), flag("closed", door.closed)
-    # For the import alone.
-    kind = element("kind", text=door.kind)
-    return element("door", *parts, values("time_s", door.leaf_time_s), kind)
+    return element("door", *parts, values("time_s", door.leaf_time_s))

@@ -25,8 +25,8 @@ from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import Corners, counter_clockwise
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.sections import PlacedRobot, Robot
-from robotteamsim.world.placement import check_places, placed_robots
+from robotteamsim.scenario.sections import PlacedRobot
+from robotteamsim.setup import Setup
 
 VERSION = "1.6"
 """Of SDF; Gazebo 9 to 11 read it."""
@@ -47,17 +47,15 @@ class GazeboExport:
     notes: tuple[str, ...]
 
 
-def export_world(scenario: Scenario, drive: DriveKind = "velocity") -> GazeboExport:
+def export_world(setup: Setup, drive: DriveKind = "velocity") -> GazeboExport:
     """Return a scenario as a world of Gazebo 11, with the plugins of this package.
 
     The floor, the walls, blocks and pillars are four static models. Doors, objects and robots are a model each:
     door_<name>, object_<name> and robot_<id>.
 
-    Args:   drive: how robots with a differential drive move.
-    Raises: PlacementError: a robot or object has no room.
+    Args: drive: how robots with a differential drive move.
     """
-    check_places(scenario)
-    robots = placed_robots(scenario)
+    scenario, robots = setup.scenario, setup.robots
     models = {
         f"{ROBOT}{i}": robot_model(f"{ROBOT}{i}", robot, drive, scenario.run.step_s, palette.robot_colour(i))
         for i, robot in enumerate(robots)
@@ -90,12 +88,9 @@ def _notes(scenario: Scenario, robots: Sequence[PlacedRobot], drive: DriveKind) 
     notes = []
     if drive == "wheels" and not all(has_wheels(robot, drive) for robot in robots):
         notes.append("robots.drive: only differential drives have wheels in Gazebo; the others move by their velocity")
-    lists = ("lasers", "sonars", "cameras", "light_sensors")
-    omitted = {key for key in lists if any(getattr(robot, key) for robot in robots)}
-    # Sensors that a robot has at most once are None by default.
-    further = [key for key, field in Robot.model_fields.items() if field.default is None]
-    omitted |= {key for key in further if any(getattr(robot, key) is not None for robot in robots)}
-    notes += [f"robots.{key}: omitted: in Gazebo, robots have only a body and one laser" for key in sorted(omitted)]
+    for key in ("gripper", "sensors"):
+        if any(getattr(robot, key) for robot in robots):
+            notes.append(f"robots.{key}: omitted: in Gazebo, robots have only a body and one laser")
     mujoco = scenario.run.mujoco
     for key, is_used in (("lights", mujoco.lights), ("ramps", mujoco.ramps)):
         if is_used:

@@ -13,6 +13,7 @@ from robotteamsim.extras import missing_extra
 from robotteamsim.hazards.field import BURNING, HazardField
 from robotteamsim.hazards.hazards import ClosedDoors, ambient_field
 from robotteamsim.scenario.base import Point
+from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.scenario import Scenario
 
@@ -38,25 +39,17 @@ class FdsHazards:
     Between two times of the results, values are interpolated linearly; after the last one they stay.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, building: Building) -> None:
         """Read the folder. Raises: PlacementError: it is not that of a run of FDS, or shows no temperature or smoke."""
         fire = scenario.fire
         assert fire is not None
         assert fire.fds is not None
         self._fire, self._step_ns = fire, scenario.run.step_ns
-        slices = _horizontal_slices(fire.fds)
-        soot_of = _soot_of(fire)
-        smoke = next((name for name in soot_of if _find(slices, name)), None)
-        for wanted, found in ((_TEMPERATURE, _find(slices, _TEMPERATURE)), (", ".join(soot_of), smoke)):
-            if not found:
-                known = ", ".join(sorted({_name(each) for each in slices})) or "none"
-                raise _mistake(f"'{fire.fds}' has no horizontal slice of {wanted}; found {known}")
-        assert smoke is not None
-        self._ambient = ambient_field(scenario)
-        self._temperature = _Samples(_find(slices, _TEMPERATURE), self._ambient, fire.heat.ambient_c)
-        self._smoke = _Samples(_find(slices, smoke), self._ambient, np.inf if smoke == "VISIBILITY" else 0.0)
-        self._soot_of = soot_of[smoke]
+        self._ambient = ambient_field(fire, building)
+        self._temperature, self._smoke, smoke = building.shared(_samples, fire)
+        self._soot_of = _soot_of(fire)[smoke]
         self.field = self._at(0.0)
+        self.version = 1
         """Of the last update."""
         self.updated = False
         """Whether the last step was an update."""
@@ -67,6 +60,7 @@ class FdsHazards:
         if not self.updated:
             return False
         self.field = self._at((sim_time_ns - self._step_ns) / 1e9)
+        self.version += 1
         return True
 
     def ignite(self, position_m: Point) -> None:
@@ -115,6 +109,22 @@ class _Samples:
         # Where both are infinite, as the visibility outside the slice, their difference is not a number.
         values: np.ndarray = np.where(before == now, before, before + share * (now - before))
         return values
+
+
+def _samples(building: Building, fire: Fire) -> tuple[_Samples, _Samples, str]:
+    """Return temperature and smoke of the results in `fire.fds`, and the name of the quantity that shows smoke."""
+    assert fire.fds is not None
+    slices = _horizontal_slices(fire.fds)
+    kinds = _soot_of(fire)
+    smoke = next((name for name in kinds if _find(slices, name)), None)
+    for wanted, found in ((_TEMPERATURE, _find(slices, _TEMPERATURE)), (", ".join(kinds), smoke)):
+        if not found:
+            known = ", ".join(sorted({_name(each) for each in slices})) or "none"
+            raise _mistake(f"'{fire.fds}' has no horizontal slice of {wanted}; found {known}")
+    assert smoke is not None
+    ambient = ambient_field(fire, building)
+    temperature = _Samples(_find(slices, _TEMPERATURE), ambient, fire.heat.ambient_c)
+    return temperature, _Samples(_find(slices, smoke), ambient, np.inf if smoke == "VISIBILITY" else 0.0), smoke
 
 
 def _nearest(points: Sequence[float], places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -37,12 +37,6 @@ class HazardField(Grid):
     states: np.ndarray
     fire: Fire
 
-    @property
-    def burning(self) -> np.ndarray:
-        """Which cells burn, bool, shape (rows, cols)."""
-        burning: np.ndarray = self.states == BURNING
-        return burning
-
     def temperature_c(self, positions_m: np.ndarray) -> np.ndarray:
         """Return the temperature at some places [degC]."""
         return self._values_at(self.temperatures_c, positions_m, self.fire.heat.ambient_c)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections import deque
 from typing import Protocol
 
@@ -10,10 +9,11 @@ import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.errors import PlacementError
-from robotteamsim.hazards.field import BURNING, HazardField
+from robotteamsim.hazards.field import HazardField
 from robotteamsim.hazards.topology import Topology, check_free, fuel_of_cells, topology
 from robotteamsim.rng import stream
 from robotteamsim.scenario.base import Point
+from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.fire import Fire, updates
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.scenario import Scenario
@@ -36,6 +36,8 @@ class HazardSource(Protocol):
 
     field: HazardField
     """Of the last update."""
+    version: int
+    """Number of changes of `field`."""
     updated: bool
     """Whether the last step was an update."""
 
@@ -55,14 +57,14 @@ class Hazards:
     Random stream: ("fire",), one number per cell.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, building: Building) -> None:
         """Prepare. Raises: PlacementError: fuel or an ignition is outside or in a wall, or an ignition has no fuel."""
         assert scenario.fire is not None
         self._plan, self._fire = scenario.plan, scenario.fire
         self._step_ns, self._update_ns = scenario.run.step_ns, self._fire.update_ns
         self.updated = False
         """Whether the last step was an update."""
-        self._cells, self._fuel = _cells_and_fuel(scenario.plan, scenario.fire)
+        self._cells, self._fuel = building.shared(_cells_and_fuel, scenario.fire)
         self._ignitions = deque(sorted(_ignitions(scenario, self._cells, self._fuel)))
         self._core = _core.hazards.BurningFloor(
             self._cells.east,
@@ -86,6 +88,8 @@ class Hazards:
         self._burnt_doors: tuple[str, ...] = ()
         self.field = self._read()
         """Of the last update."""
+        self.version = 1
+        """Number of changes of `field`."""
 
     def step(self, sim_time_ns: int, doors: ClosedDoors) -> bool:
         """Advance to the step with this stamp [ns]; return whether this was an update, see `Fire.updates_at`."""
@@ -102,6 +106,7 @@ class Hazards:
             self._core.advance(self._fire.update_s)
             self._note_burnt_doors()
             self.field = self._read()
+            self.version += 1
         return True
 
     def ignite(self, position_m: Point) -> None:
@@ -126,33 +131,6 @@ class Hazards:
         """Mass of the soot in the air [g]."""
         return float(np.sum(self._core.soot_g_m2())) * self._fire.cell_m**2
 
-    @property
-    def burning(self) -> np.ndarray:
-        """Which cells burn, bool, shape (rows, cols); row 0 at the lowest y."""
-        return self.field.burning
-
-    @property
-    def origin_m(self) -> Point:
-        """Lower left corner of the cells in `map` [m]."""
-        return self._cells.origin_m
-
-    @property
-    def resolution_m(self) -> float:
-        """Size of a cell [m]."""
-        return self._cells.resolution_m
-
-    def temperature_c(self, positions_m: np.ndarray) -> np.ndarray:
-        """Return the temperature at some places, shape (n, 2) in `map` [m], in the last update [degC]."""
-        return self.field.temperature_c(positions_m)
-
-    def soot(self, positions_m: np.ndarray) -> np.ndarray:
-        """Return the soot in the air at some places in the last update [g/m^3]."""
-        return self.field.soot(positions_m)
-
-    def visibility_m(self, positions_m: np.ndarray) -> np.ndarray:
-        """Return how far people see at some places in the last update [m]."""
-        return self.field.visibility_m(positions_m)
-
     def _ignite_due(self, begin_ns: int) -> None:
         while self._ignitions and self._ignitions[0][0] <= begin_ns:
             self._has_burnt |= self._core.ignite(self._ignitions.popleft()[1])
@@ -174,29 +152,42 @@ class Hazards:
         )
 
 
-# Cached for the trials of a campaign: drawing the cells takes some tenths of a second.
-@functools.lru_cache(maxsize=16)
-def _cells_and_fuel(plan: FloorPlan, fire: Fire) -> tuple[Topology, np.ndarray]:
-    cells = topology(plan, fire.cell_m)
-    return cells, fuel_of_cells(plan, fire, cells)
+def make_hazards(scenario: Scenario, building: Building) -> HazardSource:
+    """Return the source of fire and smoke of a scenario with a fire: simulated, or the results of FDS.
+
+    Raises: PlacementError: fuel, an ignition, or the folder of FDS is wrong; one line with file, key and value.
+    """
+    assert scenario.fire is not None
+    try:
+        if scenario.fire.fds is not None:
+            from robotteamsim.hazards.fds import FdsHazards
+
+            return FdsHazards(scenario, building)
+        return Hazards(scenario, building)
+    except PlacementError as error:
+        raise PlacementError(scenario.origin.line(str(error), error.key), error.key) from None
+
+
+def _cells_and_fuel(building: Building, fire: Fire) -> tuple[Topology, np.ndarray]:
+    """Return the cells of a building, and the kind of fuel of each. Raises: PlacementError: fuel is in a wall."""
+    cells = topology(building.plan, fire.cell_m)
+    return cells, fuel_of_cells(building.plan, fire, cells)
 
 
 def _ignitions(scenario: Scenario, cells: Topology, kinds: np.ndarray) -> list[tuple[int, int]]:
-    """Return time [ns] and cell of each ignition of the fire and of the schedule."""
+    """Return time [ns] and cell of each ignition of the fire, and check those of the schedule.
+
+    Raises: PlacementError: one is outside, in a wall, or without fuel.
+    """
     assert scenario.fire is not None
-    places = [
-        (f"fire.ignitions.{i}.position", ignition.at_s, ignition.position)
-        for i, ignition in enumerate(scenario.fire.ignitions)
-    ]
-    places += [
-        (f"schedule.{i}.ignite", event.at_s, event.ignite)
-        for i, event in enumerate(scenario.schedule)
-        if event.ignite is not None
-    ]
     found = []
-    for key, at_s, position in places:
-        row, col = _burning_cell(scenario.plan, key, position, cells, kinds)
-        found.append((round(at_s * 1e9), row * cells.shape[1] + col))
+    for i, ignition in enumerate(scenario.fire.ignitions):
+        key = f"fire.ignitions.{i}.position"
+        row, col = _burning_cell(scenario.plan, key, ignition.position, cells, kinds)
+        found.append((round(ignition.at_s * 1e9), row * cells.shape[1] + col))
+    for i, event in enumerate(scenario.schedule):
+        if event.ignite is not None:
+            _burning_cell(scenario.plan, f"schedule.{i}.ignite", event.ignite, cells, kinds)
     return found
 
 
@@ -222,18 +213,10 @@ def _fuel(load_mj_m2: float, peak_kw_m2: float, growth_kw_s2: float, fire: Fire)
     return load_mj_m2 * 1e3 * area_m2, peak_kw_m2 * area_m2, growth_kw_s2
 
 
-def ambient_field(scenario: Scenario) -> HazardField:
+def ambient_field(fire: Fire, building: Building) -> HazardField:
     """Return the field before anything burns."""
-    assert scenario.fire is not None
-    cells, _ = _cells_and_fuel(scenario.plan, scenario.fire)
+    cells, _ = building.shared(_cells_and_fuel, fire)
     shape = cells.shape
-    ambient = np.full(shape, scenario.fire.heat.ambient_c, dtype=np.float32)
+    ambient = np.full(shape, fire.heat.ambient_c, dtype=np.float32)
     nothing = np.zeros(shape, dtype=np.float32)
-    return HazardField(
-        cells.origin_m, cells.resolution_m, ambient, nothing, np.zeros(shape, dtype=np.uint8), scenario.fire
-    )
-
-
-def is_burning(field: HazardField) -> bool:
-    """Whether anything burns."""
-    return bool((field.states == BURNING).any())
+    return HazardField(cells.origin_m, cells.resolution_m, ambient, nothing, np.zeros(shape, dtype=np.uint8), fire)

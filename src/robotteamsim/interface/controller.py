@@ -12,8 +12,8 @@ from robotteamsim.network.messages import Message
 class Controller(Protocol):
     """One robot's controller: created at the start of a trial and when the robot comes back, called in each step."""
 
-    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        """Process the observation, the messages that arrived, and the mission's task."""
+    def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
+        """Return the command and the messages of this step.
 
-    def decide(self) -> Decision:
-        """Return the command and the messages of this step."""
+        Args: inbox: the messages that arrived.  task: the mission's.
+        """

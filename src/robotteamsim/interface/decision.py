@@ -10,7 +10,7 @@ OUTSIDE = -1
 """`Decision.swarm` of a robot that is socially excluded."""
 
 
-class SwarmContext(msgspec.Struct, frozen=True, gc=False):
+class SwarmContext(msgspec.Struct, frozen=True):
     """The context that a robot measured, and the coefficients that follow from it [dissertation, 5.2.2].
 
     activity: A_s (28).  socialisation: S_n (29).  avoidance: O_n (30).  proximity: P_n (31, 32).
@@ -30,7 +30,7 @@ class SwarmContext(msgspec.Struct, frozen=True, gc=False):
     c4: float
 
 
-class Decision(msgspec.Struct, frozen=True, gc=False):
+class Decision(msgspec.Struct, frozen=True):
     """The complete output of one controller in one step.
 
     twist:        velocity command in `base_link`.

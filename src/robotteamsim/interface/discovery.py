@@ -11,7 +11,7 @@ from robotteamsim.interface.payload import Index, Point, read_payload, to_payloa
 Kind = Literal["area", "victim"]
 
 
-class Discovery(msgspec.Struct, frozen=True, gc=False):
+class Discovery(msgspec.Struct, frozen=True):
     """An explored area or a reached victim.
 
     name:       of the area or victim; "" if the robot does not know it.
@@ -26,7 +26,7 @@ class Discovery(msgspec.Struct, frozen=True, gc=False):
     time_s: float
 
 
-class Announced(msgspec.Struct, frozen=True, gc=False, omit_defaults=True):
+class Announced(msgspec.Struct, frozen=True, omit_defaults=True):
     """A discovery in a message: kind and name, or kind and position of a victim without a name.
 
     The other attributes of `Discovery` are optional.
@@ -48,18 +48,18 @@ class Announced(msgspec.Struct, frozen=True, gc=False, omit_defaults=True):
         return (self.kind, self.name) == (discovery.kind, discovery.name)
 
 
-class Announcement(msgspec.Struct, frozen=True, gc=False):
+class Announcement(msgspec.Struct, frozen=True):
     """A message that announces discoveries. Messages of controllers may have this key in addition to their own."""
 
     discoveries: tuple[Announced, ...]
 
 
-class _Name(msgspec.Struct, frozen=True, gc=False):
+class _Name(msgspec.Struct, frozen=True):
     kind: Kind
     name: str
 
 
-class _Acknowledgement(msgspec.Struct, frozen=True, gc=False):
+class _Acknowledgement(msgspec.Struct, frozen=True):
     delivered: _Name
 
 

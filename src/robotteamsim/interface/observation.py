@@ -5,7 +5,7 @@ import msgspec
 from robotteamsim.sensing.readings import RobotReading, VoiceReading
 
 
-class Observation(msgspec.Struct, frozen=True, gc=False, eq=False):
+class Observation(msgspec.Struct, frozen=True, eq=False):
     """Everything that one controller perceives in one step; sim_time_ns is the stamp of all parts."""
 
     robot_id: int

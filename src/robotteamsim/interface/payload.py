@@ -33,7 +33,7 @@ def read_payload(decoder: msgspec.json.Decoder[Content], payload: str) -> Conten
         return None
 
 
-class Update(msgspec.Struct, frozen=True, gc=False):
+class Update(msgspec.Struct, frozen=True):
     """The message of a robot to its team."""
 
     def to_json(self) -> str:

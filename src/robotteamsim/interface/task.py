@@ -6,7 +6,7 @@ from robotteamsim.interface.discovery import Discovery
 from robotteamsim.interface.payload import Index
 
 
-class Assistance(msgspec.Struct, frozen=True, gc=False):
+class Assistance(msgspec.Struct, frozen=True):
     """A firefighter who helps a victim.
 
     moving:    whether both are on their way; before, the victim is picked up.
@@ -19,7 +19,7 @@ class Assistance(msgspec.Struct, frozen=True, gc=False):
     collapsed: bool = False
 
 
-class Task(msgspec.Struct, frozen=True, gc=False):
+class Task(msgspec.Struct, frozen=True):
     """The task of the team, as of the end of the last step.
 
     running:       False while the mission waits, is paused or has ended: robots stand still.

@@ -49,6 +49,7 @@ def outlines(solid: np.ndarray) -> list[shapely.Polygon]:
 
     Args: solid: bool, shape (rows, cols), row 0 at the lowest y; no two cells touch only at a corner.
     """
+    # cv2.findContours goes through the centres of cells instead of along their borders.
     edges = np.diff(np.pad(solid, ((0, 0), (1, 1))).astype(np.int8), axis=1)
     rows, first = np.nonzero(edges == 1)
     last = np.nonzero(edges == -1)[1]

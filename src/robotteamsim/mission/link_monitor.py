@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
+from robotteamsim.mission.events import LinkEndangered
 from robotteamsim.network.graph import newly_endangered
 from robotteamsim.network.messages import NetworkState
 
@@ -18,8 +17,8 @@ class LinkMonitor:
         self.num_endangered = 0
         """How often a link fell below the threshold of endangered links so far, lost or not."""
 
-    def news(self, network: NetworkState) -> list[tuple[str, str]]:
-        """Return the links that are newly endangered or lost, as "0-1", and what has happened to each."""
+    def news(self, network: NetworkState) -> list[LinkEndangered]:
+        """Return the links that are newly endangered or lost."""
         before, self._network = self._network, network
         if before and network.endangered is before.endangered and network.adjacency is before.adjacency:
             return []
@@ -29,10 +28,7 @@ class LinkMonitor:
         hops = np.stack([state.hop_count for state in states])
         pairs = np.argwhere(np.triu(newly_endangered(adjacency, endangered, hops)[-1], 1)).tolist()
         self.num_endangered += len(pairs)
-        return [(f"{i}-{j}", _detail(network, i, j)) for i, j in pairs]
-
-
-def _detail(network: NetworkState, i: int, j: int) -> str:
-    what, rssi_dbm = "endangered" if network.adjacency[i, j] else "lost", network.rssi_dbm[i, j]
-    at = "" if math.isnan(rssi_dbm) else f" at {rssi_dbm:.1f} dBm"
-    return f"link {i}-{j} is {what}{at}"
+        return [
+            LinkEndangered(i, j, not network.adjacency[i, j], float(network.rssi_dbm[i, j]))  # as of this step
+            for i, j in pairs
+        ]

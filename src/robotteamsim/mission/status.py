@@ -1,4 +1,4 @@
-"""The state of a mission and its events."""
+"""The state of a mission."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ VictimState = Literal[
 
 CALLING: frozenset[VictimState] = frozenset(("waiting", "heard"))
 SILENT: frozenset[VictimState] = frozenset(get_args(VictimState)) - CALLING
-"""States of victims who do not call: they cannot, or somebody has told them that help is on its way."""
+"""States of victims who do not call: they cannot, or they know that help is coming."""
 SAVED: frozenset[VictimState] = frozenset(("saved", "safe"))
 OUT_OF_DANGER: frozenset[VictimState] = SAVED | {"dead"}
 """States that do not change any more."""
@@ -37,32 +37,7 @@ END_TEXTS: Mapping[str, str] = {
 """Each MissionEnd as a text for users."""
 
 
-class Event(msgspec.Struct, frozen=True, gc=False):
-    """An event of a mission.
-
-    kind:     start, pause, resume, end, area_explored, victim_heard, victim_saved, victim_located,
-              victim_reported, victim_reached, victim_carried, victim_safe, victim_left (by a firefighter
-              who left the team), person_enclosed, link_endangered, robot_excluded,
-              robot_included, robot_removed, robot_spawned, robot_tipped_over, robot_left_world,
-              object_lifted, object_dropped,
-              swarm_founded, swarm_dissolved, controller_failed,
-              message_too_large,
-              robot_failed_by_heat, firefighter_collapsed, victim_collapsed, victim_dead,
-              discovery_delivered (the discovery of an area or victim by robot_id was delivered to the base),
-              door (opened or closed), door_moves (its leaf starts, is blocked or stops), noise, ...
-    subject:  name of the area, victim, door, link ("0-2") or swarm ("swarm 1"); "" for the mission itself.
-    robot_id: id of the robot that caused it; -1 if none did.
-    detail:   a description in one line.
-    """
-
-    time_s: float
-    kind: str
-    subject: str
-    robot_id: int
-    detail: str
-
-
-class DeliveredDiscoveries(msgspec.Struct, frozen=True, gc=False):
+class DeliveredDiscoveries(msgspec.Struct, frozen=True):
     """Totals of the discoveries delivered to the base.
 
     count: explored areas and reached victims.
@@ -80,7 +55,7 @@ class DeliveredDiscoveries(msgspec.Struct, frozen=True, gc=False):
         return DeliveredDiscoveries(count, mean_s, max(self.max_delay_s, delay_s))
 
 
-class MissionStatus(msgspec.Struct, frozen=True, gc=False):
+class MissionStatus(msgspec.Struct, frozen=True):
     """The mission after a step; time_s counts from its start.
 
     victims: state of each, in the scenario's order.  explored: whether each area is, in the scenario's order.

@@ -3,22 +3,20 @@
 from collections.abc import Collection, Iterator, Sequence
 from operator import attrgetter
 
-import msgspec
 import numpy as np
 
 from robotteamsim.interface import OUTSIDE, Decision
+from robotteamsim.mission.events import (
+    ControllerFailed,
+    Happening,
+    RobotExcluded,
+    RobotIncluded,
+    SwarmDissolved,
+    SwarmFounded,
+)
 
 _ABSENT = -2
 """Replaces the swarm of an absent robot."""
-
-
-class Change(msgspec.Struct, frozen=True, gc=False):
-    """One event of the team; see `mission.status.Event`."""
-
-    kind: str
-    subject: str
-    robot_id: int
-    detail: str
 
 
 _STATUS = attrgetter("excluded", "swarm", "fault", "done")
@@ -36,7 +34,8 @@ class TeamMonitor:
         self._outsiders = outsiders
         self._statuses: list[tuple[bool, int, str, str]] = []
         """Excluded, swarm, fault and done of each robot in the last step."""
-        self._present: np.ndarray | None = None
+        self._is_there: list[bool] = []
+        """Whether each robot was present in the last step."""
         self.all_excluded = False
         """Whether no present robot belongs to a swarm."""
         self.done = ""
@@ -44,35 +43,33 @@ class TeamMonitor:
         self._swarms: list[int] = []
         self._faults: list[str] = []
 
-    def changes(self, decisions: Sequence[Decision], present: np.ndarray | None = None) -> list[Change]:
+    def changes(self, decisions: Sequence[Decision], present: np.ndarray) -> list[Happening]:
         """Return the changes since the last step, in id order; the end of a swarm follows the robots that left it.
 
-        Args: present: whether each robot is present, bool, shape (n,); None if all are.
+        Args: present: whether each robot is present, bool, shape (n,).
         """
-        statuses = list(map(_STATUS, decisions))
-        if statuses == self._statuses and present is self._present:
+        statuses, is_there = list(map(_STATUS, decisions)), present.tolist()
+        if statuses == self._statuses and is_there == self._is_there:
             return []
-        self._statuses, self._present = statuses, present
+        self._statuses, self._is_there = statuses, is_there
         swarms = [OUTSIDE if excluded else swarm for excluded, swarm, *_ in statuses]
         faults = [fault for *_, fault, _ in statuses]
-        self.done = self._done(statuses, present)
+        self.done = self._done(statuses, is_there)
         for outsider in self._outsiders:
             swarms[outsider] = OUTSIDE
-        if present is not None:
-            swarms = [swarm if there else _ABSENT for swarm, there in zip(swarms, present.tolist(), strict=True)]
+        swarms = [swarm if there else _ABSENT for swarm, there in zip(swarms, is_there, strict=True)]
         before = self._swarms or self._at_first(swarms)
         found = [*_changes_of_swarms(before, swarms), *_new_faults(self._faults or [""] * len(faults), faults)]
         self._swarms, self._faults = swarms, faults
         self.all_excluded = len(swarms) > len(self._outsiders) and all(s in (OUTSIDE, _ABSENT) for s in swarms)
         return found
 
-    def _done(self, statuses: list[tuple[bool, int, str, str]], present: np.ndarray | None) -> str:
+    def _done(self, statuses: list[tuple[bool, int, str, str]], is_there: list[bool]) -> str:
         """Return the reason of the first robot if all are done; absent, stopped robots and outsiders do not count."""
-        counts = [True] * len(statuses) if present is None else present.tolist()
         reasons = [
             done
             for robot_id, (_, _, fault, done) in enumerate(statuses)
-            if counts[robot_id] and robot_id not in self._outsiders and not fault
+            if is_there[robot_id] and robot_id not in self._outsiders and not fault
         ]
         return reasons[0] if all(reasons) and reasons else ""
 
@@ -81,28 +78,23 @@ class TeamMonitor:
         return [0 if swarm == OUTSIDE and i not in self._outsiders else swarm for i, swarm in enumerate(swarms)]
 
 
-def _changes_of_swarms(before: list[int], now: list[int]) -> Iterator[Change]:
+def _changes_of_swarms(before: list[int], now: list[int]) -> Iterator[Happening]:
     there, left = set(before) - {OUTSIDE, _ABSENT}, set(now) - {OUTSIDE, _ABSENT}
     for robot_id, (old, new) in enumerate(zip(before, now, strict=True)):
         if _ABSENT in (old, new):
             continue  # Robots that are removed or spawned have events of their own.
         if old != new and old != OUTSIDE:
-            yield Change("robot_excluded", _name(old), robot_id, f"robot {robot_id} is excluded from {_name(old)}")
+            yield RobotExcluded(old, robot_id=robot_id)
         if old != new and new in there:
-            yield Change("robot_included", _name(new), robot_id, f"robot {robot_id} is included in {_name(new)}")
+            yield RobotIncluded(new, robot_id=robot_id)
     for swarm in sorted(left - there):
-        founders = [str(robot_id) for robot_id, new in enumerate(now) if new == swarm]
-        who = f"robot{'s' if len(founders) > 1 else ''} {', '.join(founders)}"
-        yield Change("swarm_founded", _name(swarm), int(founders[0]), f"{_name(swarm)} is founded by {who}")
+        founders = tuple(robot_id for robot_id, new in enumerate(now) if new == swarm)
+        yield SwarmFounded(swarm, founders, robot_id=founders[0])
     for swarm in sorted(there - left):
-        yield Change("swarm_dissolved", _name(swarm), -1, f"{_name(swarm)} is dissolved")
+        yield SwarmDissolved(swarm)
 
 
-def _new_faults(before: list[str], now: list[str]) -> Iterator[Change]:
+def _new_faults(before: list[str], now: list[str]) -> Iterator[Happening]:
     for robot_id, (old, new) in enumerate(zip(before, now, strict=True)):
         if new and not old:
-            yield Change("controller_failed", "", robot_id, f"robot {robot_id} is stopped: {new}")
-
-
-def _name(swarm: int) -> str:
-    return f"swarm {swarm}"
+            yield ControllerFailed(new, robot_id=robot_id)

@@ -1,7 +1,5 @@
 """The links of a team as bits, for large teams: the matrices of 1000 robots have 30 MB, their links 0.25 MB."""
 
-import math
-
 import msgspec
 import numpy as np
 
@@ -9,7 +7,7 @@ from robotteamsim.network.graph import hop_count
 from robotteamsim.network.messages import NetworkState, Traffic
 
 
-class CompactLinks(msgspec.Struct, frozen=True, gc=False, eq=False):
+class CompactLinks(msgspec.Struct, frozen=True, eq=False):
     """The links of n robots in one step.
 
     present:           bool, shape (n,).
@@ -76,44 +74,6 @@ class LinksEncoder:
         return np.asarray(pairs[pairs[:, 0] < pairs[:, 1]], dtype=np.int64)
 
 
-class LinksDecoder:
-    """Restores the network step by step."""
-
-    def __init__(self) -> None:
-        self._last: CompactLinks | None = None
-        self._adjacency = self._endangered = self._hop_count = self._rssi_dbm = np.zeros((0, 0))
-
-    def decode(self, links: CompactLinks) -> NetworkState:
-        """Return the network of a step; unchanged arrays are those of the step before.
-
-        Links, hops, Fiedler value and traffic equal the encoded ones. `rssi_dbm` has the signal that each pair had when
-        it last weakened, and NaN for all others; `link` and `break_matrix` are NaN.
-        Raises: ValueError: the links are not symmetric.
-        """
-        last, n = self._last, len(links.present)
-        if last is None or not _have_same_bits(last, links):
-            adjacency = unpacked(links.adjacency, n)
-            self._hop_count = hops_among(adjacency, links.present)
-            self._adjacency, self._endangered = adjacency, unpacked(links.endangered, n)
-            self._last = links
-        if self._rssi_dbm.shape != (n, n):
-            self._unknown = self._rssi_dbm = np.full((n, n), math.nan)
-        if len(links.weakened):
-            self._rssi_dbm = self._rssi_dbm.copy()
-            first, second = links.weakened.T
-            self._rssi_dbm[first, second] = self._rssi_dbm[second, first] = links.weakened_rssi_dbm
-        return NetworkState(
-            self._rssi_dbm,
-            self._unknown,
-            self._adjacency,
-            self._hop_count,
-            self._unknown,
-            links.fiedler_value,
-            self._endangered,
-            links.traffic,
-        )
-
-
 def unpacked(bits: np.ndarray, num_robots: int) -> np.ndarray:
     """Return the matrix of rows of bits: bool, shape (n, n)."""
     return np.unpackbits(bits, axis=1, count=num_robots, bitorder="little").view(np.bool_)
@@ -137,8 +97,3 @@ def row_bytes(num_robots: int) -> int:
 
 def _packed(matrix: np.ndarray) -> np.ndarray:
     return np.packbits(matrix, axis=1, bitorder="little")
-
-
-def _have_same_bits(one: CompactLinks, other: CompactLinks) -> bool:
-    arrays = ("present", "adjacency", "endangered")
-    return all(np.array_equal(getattr(one, name), getattr(other, name)) for name in arrays)

@@ -19,13 +19,13 @@ Inboxes = Sequence[Sequence[Message]]
 class Links(NamedTuple):
     """The part of the network of one step that routes messages; shapes (n, n), as in `NetworkState`.
 
-    present: whether each robot is there, bool, shape (n,); None: all are.
+    present: whether each robot is there, bool, shape (n,).
     """
 
     rssi_dbm: np.ndarray
     adjacency: np.ndarray
     hop_count: np.ndarray
-    present: np.ndarray | None = None
+    present: np.ndarray
 
 
 @dataclass(slots=True, eq=False)
@@ -73,7 +73,13 @@ class Delivery:
         self._hop_delay_ns = round(network.hop_delay_s * 1e9)
         # If so, every message arrives in the next step or never; nothing is drawn or kept.
         self._is_instant = network.loss == "none" and self._hop_delay_ns * (num_robots - 1) <= step_ns
+        self.follow_team(np.ones(num_robots, dtype=bool))
         self.reset()
+
+    def follow_team(self, present: np.ndarray) -> None:
+        """Deliver only to these robots from now on. Args: present: whether each is there, bool, shape (n,)."""
+        self._present, self._everybody = present, bool(present.all())
+        self._num_others: list[int] = (int(np.count_nonzero(present)) - present).tolist()
 
     def reset(self) -> None:
         """Forget messages in transit and start again at the first step."""
@@ -84,7 +90,6 @@ class Delivery:
     def step(
         self,
         network: NetworkState,
-        present: np.ndarray | None,
         outboxes: Sequence[Sequence[Message]],
         refused: tuple[Refusal, ...],
     ) -> tuple[Inboxes, Traffic]:
@@ -94,25 +99,23 @@ class Delivery:
         """
         self._step += 1
         if not self._is_instant:
-            links = Links(network.rssi_dbm, network.adjacency, network.hop_count, present)
+            links = Links(network.rssi_dbm, network.adjacency, network.hop_count, self._present)
             return self._carry(links, outboxes, refused)
         if not outboxes:
             return [()] * self._num_robots, NO_TRAFFIC
-        reach_all = present is None and network.fiedler_value > 0.0
+        reach_all = self._everybody and network.fiedler_value > 0.0
         inboxes = deliver_at_once(network.hop_count, outboxes, reach_all)
         delivered = sum(map(len, inboxes))
         return inboxes, Traffic(
             delivered=delivered,
-            cut_off=self._num_copies(outboxes, present) - delivered,
+            cut_off=self._num_copies(outboxes) - delivered,
             mean_delay_s=self._step_ns / 1e9 if delivered else 0.0,
             refused=refused,
         )
 
-    def _num_copies(self, outboxes: Sequence[Sequence[Message]], present: np.ndarray | None) -> int:
+    def _num_copies(self, outboxes: Sequence[Sequence[Message]]) -> int:
         """Return how many robots each message is for, summed; absent robots do not count for broadcasts."""
-        others = [self._num_robots - 1] * self._num_robots
-        if present is not None:
-            others = (int(np.count_nonzero(present)) - present).tolist()
+        others = self._num_others
         return sum(
             others[m.sender] if m.receiver == EVERYBODY else m.receiver != m.sender for box in outboxes for m in box
         )
@@ -205,7 +208,7 @@ class Delivery:
         """Return how many copies of an ended flight were lost under way, and how many had no path of links."""
         sender, receiver, hops = flight.message.sender, flight.message.receiver, links.hop_count
         if receiver == EVERYBODY:
-            missing = ~flight.reached if links.present is None else ~flight.reached & links.present
+            missing = ~flight.reached & links.present
             lost = int(np.count_nonzero(missing & (hops[sender] > 0)))
             return lost, int(np.count_nonzero(missing)) - lost
         if flight.reached[receiver]:

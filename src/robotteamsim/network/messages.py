@@ -10,7 +10,7 @@ EVERYBODY = -1
 """Receiver of a broadcast, to all robots to which a path of links exists."""
 
 
-class Message(msgspec.Struct, frozen=True, gc=False):
+class Message(msgspec.Struct, frozen=True):
     """One message; the payload is text (JSON by convention), so that it can be read in a bag."""
 
     sender: int
@@ -23,7 +23,7 @@ class Message(msgspec.Struct, frozen=True, gc=False):
         return len(self.payload) if self.payload.isascii() else len(self.payload.encode(errors="replace"))
 
 
-class Batch(msgspec.Struct, frozen=True, gc=False, cache_hash=True):
+class Batch(msgspec.Struct, frozen=True, cache_hash=True):
     """Messages that arrive together, sorted by sender, then in the order of sending."""
 
     messages: tuple[Message, ...]
@@ -73,7 +73,7 @@ def batch_of(inbox: Sequence[Message]) -> Batch:
     return inbox.batch if isinstance(inbox, Inbox) else Batch(tuple(inbox))
 
 
-class Refusal(msgspec.Struct, frozen=True, gc=False):
+class Refusal(msgspec.Struct, frozen=True):
     """A message that was not sent because it is larger than the limit, `network.max_message_bytes`."""
 
     sender: int
@@ -81,7 +81,7 @@ class Refusal(msgspec.Struct, frozen=True, gc=False):
     limit_bytes: int
 
 
-class Traffic(msgspec.Struct, frozen=True, gc=False):
+class Traffic(msgspec.Struct, frozen=True):
     """Numbers of messages in one step, counted per receiver.
 
     delivered:    arrived in this step.
@@ -101,7 +101,7 @@ class Traffic(msgspec.Struct, frozen=True, gc=False):
 NO_TRAFFIC = Traffic()
 
 
-class NetworkState(msgspec.Struct, frozen=True, gc=False, eq=False):
+class NetworkState(msgspec.Struct, frozen=True, eq=False):
     """The network of n robots in one step. Arrays may be shared with earlier steps, so do not write to them.
 
     rssi_dbm:            float64, shape (n, n), symmetric; 0 on the diagonal.
@@ -112,8 +112,6 @@ class NetworkState(msgspec.Struct, frozen=True, gc=False, eq=False):
     fiedler_value:       algebraic connectivity, eq. (33); 0 exactly when the team is split.
     endangered:          bool, shape (n, n): links that exist but are below the endangered threshold.
     traffic:             numbers of messages delivered, lost, cut off and refused.
-
-    Values that are not known are NaN, in networks that `compact.LinksDecoder` has restored.
 
     An absent robot has no links, is on no path and does not count; its rows and columns are 0, but -inf in `rssi_dbm`
     and -1 in `hop_count`, including the diagonal.

@@ -59,17 +59,26 @@ class Network:
         self._num_robots = num_robots
         self._delivery = Delivery(network, num_robots, seed, step_ns)
         self._links = TeamLinks(self._radio_field, self._section)
-        self._present: np.ndarray | None = None
+        self._present = np.ones(num_robots, dtype=bool)
+        self._everybody = True
+
+    def follow_team(self, present: np.ndarray) -> None:
+        """Let only these robots take part from now on. Args: present: whether each does, bool, shape (n,)."""
+        if np.array_equal(present, self._present):
+            return
+        self._present, self._everybody = present, bool(present.all())
+        # Links can be reused in the next step only for the same robots.
+        self._links = TeamLinks(self._radio_field, self._section)
+        self._delivery.follow_team(present)
 
     def step(
-        self, positions_m: np.ndarray, outboxes: Sequence[Sequence[Message]], present: np.ndarray | None = None
+        self, positions_m: np.ndarray, outboxes: Sequence[Sequence[Message]]
     ) -> tuple[NetworkState, Sequence[Sequence[Message]]]:
         """Return the network at these positions, and the messages that each robot receives.
 
         Args:
             positions_m: shape (n, 2), in `map` [m].
             outboxes:    messages sent in the previous step, one sequence per robot in id order.
-            present:     whether each robot is present, bool, shape (n,); None if all are.
         Returns: the state, and one inbox per robot in id order: messages that arrive in this step, sorted by sender,
                  then in the order of sending. A robot does not receive its own messages. Messages that are too large
                  are refused.
@@ -88,14 +97,12 @@ class Network:
         if refused:
             limit = self._section.max_message_bytes
             outboxes = [[message for message in outbox if message.num_bytes <= limit] for outbox in outboxes]
-        if present is not self._present:
-            # Links can be reused in the next step only for the same robots.
-            self._links, self._present = TeamLinks(self._radio_field, self._section), present
-        if present is None:
+        if self._everybody:
             state = self._links.step(positions_m)
         else:
+            present = self._present
             state = _among_all(self._links.step(positions_m[present]) if present.any() else _EMPTY, present)
-        inboxes, traffic = self._delivery.step(state, present, outboxes, refused)
+        inboxes, traffic = self._delivery.step(state, outboxes, refused)
         return state if traffic is NO_TRAFFIC else msgspec.structs.replace(state, traffic=traffic), inboxes
 
     def reset(self) -> None:

@@ -133,32 +133,6 @@ class RadioField:
         )
         return [FieldMap(origin_m, resolution_m, part) for part in values]
 
-    def keep_map(self, tx_m: Point, resolution_m: float) -> KeptRadioMap:
-        """Return a map of a transmitter that follows the doors of this field; a change takes microseconds per door.
-
-        Raises: ValueError: the transmitter's position is not finite, or the resolution is not above 0.
-        """
-        return KeptRadioMap(self, self._plan, tx_m, resolution_m)
-
     def set_door(self, name: str, closed: bool) -> None:
         """Open or close a door. Raises: ValueError: no such door."""
         self.core_faces.set_active(self._faces.door_face(name), closed)
-
-
-class KeptRadioMap:
-    """The signal of one transmitter, with the losses of the walls stored; made by `RadioField.keep_map`."""
-
-    def __init__(self, field: RadioField, plan: FloorPlan, tx_m: Point, resolution_m: float) -> None:
-        self._field, self._origin_m, self._resolution_m = field, plan.bounds.min, resolution_m
-        self._shape = grid_shape(plan, resolution_m)
-        self._weights = _core.propagation.WeightMap(field.core_faces, tx_m, self._origin_m, resolution_m, *self._shape)
-
-    def rssi_map_dbm(self, *, floors_crossed: int = 0, out: np.ndarray | None = None) -> FieldMap:
-        """Return a map bit-identical to that of RadioField.rssi_map_dbm, with the doors in their current states.
-
-        Raises: ValueError: `out` has another shape or type, or floors_crossed is negative.
-        """
-        values = map_array(self._shape, out)
-        self._weights.update(self._field.core_faces)
-        self._weights.write_rssi_dbm(self._field.core_model, floors_crossed, values)
-        return FieldMap(self._origin_m, self._resolution_m, values)

@@ -32,8 +32,8 @@ class BagFormat(Protocol):
     def decoder(self, connection: Any) -> Decode | None:
         """Return a function that reads the messages of a connection; None if its type cannot be read."""
 
-    def complaint(self, path: Path, error: Exception) -> str:
-        """Return one line about an error of rosbags: what is wrong with the file, and the remedy."""
+    def remedy(self, path: Path) -> str:
+        """Return the program that makes a damaged file readable, and what it does."""
 
 
 class Ros1Format:
@@ -63,15 +63,9 @@ class Ros1Format:
         _, digest = self._typestore.generate_msgdef(connection.msgtype)
         return connection.digest in (digest, "*")
 
-    def complaint(self, path: Path, error: Exception) -> str:
-        """Return one line; `rosbag reindex` is the remedy."""
-        why = "is damaged"
-        if isinstance(error, rosbag1.ReaderError):
-            if "not indexed" in str(error):
-                why = "has no index, because its recording was interrupted"
-            elif "not supported" in str(error):
-                return f"{path}: {str(error).rstrip('.')}"
-        return f"{path}: {why}; `rosbag reindex {path}` recovers what can be read"
+    def remedy(self, path: Path) -> str:
+        """Return the repair by ROS."""
+        return f"`rosbag reindex {path}` recovers what can be read"
 
 
 class McapFormat:
@@ -92,14 +86,9 @@ class McapFormat:
         types = _own_types(Stores.EMPTY, connection.msgtype, connection.msgdef)
         return None if types is None else types.deserialize_cdr
 
-    def complaint(self, path: Path, error: Exception) -> str:
-        """Return one line; `mcap recover` is the remedy."""
-        if isinstance(error, rosbag2.ReaderError) and "Profile is not ros2" in str(error):
-            return f"{path}: has no ROS 2 messages; expected an MCAP file with the profile ros2"
-        why = "has no index, because its recording was interrupted or its end is missing"
-        if not (isinstance(error, rosbag2.ReaderError) and "end magic" in str(error)):
-            why = "is damaged"
-        return f"{path}: {why}; `mcap recover {path} -o recovered{SUFFIX}` saves what can be read"
+    def remedy(self, path: Path) -> str:
+        """Return the repair by the program of the format's authors."""
+        return f"`mcap recover {path} -o recovered{SUFFIX}` saves what can be read"
 
 
 # Cached, because rosbags compiles code for each type, which takes longer than reading a short recording.

@@ -8,6 +8,8 @@ from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from rosbags import rosbag1, rosbag2
+
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.bag_formats import BagFormat, Decode, McapFormat, Reader, Ros1Format
 
@@ -130,7 +132,10 @@ def _damage_reported(part: _Part) -> Iterator[None]:
     except (GeneratorExit, MemoryError, RecordingError):
         raise
     except Exception as error:  # Damaged bytes cause AssertionError, IndexError, KeyError, struct.error and others.
-        raise RecordingError(part.format.complaint(part.path, error)) from error
+        why = "is damaged"
+        if isinstance(error, rosbag1.ReaderError | rosbag2.ReaderError):
+            why = f"cannot be read: {' '.join(str(error).split()).rstrip('.')}"
+        raise RecordingError(f"{part.path}: {why}; {part.format.remedy(part.path)}") from error
 
 
 def _stamp_ns(message: Any) -> int:

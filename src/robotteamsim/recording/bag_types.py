@@ -14,7 +14,7 @@ _TF_MESSAGE = "geometry_msgs/TransformStamped[] transforms\n"  # rosbags does no
 
 
 class BagTypes:
-    """Builds messages of rosbags' classes; the `make` of `ros_messages`."""
+    """Builds messages of rosbags' classes; the `make` of `recording.topics`."""
 
     def __init__(self, typestore: Typestore | None = None) -> None:
         self.typestore = bag_typestore() if typestore is None else typestore

@@ -9,10 +9,10 @@ from typing import Any
 from rosbags.rosbag1 import Writer
 
 from robotteamsim.errors import RecordingError
-from robotteamsim.recording.bag import BagMessages, Topic
+from robotteamsim.recording.bag import BagMessages, BagTopic
 from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.recording.files import cannot_write, check_replaceable, make_folder, remove_empty
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
 
 CHUNK_BYTES = 256 * 1024
@@ -66,11 +66,11 @@ class BagWriter:
         self._steps = 0
         self._within_step = False
 
-    def begin(self, scenario: Scenario) -> None:
+    def begin(self, setup: Setup) -> None:
         """Open the bag. Raises: RecordingError: it cannot be written."""
         self._steps, self._within_step = 0, False
         self._make = BagTypes()
-        self._contents = BagMessages(scenario, self._make)
+        self._contents = BagMessages(setup, self._make)
         try:
             check_replaceable(self._path)
             self._created = make_folder(self._path.parent)
@@ -144,7 +144,7 @@ class BagWriter:
                 self._writer.bio.close()
         self._writer = None
 
-    def _connect(self, topic: Topic) -> Any:
+    def _connect(self, topic: BagTopic) -> Any:
         assert self._writer is not None
         return self._writer.add_connection(
             topic.name,

@@ -9,15 +9,11 @@ import numpy as np
 
 from robotteamsim.control.baselines.patrol_graph import Graph, patrol_graph
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.sensing.readings import reading_rows
-from robotteamsim.simulation import Result, StepRecord
-from robotteamsim.world.placement import placed_robots
-
-PATROLLING = ("sebs", "conscientious_reactive")
-"""The controllers that patrol a graph."""
+from robotteamsim.setup import Setup
+from robotteamsim.simulation import Observer, Result, StepRecord
 
 
-class VertexIdleness(msgspec.Struct, frozen=True, gc=False):
+class VertexIdleness(msgspec.Struct, frozen=True):
     """The idleness of one vertex in a trial.
 
     visits:  how often a robot came to it.
@@ -31,7 +27,7 @@ class VertexIdleness(msgspec.Struct, frozen=True, gc=False):
     visit_s: float | None
 
 
-class Idleness(msgspec.Struct, frozen=True, gc=False):
+class Idleness(msgspec.Struct, frozen=True):
     """The idleness of a graph in a trial.
 
     mean_s:   mean over time and vertices [machado2002].     max_s: the greatest value of any vertex.
@@ -45,13 +41,13 @@ class Idleness(msgspec.Struct, frozen=True, gc=False):
 
 def patrols(scenario: Scenario) -> bool:
     """Whether the robots of a scenario patrol a graph."""
-    return scenario.control.algorithm in PATROLLING or scenario.control.patrol.graph is not None
+    return scenario.control.patrols or scenario.mission.patrol.graph is not None
 
 
-class IdlenessLog:
-    """An observer that measures the idleness of the vertices of `control.patrol` from the robots' true positions.
+class IdlenessLog(Observer):
+    """An observer that measures the idleness of the vertices of `mission.patrol` from the robots' true positions.
 
-    The idleness of a vertex is 0 while a robot is within `control.patrol.arrived_m` of it and at the start of the
+    The idleness of a vertex is 0 while a robot is within `mission.patrol.arrived_m` of it and at the start of the
     mission; otherwise it is the mission's time since then. It grows until the end of the mission, which is no visit.
     """
 
@@ -59,12 +55,12 @@ class IdlenessLog:
         self.idleness: Idleness | None = None
         """The result, once the mission has ended."""
 
-    def begin(self, scenario: Scenario) -> None:
+    def begin(self, setup: Setup) -> None:
         """Discard an earlier trial. Raises: ScenarioError: the plan has no room for a graph."""
-        radius_m = min(robot.reach_m for robot in placed_robots(scenario))
-        self._graph: Graph = patrol_graph(scenario, radius_m)
+        radius_m = min(robot.reach_m for robot in setup.robots)
+        self._graph: Graph = patrol_graph(setup, radius_m)
         self._places_m = np.array(self._graph.places)
-        self._reach_m = scenario.control.patrol.arrived_m
+        self._reach_m = setup.scenario.mission.patrol.arrived_m
         count = len(self._graph.places)
         self._since_s = np.zeros(count)
         """When each vertex was last visited."""
@@ -75,9 +71,8 @@ class IdlenessLog:
 
     def step(self, record: StepRecord) -> None:
         """Process one step; time does not pass while the mission waits or is paused."""
-        time_s, positions_m = record.mission.time_s, reading_rows(record.readings)[:, :2]
-        if record.present is not None:
-            positions_m = positions_m[record.present]
+        time_s, positions_m = record.mission.time_s, record.readings.positions_m
+        positions_m = positions_m[record.present]
         away_m = self._places_m[:, None, :] - positions_m[None, :, :]
         near = (np.hypot(away_m[..., 0], away_m[..., 1]) < self._reach_m).any(axis=1)
         idle_s = time_s - self._since_s
@@ -105,9 +100,6 @@ class IdlenessLog:
                 )
             ),
         )
-
-    def abandon(self) -> None:
-        """Do nothing."""
 
     def values(self) -> dict[str, Any]:
         """Return the result as plain values for JSON; empty before the end."""

@@ -8,10 +8,10 @@ from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, Qo
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from robotteamsim.errors import RecordingError
-from robotteamsim.recording.bag import BagMessages, Topic
+from robotteamsim.recording.bag import BagMessages, BagTopic
 from robotteamsim.recording.bag_types import Ros2Types
 from robotteamsim.recording.files import cannot_write, check_replaceable, make_folder, remove_empty
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
 
 SUFFIX = ".mcap"
@@ -38,10 +38,10 @@ class McapWriter:
         self._created: list[Path] = []
         self._steps = 0
 
-    def begin(self, scenario: Scenario) -> None:
+    def begin(self, setup: Setup) -> None:
         """Open the file. Raises: RecordingError: it cannot be written."""
         self._make = Ros2Types()
-        self._contents = BagMessages(scenario, self._make)
+        self._contents = BagMessages(setup, self._make)
         self._steps = 0
         try:
             check_replaceable(self._path)
@@ -113,7 +113,7 @@ class McapWriter:
         if self._folder.exists():
             self._folder.rmdir()
 
-    def _connect(self, topic: Topic) -> Any:
+    def _connect(self, topic: BagTopic) -> Any:
         assert self._writer is not None
         return self._writer.add_connection(
             topic.name,

@@ -9,36 +9,31 @@ from typing import Any
 import msgspec
 
 import robotteamsim
-from robotteamsim.mission.status import Event
+from robotteamsim.mission.events import Event
 from robotteamsim.recording.files import prepare_folder, remove_empty, write_atomically
 from robotteamsim.recording.idleness import IdlenessLog, patrols
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.simulation import Result, StepRecord
+from robotteamsim.setup import Setup
+from robotteamsim.simulation import Observer, Result, StepRecord
 
 FILE_NAME = "mission.json"
 
 _LIBRARIES = ("numpy", "scipy", "shapely", "pydantic", "rosbags")
 
 
-class EventList:
+class EventList(Observer):
     """Collects the events of a run."""
 
     def __init__(self) -> None:
         self.events: list[Event] = []
 
-    def begin(self, scenario: Scenario) -> None:
+    def begin(self, setup: Setup) -> None:
         """Discard the events of an earlier run."""
         self.events = []
 
     def step(self, record: StepRecord) -> None:
         """Keep the events of one step."""
         self.events.extend(record.events)
-
-    def end(self, result: Result) -> None:
-        """Do nothing."""
-
-    def abandon(self) -> None:
-        """Do nothing."""
 
 
 class ResultWriter(EventList):
@@ -50,12 +45,12 @@ class ResultWriter(EventList):
         self._created: list[Path] = []
         self._idleness = IdlenessLog()
 
-    def begin(self, scenario: Scenario) -> None:
+    def begin(self, setup: Setup) -> None:
         """Raises: RecordingError: the folder cannot be written."""
-        super().begin(scenario)
-        self._scenario, self._patrols = scenario, patrols(scenario)
+        super().begin(setup)
+        self._scenario, self._patrols = setup.scenario, patrols(setup.scenario)
         if self._patrols:
-            self._idleness.begin(scenario)
+            self._idleness.begin(setup)
         self._created = prepare_folder(self._folder)
 
     def step(self, record: StepRecord) -> None:
@@ -85,7 +80,7 @@ def mission_document(scenario: Scenario, result: Result, events: list[Event]) ->
     """Return the contents of mission.json: result, events in order, versions, and the scenario with every default."""
     return {
         "result": result_summary(result),
-        "events": msgspec.to_builtins(events),
+        "events": [event.row() for event in events],
         "versions": versions(),
         "scenario": scenario.model_dump(mode="json", by_alias=True),
     }

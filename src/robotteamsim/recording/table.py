@@ -8,7 +8,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from robotteamsim.mission.status import END_TEXTS, Event
+from robotteamsim.mission.events import AnyEvent
+from robotteamsim.mission.status import END_TEXTS
 from robotteamsim.recording.idleness import Idleness
 from robotteamsim.simulation import Result
 from robotteamsim.wording import counted, printable
@@ -39,7 +40,7 @@ _STYLES = {
 def print_result(
     console: Console,
     result: Result,
-    events: Sequence[Event],
+    events: Sequence[AnyEvent],
     written: Sequence[Path | None],
     idleness: Idleness | None = None,
 ) -> None:
@@ -58,7 +59,7 @@ def print_totals(
         console.print(Text(f"  written      {path}"), soft_wrap=True)
 
 
-def event_table(title: str, events: Sequence[Event]) -> Table:
+def event_table(title: str, events: Sequence[AnyEvent]) -> Table:
     """Return the events in order; if there are many, endangered links are only counted."""
     heading = Text(printable(title), style="bold")
     table = Table(title=heading, title_justify="left", box=box.SIMPLE_HEAD, caption_justify="left")

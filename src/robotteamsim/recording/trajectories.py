@@ -4,9 +4,9 @@ import math
 from pathlib import Path
 
 from robotteamsim.geometry import PoseReading
+from robotteamsim.message_parts import robot_name
 from robotteamsim.recording.files import prepare_folder, remove_empty, write_atomically
-from robotteamsim.recording.ros_messages import robot_name
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
 
 TUM_HEADER = "# timestamp tx ty tz qx qy qz qw"
@@ -24,7 +24,7 @@ class TumWriter:
         self._steps: list[tuple[int, list[PoseReading]]] = []
         self._created: list[Path] = []
 
-    def begin(self, scenario: Scenario) -> None:
+    def begin(self, setup: Setup) -> None:
         """Raises: RecordingError: the folder cannot be written."""
         self._steps = []
         self._created = prepare_folder(self._folder)

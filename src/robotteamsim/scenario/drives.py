@@ -1,13 +1,12 @@
 """How robots move: the drives of a scenario."""
 
 import math
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, Tag
+from pydantic import Field, Tag
 
-from robotteamsim.scenario.base import Model, wrong
-from robotteamsim.scenario.problems import suggestion
-from robotteamsim.scenario.yaml_text import shown
+from robotteamsim.scenario.base import Model
+from robotteamsim.scenario.kinds import one_of_kinds
 
 
 class Drive(Model):
@@ -54,23 +53,7 @@ class CarDrive(Model):
         return self.max_speed_mps * math.tan(self.max_steering_rad) / self.wheelbase_m
 
 
-KINDS = ("differential", "omni", "car")
-
-
-def _kind(value: Any) -> str:
-    kind = value.get("kind", KINDS[0]) if isinstance(value, dict) else getattr(value, "kind", KINDS[0])
-    return f"<{kind}>"
-
-
-def _check_kind(value: Any) -> Any:
-    kind = value.get("kind", KINDS[0]) if isinstance(value, dict) else KINDS[0]
-    if kind not in KINDS:
-        raise wrong("kind", f"{shown(kind)} is not one of {', '.join(KINDS)}{suggestion(str(kind), KINDS)}")
-    return value
-
-
 AnyDrive = Annotated[
     Annotated[Drive, Tag("<differential>")] | Annotated[OmniDrive, Tag("<omni>")] | Annotated[CarDrive, Tag("<car>")],
-    Discriminator(_kind),
-    BeforeValidator(_check_kind),
+    *one_of_kinds(("differential", "omni", "car"), default="differential"),
 ]

@@ -103,7 +103,7 @@ class Heat(Model):
         default=60.0, ge=0.0, le=2000.0, description="robots that sense heat avoid places as hot as this [degC]"
     )
     door_endures_s: float = Field(
-        default=300.0, ge=0.0, le=1e6, description="time beside flames after which a closed door burns through [s]"
+        default=300.0, ge=0.0, le=1e6, description="time next to flames after which a closed door burns through [s]"
     )
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pydantic import Field
 
+from robotteamsim.scenario.controllers.cover import FloorSearchTuning
 from robotteamsim.scenario.drives import AnyDrive, OmniDrive
+from robotteamsim.scenario.rescue import Dispatch
 from robotteamsim.scenario.sections import Laser, PlacedRobot, Team
 
 _WALK = OmniDrive(
@@ -34,6 +36,8 @@ class Firefighters(Team):
         default=True, description="whether they breathe clean air from a bottle, so that only heat harms them"
     )
     searches: bool = Field(default=True, description="whether they search the floor while they have no order")
+    floor_search: FloorSearchTuning = FloorSearchTuning()
+    dispatch: Dispatch = Dispatch()
 
 
 def centre_body(place: tuple[float, float] = (0.0, 0.0)) -> PlacedRobot:

@@ -1,5 +1,6 @@
 """Reading scenarios and floor plans from YAML, with overrides; every mistake is reported in one line."""
 
+import logging
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -12,12 +13,14 @@ from robotteamsim.scenario.base import Model
 from robotteamsim.scenario.door_places import misplaced_doors
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.origin import Key, Origin
-from robotteamsim.scenario.overrides import Override
+from robotteamsim.scenario.overrides import Override, drop_foreign_keys
 from robotteamsim.scenario.patrol import read_patrol_graph
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.shipped import is_bare_name, shipped_plan, shipped_scenario
 from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown
+
+_logger = logging.getLogger(__name__)
 
 M = TypeVar("M", bound=Model)
 
@@ -25,12 +28,12 @@ M = TypeVar("M", bound=Model)
 def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) -> Scenario:
     """Return the scenario of a file or of a shipped name.
 
-    `world.placement.check_places`, which every simulation calls, checks that robots, objects, areas and victims have
-    room in the plan.
+    `setup.resolve`, which every simulation calls, checks that robots, objects, areas and victims have room in the plan.
 
     Args:   path_or_name: a file, or a name without folder and suffix, such as "garage_sar".
             overrides: "key=value" each, with a dotted key, list items by index (`mission.victims.0.position=[1, 2]`),
-                and the value as in YAML. A `plan` in an override is relative to the current folder.
+                and the value as in YAML. A `plan` in an override is relative to the current folder. An override of
+                `control.algorithm` drops the file's keys of `control` that the new algorithm lacks, with a warning.
     Raises: ScenarioError: one line with file (or --set), key, value and what was expected; the exception's notes
                 contain further mistakes in the same file. PlacementError: a door is not in a gap.
     """
@@ -45,12 +48,17 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
     changes = [Override.of(text) for text in overrides]
     origin = Origin(place, tuple(change.key for change in changes))
     folder = path.parent
+    file_control = dict(data["control"]) if isinstance(data.get("control"), dict) else None
     for change in changes:
         if change.key[0] == "plan" and len(change.key) > 1 and isinstance(data.get("plan"), str):
             data["plan"] = _read_plan(*_plan_file(data["plan"], folder, place)).model_dump(by_alias=True, mode="json")
         elif change.key == ("plan",):
             folder = Path()
         change.apply(data)
+    dropped = drop_foreign_keys(data.get("control"), file_control, origin.set_keys)
+    if dropped:
+        keys = ", ".join(f"control.{key}" for key in dropped)
+        _logger.warning("%s: %s: dropped, not keys of '%s' (--set)", place, keys, data["control"]["algorithm"])
 
     plan_path: Path | None = None
     if isinstance(data.get("plan"), str):
@@ -118,7 +126,7 @@ def _is_plan(data: dict[str, Any]) -> bool:
 
 def _read_patrol_graph(data: Any, folder: Path, origin: Origin) -> None:
     """Replace the name of a graph file by the graph; like a plan's, the name is relative to the folder."""
-    key = ("control", "patrol", "graph")
+    key = ("mission", "patrol", "graph")
     section = data
     for part in key[:-1]:
         section = section.get(part) if isinstance(section, dict) else None

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.controllers import DEFAULT, control_kind
 from robotteamsim.scenario.origin import Key
 from robotteamsim.scenario.renamed_keys import renaming
 from robotteamsim.scenario.yaml_text import parse, shown
@@ -27,7 +29,7 @@ class Override:
         if not equals or not all(parts):
             raise ScenarioError(f"--set: '{text}' is not of the form KEY=VALUE, such as voice.noise_db=20")
         path = tuple(int(part) if part.isdecimal() else part for part in parts)
-        for length in range(1, len(path) + 1):
+        for length in range(len(path), 0, -1):
             if replaced := renaming(path[:length]):
                 raise ScenarioError(f"--set: {'.'.join(parts[:length])}: {replaced}")
         return cls(path, parse(value, f"--set: {key}"))
@@ -55,3 +57,20 @@ class Override:
                 data[part] = self.value
             else:
                 data = data[part]
+
+
+def drop_foreign_keys(control: Any, file_control: Any, set_keys: Sequence[Key]) -> list[str]:
+    """Remove the keys of the file's algorithm that the algorithm of an override lacks, and return them.
+
+    Keys that are overridden themselves stay, so that they are refused.
+
+    Args: control: the section with its overrides, which is changed. file_control: the section as in the file.
+    """
+    if not isinstance(control, dict) or not isinstance(file_control, dict) or ("control",) in set_keys:
+        return []
+    old, new = (control_kind(section.get("algorithm", DEFAULT)).model_fields for section in (file_control, control))
+    foreign = [key for key in file_control if key in old and key not in new]
+    dropped = [key for key in foreign if not any(set_key[:2] == ("control", key) for set_key in set_keys)]
+    for key in dropped:
+        del control[key]
+    return dropped

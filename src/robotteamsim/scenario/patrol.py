@@ -58,17 +58,12 @@ class PatrolGraph(Model):
 
 
 class Patrol(Model):
-    """Parameters of SEBS, which patrols a graph [portugal2013]."""
+    """The graph that a team patrols: its vertices are visited repeatedly."""
 
     graph: PatrolGraph | None = Field(
         default=None, description="a .graph file of patrolling_sim; without one, a lattice of places over the plan"
     )
     spacing_m: float = Field(default=6.0, ge=1.0, le=100.0, description="of the lattice [m]")
-    g1: float = Field(default=0.1, gt=0.0, lt=1.0, description="G1: probability of a vertex without gain")
-    g2: float = Field(default=100.0, gt=0.0, le=1e6, description="G2: gain at which the probability reaches 1 [s/m]")
-    edge_min_m: float = Field(
-        default=1.0, gt=0.0, le=100.0, description="lower limit of the lengths of edges in the gain [m]"
-    )
     longest_edge: float = Field(
         default=1.5, ge=1.0, le=10.0, description="longest path between linked places of the lattice, in spacings"
     )
@@ -78,10 +73,6 @@ class Patrol(Model):
         le=10.0,
         description="a vertex counts as visited within this distance, so that robots can meet there [m]",
     )
-    timeout_factor: float = Field(
-        default=4.0, ge=1.0, le=100.0, description="a robot chooses again after this multiple of its travel time"
-    )
-    timeout_s: float = Field(default=10.0, ge=0.0, le=1e6, description="added to that time [s]")
 
 
 def read_patrol_graph(path: Path, place: str) -> dict[str, object]:

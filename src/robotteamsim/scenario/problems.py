@@ -1,6 +1,7 @@
 """Pydantic's validation errors as one line that a user understands: key, value, what was expected."""
 
 import difflib
+import itertools
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -96,7 +97,7 @@ def _problem(detail: _Detail, root: type[Model], data: Any) -> Problem:
         text = context["text"]
     elif kind == "extra_forbidden":
         path = [*(part for part in place[:-1] if not _is_tag(part)), place[-1]]  # a key may look like a tag
-        text = renaming(path) or f"unknown key{_known_key(str(path[-1]), _model_at(root, place[:-1]), root)}"
+        text = renaming(path) or f"unknown key{_foreign(root, place) or _known_key(path, place, root)}"
     elif kind == "missing":
         text = f"missing{_meaning(_model_at(root, place[:-1]), str(path[-1]))}"
     elif kind in _TEXTS:
@@ -125,8 +126,35 @@ def _wrong_choice(value: Any, expected: str) -> str:
     return f"{shown(value)} is not one of {', '.join(choices)}{suggestion(str(value), choices)}"
 
 
-def _known_key(name: str, model: type[Model] | None, root: type[Model]) -> str:
+def _foreign(root: type[Model], place: Sequence[str | int]) -> str:
+    """Return a hint: the other kinds of this section that have the key; "" if none has it, or there are no kinds."""
+    *section, key = place
+    if not section or not _is_tag(section[-1]):
+        return ""
+    own = str(section[-1])
+    while section and (isinstance(section[-1], int) or _is_tag(section[-1])):
+        section.pop()
+    model = _model_at(root, section[:-1])
+    field = _field(model, str(section[-1])) if model else None
+    kinds = dict(_kinds(field.annotation)) if field else {}
+    names = [tag[1:-1] for tag, kind in kinds.items() if tag != own and _field(kind, str(key))]
+    return f" of {own[1:-1]}; known to {', '.join(names)}" if names else ""
+
+
+def _kinds(annotation: Any) -> Iterator[tuple[str, type[Model]]]:
+    """Yield the tags and models of a union of kinds, or of a list of such."""
+    for argument in get_args(annotation):
+        tag = next((one.tag for one in getattr(argument, "__metadata__", ()) if isinstance(one, Tag)), None)
+        kind = get_args(argument)[0] if tag else None
+        if tag and isinstance(kind, type) and issubclass(kind, Model):
+            yield tag, kind
+        else:
+            yield from _kinds(argument)
+
+
+def _known_key(path: Sequence[str | int], place: Sequence[str | int], root: type[Model]) -> str:
     """Return a hint: a key with a similar name here, one with this name elsewhere, or all keys known here."""
+    name, model = str(path[-1]), _model_at(root, place[:-1])
     if model is None:
         return ""
     known = [_key(key, field) for key, field in model.model_fields.items()]
@@ -161,9 +189,10 @@ def _model_at(root: type[Model], path: Sequence[str | int]) -> type[Model] | Non
         if isinstance(part, int) or _is_tag(part):
             continue
         field = _field(model, part) if model else None
-        tag = path[position + 1] if position + 1 < len(path) and _is_tag(path[position + 1]) else None
-        after = path[position + 1 + (tag is not None) :]
-        int_follows = bool(after) and isinstance(after[0], int)
+        # The index of a list and the tag of a union, in either order.
+        after = list(itertools.takewhile(lambda part: isinstance(part, int) or _is_tag(part), path[position + 1 :]))
+        int_follows = any(isinstance(part, int) for part in after)
+        tag = next(filter(_is_tag, after), None)
         model = _section(field.annotation, int_follows, str(tag)) if field else None
     return model
 
@@ -193,7 +222,7 @@ def _section(annotation: Any, int_follows: bool, tag: str = "") -> type[Model] |
     if origin is Annotated:
         return _section(arguments[0], int_follows, tag)
     if origin is tuple:
-        return _section(arguments[0], False) if int_follows else None
+        return _section(arguments[0], False, tag) if int_follows else None
     tagged = [argument for argument in arguments if Tag(tag) in getattr(argument, "__metadata__", ())]
     found = (_section(argument, int_follows, tag) for argument in tagged or arguments if origin is not dict)
     return next((model for model in found if model is not None), None)

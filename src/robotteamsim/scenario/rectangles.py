@@ -21,22 +21,6 @@ class Rectangle:
     length_m: float
     width_m: float
 
-    def turned(self) -> Rectangle:
-        """The same rectangle with its sides swapped."""
-        return Rectangle(self.x, self.y, self.yaw + 0.5 * math.pi, self.width_m, self.length_m)
-
-    @property
-    def ends_m(self) -> tuple[tuple[float, float], tuple[float, float]]:
-        """The ends of its middle line, along the first side [m]."""
-        along_x, along_y = 0.5 * self.length_m * math.cos(self.yaw), 0.5 * self.length_m * math.sin(self.yaw)
-        start, end = (self.x - along_x, self.y - along_y), (self.x + along_x, self.y + along_y)
-        return in_micrometres(start), in_micrometres(end)
-
-
-def in_micrometres(point: tuple[float, float]) -> tuple[float, float]:
-    """Return a point without digits from rounding."""
-    return round(point[0], 6) + 0.0, round(point[1], 6) + 0.0
-
 
 def rectangle_of(corners: Corners) -> Rectangle | None:
     """Return four corners in order as a rectangle; its first side is from the first corner; None: they are not one."""

@@ -81,6 +81,15 @@ class Rescue(Model):
     )
 
 
+class Relays(Model):
+    """Robots that connect the command centre or base, firefighters and searchers."""
+
+    count: int = Field(default=0, ge=0, le=3000, description="number of robots that are relays, the last ones")
+    given_up_s: float = Field(
+        default=90.0, gt=0.0, le=1e6, description="whoever was not heard for longer is not connected any more [s]"
+    )
+
+
 class Dispatch(Model):
     """How the command centre sends firefighters to victims."""
 

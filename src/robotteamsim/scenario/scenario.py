@@ -7,15 +7,17 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
 
 from robotteamsim.scenario.base import Many, Model, Name, first_repeated, wrong
+from robotteamsim.scenario.controllers import AnyControl
+from robotteamsim.scenario.controllers.swarms import RdpsoControl
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.firefighters import Firefighters
 from robotteamsim.scenario.floor_plan import Block, FloorPlan, Wall
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.origin import Origin
 from robotteamsim.scenario.radio_presets import with_preset
-from robotteamsim.scenario.rescue import CommandCentre, PeopleTuning
+from robotteamsim.scenario.rescue import CommandCentre, PeopleTuning, Relays
 from robotteamsim.scenario.schedule import ScheduledEvent, problem_of
-from robotteamsim.scenario.sections import Control, Mission, Network, PlacedRobot, Radio, Run, Team, Voice
+from robotteamsim.scenario.sections import Mission, Network, PlacedRobot, Radio, Run, Team, Voice
 
 MAX_ROBOTS = 3000
 MAX_OBJECTS = 1000
@@ -50,11 +52,12 @@ class Scenario(Model):
     firefighters: Firefighters | None = Field(
         default=None, description="people who bring victims to the command centre or to exits"
     )
+    relays: Relays = Relays()
     people: PeopleTuning = PeopleTuning()
     radio: Radio = Radio()
     voice: Voice = Voice()
     network: Network = Network()
-    control: Control = Control()
+    control: AnyControl = Field(default=RdpsoControl(), description="the controller of each robot, and its keys")
     mission: Mission = Mission()
     objects: Many[MovableObject] = Field(
         default=(), max_length=MAX_OBJECTS, description="boxes and barrels that robots push"
@@ -95,11 +98,9 @@ class Scenario(Model):
         problem = self._problem_of_third_dimension() or self._problem_of_roles()
         if problem:
             raise wrong(*problem)
-        if num_robots and self.control.swarms.initial > num_robots:
-            raise wrong(
-                "control.swarms.initial",
-                f"{self.control.swarms.initial} swarms need at least as many robots, not {num_robots}",
-            )
+        problem = self.control.problem_with(num_robots)
+        if problem:
+            raise wrong(f"control.{problem[0]}", problem[1])
         repeated = first_repeated([obj.name for obj in self.objects])
         if repeated:
             raise wrong(f"objects.{repeated[0]}.name", f"'{repeated[1]}' is already the name of another")
@@ -120,15 +121,18 @@ class Scenario(Model):
         """Return a key and its mistake if something does not exist in the selected world, or has no place there."""
         robots = (self.robots,) if isinstance(self.robots, Team) else self.robots
         only = {
-            "robots.cameras": any(robot.cameras for robot in robots),
             "robots.gripper": any(robot.gripper for robot in robots),
-            "robots.light_sensors": any(robot.light_sensors for robot in robots),
             "run.mujoco.ramps": bool(self.run.mujoco.ramps),
             "run.mujoco.lights": bool(self.run.mujoco.lights),
         }
         if self.run.world != "mujoco":
-            key = next((key for key, used in only.items() if used), None)
-            return None if key is None else (key, f"need run.world mujoco, not {self.run.world}")
+            for key, robot in zip(self._robot_keys, robots, strict=True):
+                for index, sensor in enumerate(robot.sensors):
+                    if sensor.needs_mujoco:
+                        text = f"{sensor.kind} '{sensor.name}' needs run.world mujoco, not {self.run.world}"
+                        return f"{key}.sensors.{index}", text
+            used_key = next((key for key, used in only.items() if used), None)
+            return None if used_key is None else (used_key, f"need run.world mujoco, not {self.run.world}")
         for index, ramp in enumerate(self.run.mujoco.ramps):
             for key, (x, y) in (("from", ramp.start), ("to", ramp.end)):
                 if not self.plan.bounds.contains((x, y)):
@@ -148,6 +152,9 @@ class Scenario(Model):
                 if event.ignite is not None:
                     return f"schedule.{index}.ignite", "there is no section 'fire' with fuel"
             return None
+        for index, event in enumerate(self.schedule):
+            if event.ignite is not None and self.fire.fds is not None:
+                return f"schedule.{index}.ignite", "not allowed with fire.fds, whose fire is already computed"
         for index, name in enumerate(self.fire.fireproof):
             if name not in doors:
                 known = ", ".join(doors) or "none"
@@ -173,12 +180,17 @@ class Scenario(Model):
             return "mission.saved_by", "'firefighter' needs the section firefighters, which is missing"
         if self.firefighters is not None and mission.saved_by != "firefighter":
             return "mission.saved_by", f"'{mission.saved_by}' is not allowed with firefighters; expected 'firefighter'"
-        if self.control.relays > robots:
-            return "control.relays", f"{self.control.relays} is above the number of robots, {robots}"
+        if self.relays.count > robots:
+            return "relays.count", f"{self.relays.count} is above the number of robots, {robots}"
         fleeing = [index for index, victim in enumerate(mission.victims) if victim.flees]
         if fleeing and not mission.exits:
             return f"mission.victims.{fleeing[0]}.flees", "there is no exit; expected at least one in mission.exits"
         return None
+
+    @property
+    def _robot_keys(self) -> tuple[str, ...]:
+        """The keys of `robots` that describe a robot."""
+        return ("robots",) if isinstance(self.robots, Team) else tuple(f"robots.{i}" for i in range(len(self.robots)))
 
     @property
     def num_robots(self) -> int:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Sequence
 from typing import Any, Literal, get_args
 
@@ -70,23 +69,6 @@ class ScheduledEvent(Model):
     def robot_id(self) -> int | None:
         """The robot that leaves or arrives; None for other kinds."""
         return self.spawn if self.remove is None else self.remove
-
-
-class Upcoming:
-    """The events of some kinds that have not happened yet. World, environment and mission follow one each.
-
-    They ask with the beginning of a step, so that they apply an event in the same step, in one process or in several.
-    """
-
-    def __init__(self, schedule: Sequence[ScheduledEvent], kinds: Sequence[EventKind]) -> None:
-        self._events = deque(event for _, event in in_order(schedule) if event.kind in kinds)
-
-    def due(self, begin_ns: int) -> list[ScheduledEvent]:
-        """Return each event once: in the first step that begins at its time or later [ns], in order."""
-        due = []
-        while self._events and round(self._events[0].at_s * 1e9) <= begin_ns:
-            due.append(self._events.popleft())
-        return due
 
 
 def in_order(schedule: Sequence[ScheduledEvent]) -> list[tuple[int, ScheduledEvent]]:

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from robotteamsim.scenario.controllers import ALGORITHMS
 from robotteamsim.scenario.scenario import Scenario
 
 
@@ -14,4 +15,6 @@ def json_schema() -> dict[str, Any]:
         "description": plan["description"],
         "anyOf": [{"type": "string"}, {"$ref": plan["$ref"]}],
     }
+    # Only one kind of controller fits each name.
+    schema["$defs"]["OtherControl"]["properties"]["algorithm"]["not"] = {"enum": list(ALGORITHMS)}
     return {"$schema": "https://json-schema.org/draft/2020-12/schema", **schema}

@@ -20,17 +20,14 @@ from robotteamsim.scenario.base import (
     wrong,
 )
 from robotteamsim.scenario.body import Body, check_footprint, disc_at, polygon_at
-from robotteamsim.scenario.control_tuning import CoverTuning, DoorTuning, LinkTuning, NavigatorTuning, WanderTuning
 from robotteamsim.scenario.drives import AnyDrive, Drive
 from robotteamsim.scenario.mujoco import Gripper, Mujoco, Wheels
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.plan import Corners, counter_clockwise
 from robotteamsim.scenario.radio_presets import with_preset
-from robotteamsim.scenario.rescue import Dispatch, Exit, Rescue
-from robotteamsim.scenario.search_tuning import SearchTuning
-from robotteamsim.scenario.sensors import Camera, Gps, HeatSensor, LightSensor, Mount, MountedLaser, Sonar, check_names
+from robotteamsim.scenario.rescue import Exit, Rescue
+from robotteamsim.scenario.sensors import AnySensor
 from robotteamsim.scenario.sensors import Laser as Laser
-from robotteamsim.scenario.sweep_tuning import InfotaxisTuning, SweepTuning
 from robotteamsim.scenario.victims import Victim as Victim
 
 
@@ -118,29 +115,18 @@ class Robot(Model):
     drive: AnyDrive = Field(default=Drive(), description="differential, omni or car")
     wheels: Wheels = Wheels()
     laser: Laser = Laser()
-    lasers: Many[MountedLaser] = Field(
-        default=(), max_length=16, description="additional lasers, each on its own topic"
+    sensors: Many[AnySensor] = Field(
+        default=(), max_length=128, description="additional sensors, each with a `kind` and its own topic"
     )
-    sonars: Many[Sonar] = Field(default=(), max_length=64, description="a ring of sonars, each on its own topic")
-    cameras: Many[Camera] = Field(default=(), max_length=8, description="cameras; only in `run.world: mujoco`")
-    light_sensors: Many[LightSensor] = Field(
-        default=(), max_length=16, description="light sensors; only in `run.world: mujoco`"
-    )
-    gps: Gps | None = Field(default=None, description="GPS, on the topic `fix`")
-    heat: HeatSensor | None = Field(default=None, description="thermal camera, on the topic `heat`; needs `fire`")
     gripper: Gripper | None = Field(default=None, description="lifts objects; only in `run.world: mujoco`")
     odometry: Odometry = Odometry()
     cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="time for which the last command holds [s]")
 
-    @property
-    def mounts(self) -> tuple[Mount, ...]:
-        """The additional sensors, which have frames of their own."""
-        return (*self.lasers, *self.sonars, *self.cameras, *self.light_sensors)
-
     @model_validator(mode="after")
     def _check_body(self) -> Robot:
-        keys = ("lasers", "sonars", "cameras", "light_sensors")
-        check_names({key: getattr(self, key) for key in keys})
+        repeated = first_repeated([sensor.name for sensor in self.sensors])
+        if repeated:
+            raise wrong(f"sensors.{repeated[0]}.name", f"'{repeated[1]}' is already the name of another sensor")
         if self.footprint_m:
             check_footprint("footprint_m", self.footprint_m)
         if self.wheels.radius_m is not None and self.wheels.radius_m > self.height_m:
@@ -242,163 +228,6 @@ class Network(Model):
         return self
 
 
-class SocialExclusion(Model):
-    """When a robot leaves the swarm and comes back [dissertation, eq. 12 and 5.2.2]."""
-
-    enabled: bool = Field(default=True, description="whether robots are excluded at all")
-    search_counter_max: int = Field(default=15, ge=1, le=10_000, description="SC_max: iterations without improvement")
-    min_robots: int = Field(
-        default=0,
-        ge=0,
-        le=3000,
-        description="a swarm of this size or smaller is dissolved at SC_max",
-    )
-    max_robots: int = Field(default=15, ge=1, le=3000, description="a swarm of this size includes no more robots")
-
-    @model_validator(mode="after")
-    def _check(self) -> SocialExclusion:
-        if self.max_robots < self.min_robots:
-            raise wrong("max_robots", f"{self.max_robots} is below min_robots, {self.min_robots}")
-        return self
-
-
-class Swarms(Model):
-    """How many swarms the team has [5.2.2]; the number of robots in a swarm is limited by `exclusion`."""
-
-    min: int = Field(default=0, ge=0, le=3000, description="number of swarms that are never dissolved")
-    initial: int = Field(default=1, ge=1, le=3000, description="number at the start, each a run of consecutive robots")
-    max: int = Field(default=1, ge=1, le=3000, description="no new swarm is founded beyond this number")
-    new_robots: int = Field(default=5, ge=1, le=3000, description="number of excluded robots that found a new swarm")
-
-    @model_validator(mode="after")
-    def _check(self) -> Swarms:
-        if self.initial < self.min:
-            raise wrong("initial", f"{self.initial} is below min, {self.min}")
-        if self.max < self.initial:
-            raise wrong("max", f"{self.max} is below initial, {self.initial}")
-        return self
-
-
-_WITHOUT_ADAPTATION = (
-    *("pso", "rpso", "dpso", "greedy", "random_walk", "cover", "search", "relay"),
-    *("sebs", "conscientious_reactive", "boustrophedon", "infotaxis"),
-)
-
-
-class Control(Model):
-    """The controller of each robot: RDPSO [dissertation, eq. 22, 24, 25] with a go-to-point navigator, or another."""
-
-    algorithm: str = Field(
-        default="rdpso",
-        description="name of a controller, such as rdpso or random_walk, also of an installed package; or module:Class",
-    )
-    iteration_s: float = Field(default=1.0, gt=0.0, le=60.0, description="period of the swarm's iterations [s]")
-    memory: Literal["published", "grunwald_letnikov"] = Field(
-        default="published", description="fractional memory (24) or (23)"
-    )
-    alpha: float = Field(default=0.38, ge=0.0, le=1.0, description="fractional order")
-    memory_terms: int = Field(default=4, ge=1, le=20, description="r: truncation; at most 4 with `published`")
-    adaptation: Literal["none", "crisp", "fuzzy"] = Field(
-        default="none",
-        description="alpha and c1 to c4 follow the context by the rules of 5.2.2, with crisp or fuzzy memberships",
-    )
-    memory_of: Literal["motion", "commands"] = Field(
-        default="motion",
-        description="velocities in the memory: those that the robot really had, or (as printed) those that it chose",
-    )
-    inertia: float = Field(
-        default=0.6, ge=0.0, le=1.0, description="w of `pso`, `rpso` and `dpso`, instead of the memory"
-    )
-    c1: float = Field(default=0.08, ge=0.0, le=2.0, description="cognitive weight")
-    c2: float = Field(default=0.11, ge=0.0, le=2.0, description="social weight")
-    c3: float = Field(default=0.29, ge=0.0, le=2.0, description="obstacle weight")
-    c4: float = Field(
-        default=0.4,
-        ge=0.0,
-        le=2.0,
-        description="communication weight; acts while a link is endangered, or always without communication.gated",
-    )
-    kept_link: Literal["nearest", "tree"] = Field(
-        default="nearest",
-        description="link that the communication term keeps: that to the nearest teammate, or the weakest of the "
-        "robot's own links in the strongest spanning tree of the team",
-    )
-    max_step_speed_mps: float = Field(default=0.58, gt=0.0, le=10.0, description="limit of the swarm velocity [m/s]")
-    speed_factor: float = Field(
-        default=1.25,
-        ge=1.0,
-        le=10.0,
-        description="robots drive faster than the swarm velocity by this factor, to arrive before the next iteration",
-    )
-    update_timeout_share: float = Field(
-        default=0.5,
-        ge=0.0,
-        le=1.0,
-        description="fraction of an iteration for which a robot waits for updates of robots heard in the last one",
-    )
-    member_timeout_s: float = Field(
-        default=30.0,
-        gt=0.0,
-        le=1e6,
-        description="a member that was not heard for longer no longer attracts others [s]",
-    )
-    longest_detour_m: float = Field(
-        default=60.0,
-        gt=0.0,
-        le=10_000.0,
-        description="bests with a longer path attract in a straight line [m]",
-    )
-    rule_out_places: bool = Field(
-        default=True,
-        description="voices at places where no victim can be are neither local nor global bests; false: all count",
-    )
-    sensing_radius_m: float = Field(default=1.0, gt=0.0, le=50.0, description="r_s of the obstacle term [m]")
-    navigation: Literal["path", "straight"] = Field(
-        default="path", description="distances and directions along free paths of the known map, or in a straight line"
-    )
-    localisation: Literal["ground_truth", "odometry", "tf"] = Field(
-        default="ground_truth",
-        description="source of the robot's pose; tf: transform map -> robot_<id>/base_link, only in ROS",
-    )
-    tf_timeout_s: float = Field(
-        default=0.3,
-        gt=0.0,
-        le=60.0,
-        description="with localisation tf, a robot without a new transform for this time stops [s]",
-    )
-    relays: int = Field(
-        default=0,
-        ge=0,
-        le=3000,
-        description="number of robots, the last ones, that connect the command centre, firefighters and searchers",
-    )
-    dispatch: Dispatch = Dispatch()
-    exclusion: SocialExclusion = SocialExclusion()
-    swarms: Swarms = Swarms()
-    patrol: Patrol = Patrol()
-    cover: CoverTuning = CoverTuning()
-    search: SearchTuning = SearchTuning()
-    sweep: SweepTuning = SweepTuning()
-    infotaxis: InfotaxisTuning = InfotaxisTuning()
-    navigator: NavigatorTuning = NavigatorTuning()
-    wander: WanderTuning = WanderTuning()
-    communication: LinkTuning = LinkTuning()
-    doors: DoorTuning = DoorTuning()
-
-    @model_validator(mode="after")
-    def _check(self) -> Control:
-        if self.memory == "published" and self.memory_terms > 4:
-            raise wrong("memory_terms", f"{self.memory_terms} is above 4, the length of the published memory")
-        if self.adaptation != "none" and self.algorithm in _WITHOUT_ADAPTATION:
-            raise wrong(
-                "adaptation", f"'{self.adaptation}' has no effect on algorithm '{self.algorithm}'; expected rdpso"
-            )
-        if self.swarms.max > 1 and self.swarms.new_robots > self.exclusion.max_robots:
-            new, most = self.swarms.new_robots, self.exclusion.max_robots
-            raise wrong("swarms.new_robots", f"{new} is above exclusion.max_robots, {most}")
-        return self
-
-
 class Area(Model):
     """A circle to explore."""
 
@@ -432,6 +261,7 @@ class Mission(Model):
         description="robot: whoever is reached is saved; firefighter: who is brought to the command centre or an exit",
     )
     rescue: Rescue = Rescue()
+    patrol: Patrol = Patrol()
     exits: Many[Exit] = Field(default=(), description="places where people are safe")
     time_limit_s: float = Field(default=600.0, gt=0.0, le=1e6, description="the mission ends after this time [s]")
     base: int | None = Field(

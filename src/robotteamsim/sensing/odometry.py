@@ -45,33 +45,33 @@ class TeamOdometry:
         Args: omni: whether each robot is omnidirectional; None if none is.
         """
         alphas = [(model.alpha1, model.alpha2, model.alpha3, model.alpha4) for model in models]
-        self.core = _core.sensing.TeamOdometry(alphas, step_s, [False] * len(alphas) if omni is None else list(omni))
-        """The C++ odometry, for the sensors of a team."""
+        self._core = _core.sensing.TeamOdometry(alphas, step_s, [False] * len(alphas) if omni is None else list(omni))
         self._generators = list(generators)
         self._noise = np.empty((_STEPS_PER_DRAW, len(self._generators), 3))
         self._noise_left: list[np.ndarray] = []
         """Rows of drawn noise, the next one last."""
 
-    def step(self, motions: np.ndarray, twists: np.ndarray) -> np.ndarray:
-        """Return the readings after one more step, float64, shape (n, 16).
-
-        A row is the pose in `odom` as x, y [m], qz, qw, and the twist in `base_link` that the wheels measured: forward,
-        left [m/s], counter-clockwise [rad/s]; then the covariances of `OdometryReading`, six and three.
+    def step(self, motions: np.ndarray, twists: np.ndarray) -> _core.sensing.OdometryState:
+        """Return the readings after one more step, as arrays.
 
         Args: motions: of the step, in the frame of the pose at its beginning, shape (n, 3): x, y [m], yaw [rad].
               twists: their mean velocities, in `base_link`, shape (n, 3).
         """
-        return self.core.step(motions, twists, self.next_noise())
+        return self._core.step(motions, twists, self._next_noise())
+
+    def read_team(self, team: _core.world.TeamMotion) -> _core.sensing.TeamState:
+        """Return the state of the team after one more step, with the readings of `step`."""
+        return self._core.read_team(team, self._next_noise())
 
     def restart(self, robot_id: int, generator: np.random.Generator) -> None:
         """Restart the odometry of a robot that has arrived (again) at (0, 0, 0), with a new generator."""
-        self.core.restart(robot_id)
+        self._core.restart(robot_id)
         self._generators[robot_id] = generator
         if self._noise_left:
             steps = len(self._noise_left)
             self._noise[-steps:, robot_id] = generator.standard_normal((steps, 3))
 
-    def next_noise(self) -> np.ndarray:
+    def _next_noise(self) -> np.ndarray:
         """Draw the noise of one step, shape (n, 3)."""
         if not self._noise_left:
             for robot_id, generator in enumerate(self._generators):

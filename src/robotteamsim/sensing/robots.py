@@ -1,27 +1,34 @@
-"""The sensors of all robots: laser, odometry, contact and further sensors."""
+"""The sensors of all robots: laser, odometry, contact and additional sensors."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Protocol
 
 import numpy as np
 
 from robotteamsim.hazards import HazardSource
 from robotteamsim.rng import stream
 from robotteamsim.scenario.sections import PlacedRobot
-from robotteamsim.sensing.further import FurtherSensors
+from robotteamsim.sensing.carried import CarriedSensors
 from robotteamsim.sensing.laser import Laser
 from robotteamsim.sensing.odometry import TeamOdometry
-from robotteamsim.sensing.readings import ROW_LENGTH, TeamReadings
+from robotteamsim.sensing.readings import TeamReadings
 from robotteamsim.sensing.smoke import SmokyAir
-from robotteamsim.sensing.team_reader import make_reader
 from robotteamsim.world.contract import AnyWorld
+
+
+class Sensors(Protocol):
+    """The sensors of a team."""
+
+    def read(self) -> TeamReadings:
+        """Return the reading of every robot after the last step of the world, in id order; once after each step."""
 
 
 class RobotSensors:
     """The sensors of all robots of a world.
 
-    Random streams: ("odometry", id), ("laser", id), and those of `FurtherSensors`.
+    Random streams: ("odometry", id), ("laser", id), and those of `CarriedSensors`.
 
     When a robot arrives, its sensors restart. From the second arrival on, the names of its streams end with the number
     of the arrival, so that its noise does not depend on what happened before.
@@ -39,10 +46,8 @@ class RobotSensors:
             (Laser(model, world), [robot_id for robot_id, robot in enumerate(self._robots) if robot.laser == model])
             for model in models
         ]
-        self._scan_shapes = [(len(robot_ids), laser.num_beams) for laser, robot_ids in self._lasers]
-        self._has_laser_noise = any(model.noise_m > 0.0 for model in models)
-        self._air = None if hazards is None else SmokyAir(world, hazards)
-        self._further = FurtherSensors(world, robots, seed, self._air)
+        self._air = None if hazards is None else SmokyAir(hazards)
+        self._carried = CarriedSensors(world, robots, seed, self._air)
         self.reset()
 
     def read(self) -> TeamReadings:
@@ -50,23 +55,15 @@ class RobotSensors:
 
         Odometry adds the motion of that step, so call this once after each step.
         """
-        if self._world.arrivals is not self._arrivals:
+        if self._world.arrivals != self._arrivals:
             self._restart_arrived()
-        rows = np.empty((len(self._robots), ROW_LENGTH))
-        scans_m = [np.empty(shape, dtype=np.float32) for shape in self._scan_shapes]
-        self._reader(self._odometry.next_noise(), self._laser_noise_m(), rows, scans_m)
+        state = self._odometry.read_team(self._world.team())
+        kinds = zip(self._lasers, self._laser_streams, strict=True)
+        scans_m = [laser.scan(robot_ids, streams) for (laser, robot_ids), streams in kinds]
         if self._air is not None:
             for (laser, robot_ids), scan_m in zip(self._lasers, scans_m, strict=True):
-                self._air.dim(laser, robot_ids, scan_m)
-        further = self._further.read() if self._further.has_any else ()
-        return TeamReadings(rows, self._by_robot(scans_m), self._world.contact_angles_rad(), further)
-
-    def _laser_noise_m(self) -> list[np.ndarray]:
-        """Draw the noise of each kind of laser; empty where no laser has any."""
-        if not self._has_laser_noise:
-            return []
-        kinds = zip(self._lasers, self._laser_streams, strict=True)
-        return [laser.noise_m(streams) for (laser, _), streams in kinds]
+                self._air.dim(laser.beams, robot_ids, scan_m)
+        return TeamReadings(state, self._by_robot(scans_m), self._world.contact_angles_rad(), self._carried.read())
 
     def _by_robot(self, scans_m: Sequence[np.ndarray]) -> Sequence[np.ndarray] | np.ndarray:
         """Return the scans in the order of robots. Args: scans_m: per kind of laser, in the order of its robots."""
@@ -82,7 +79,7 @@ class RobotSensors:
     def reset(self) -> None:
         """Restart after `World.reset`: odometry at its origin, all random streams from their start."""
         self._arrivals = self._world.arrivals
-        self._further.reset()
+        self._carried.reset()
         self._laser_streams = [
             [stream(self._seed, "laser", robot_id) for robot_id in robot_ids] for _, robot_ids in self._lasers
         ]
@@ -92,7 +89,6 @@ class RobotSensors:
             [stream(self._seed, "odometry", robot_id) for robot_id in range(len(self._robots))],
             [robot.drive.kind == "omni" for robot in self._robots],
         )
-        self._reader = make_reader(self._world, self._odometry, self._lasers)
 
     def _restart_arrived(self) -> None:
         arrivals = self._world.arrivals
@@ -103,5 +99,5 @@ class RobotSensors:
                 for (_, robot_ids), streams in zip(self._lasers, self._laser_streams, strict=True):
                     if robot_id in robot_ids:
                         streams[robot_ids.index(robot_id)] = stream(self._seed, "laser", robot_id, *again)
-                self._further.restart(robot_id, again)
+                self._carried.restart(robot_id, again)
         self._arrivals = arrivals

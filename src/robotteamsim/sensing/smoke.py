@@ -6,18 +6,15 @@ import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.hazards import HazardField, HazardSource
-from robotteamsim.sensing.beams import PlanarBeams
-from robotteamsim.sensing.laser import Laser
-from robotteamsim.world.contract import AnyWorld
+from robotteamsim.sensing.beams import Beams
 
 
 class SmokyAir:
     """The air of a world, as sensors find it."""
 
-    def __init__(self, world: AnyWorld, hazards: HazardSource) -> None:
-        self._world = world
+    def __init__(self, hazards: HazardSource) -> None:
         self._hazards = hazards
-        self._of: HazardField | None = None
+        self._haze_version = -1
         self._haze: _core.hazards.Haze | None = None
 
     @property
@@ -30,19 +27,15 @@ class SmokyAir:
         """Fire, smoke and temperature as of the last update."""
         return self._hazards.field
 
-    def dim(self, laser: Laser, robot_ids: Sequence[int], ranges_m: np.ndarray) -> None:
+    def dim(self, beams: Beams, robot_ids: Sequence[int], ranges_m: np.ndarray) -> None:
         """Remove the returns that smoke hides, in place: those from beyond `fire.soot.laser_optical_depth`.
 
         Args: ranges_m: the scans of these robots, float32, shape (robots, beams) [m].
         """
-        if self.field is not self._of:
-            self._of, self._haze = self.field, _haze(self.field)
+        if self._hazards.version != self._haze_version:
+            self._haze_version, self._haze = self._hazards.version, _haze(self.field)
         assert self._haze is not None
-        # Scenarios with a fire have no other world and no other beams.
-        scene, beams = self._world.scene, laser.beams
-        assert isinstance(scene, _core.world.World)
-        assert isinstance(beams, PlanarBeams)
-        beams.laser.dim(scene, robot_ids, self._haze, ranges_m)
+        beams.dim(robot_ids, self._haze, ranges_m)
 
 
 def _haze(field: HazardField) -> _core.hazards.Haze:

@@ -37,8 +37,8 @@ class VoiceSensor:
         self._map: FieldMap | None = None
         self._core: _core.sensing.VoiceSensor | None = None
         """Evaluates this map at positions."""
-        self.changes = 0
-        """How often the map has changed so far."""
+        self.version = 0
+        """Number of changes of the map so far."""
         for victim in victims:
             self._place(victim.name, victim.position)
 
@@ -77,7 +77,7 @@ class VoiceSensor:
 
     def set_silenced(self, names: Collection[str]) -> None:
         """Silence these victims and let all others call. Raises: ValueError: no such victim."""
-        if names is self._asked and isinstance(names, tuple):
+        if names == self._asked:
             return
         for name in names:
             if name not in self._sources:
@@ -137,4 +137,4 @@ class VoiceSensor:
 
     def _change(self) -> None:
         self._map = self._core = None
-        self.changes += 1
+        self.version += 1

@@ -11,39 +11,40 @@ import numpy as np
 
 from robotteamsim.hazards import HazardField
 from robotteamsim.interface import Decision
-from robotteamsim.mission.status import Event, MissionEnd, MissionStatus
+from robotteamsim.mission.events import Event
+from robotteamsim.mission.status import MissionEnd, MissionStatus
 from robotteamsim.network.messages import Message, NetworkState
 from robotteamsim.propagation import FieldMap
-from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Victim
-from robotteamsim.sensing.readings import RobotReading, VoiceReading
+from robotteamsim.sensing.readings import TeamReadings, VoiceReading
+from robotteamsim.setup import Setup
 from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.people import PersonState
 
 
-class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
+class StepRecord(msgspec.Struct, frozen=True, kw_only=True, eq=False):
     """The record of one step; sequences are in robot id order.
 
     step_index: 1 for the first step.     sim_time_ns: its stamp [ns].
     inboxes:    messages that arrived in this step, sent in the one before.
     decisions:  of the controllers; their outboxes arrive in the next step.
     victims:    in the order of `mission.victims`, at their current positions.
-    doors:      after the step, by name, in the plan's order; the same object until a door changes.
-    present:    whether each robot is present, bool, shape (n,); None: all are. Entries of absent robots mean nothing.
+    doors:      after the step, by name, in the plan's order.
+    team_version: increases with each change of present, arrivals, mishaps and loads.
+    present:    whether each robot is present, bool, shape (n,). Entries of absent robots mean nothing.
     arrivals:   how often each robot has arrived, its start included.
     mishaps:    robots that cannot go on, by id, and why.
-    loads:      names of the objects that robots hold, by the robots' ids; present, arrivals, mishaps and loads are the
-                same objects until they change.
+    loads:      names of the objects that robots hold, by the robots' ids.
     voice_map:  the voice level over the floor [dB] in the first step and whenever it has changed, else None.
     hazards:    fire, smoke and temperature, in the steps in which they advance, else None.
     failed:     ids of the absent robots that have failed by heat.
-    people:     that the world moves; the same object until their positions are updated.
+    people:     that the world moves; `people_version` increases with each update of their positions.
     """
 
     step_index: int
     sim_time_ns: int
-    readings: Sequence[RobotReading]
+    readings: TeamReadings
     voices: tuple[VoiceReading, ...]
     network: NetworkState
     inboxes: Sequence[Sequence[Message]]
@@ -54,17 +55,19 @@ class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
     noise_db: float
     voice_map: FieldMap | None
     doors: DoorStates = DoorStates()
-    present: np.ndarray | None = None
+    team_version: int = 0
+    present: np.ndarray
     arrivals: tuple[int, ...] = ()
     mishaps: Mapping[int, Mishap] = MappingProxyType({})
     loads: Mapping[int, str] = MappingProxyType({})
     hazards: HazardField | None = None
     failed: frozenset[int] = frozenset()
+    people_version: int = 0
     people: tuple[PersonState, ...] = ()
 
     def is_there(self, robot_id: int) -> bool:
         """Whether a robot is present."""
-        return self.present is None or bool(self.present[robot_id])
+        return bool(self.present[robot_id])
 
     @property
     def sim_time_s(self) -> float:
@@ -72,7 +75,7 @@ class StepRecord(msgspec.Struct, frozen=True, gc=False, eq=False):
         return self.sim_time_ns / 1e9
 
 
-class RobotTotals(msgspec.Struct, frozen=True, gc=False):
+class RobotTotals(msgspec.Struct, frozen=True):
     """Totals of one robot over a trial.
 
     distance_m: length of its true path.      contact_s: time in which it touched something.
@@ -85,7 +88,7 @@ class RobotTotals(msgspec.Struct, frozen=True, gc=False):
     longest_stay_s: float
 
 
-class Result(msgspec.Struct, frozen=True, gc=False):
+class Result(msgspec.Struct, frozen=True):
     """The outcome of a trial.
 
     time_s: of the mission's clock.  wall_s: of the computation, the only value that differs between equal runs.
@@ -120,16 +123,23 @@ class Result(msgspec.Struct, frozen=True, gc=False):
 
 
 class Observer(Protocol):
-    """Receives each step of a trial: a recorder, a progress bar. After `begin`, `end` or `abandon` is called once."""
+    """Receives each step of a trial: a recorder, a progress bar. After `begin`, `end` or `abandon` is called once.
 
-    def begin(self, scenario: Scenario) -> None:
+    A class below this one need not define what it ignores.
+    """
+
+    def begin(self, setup: Setup) -> None:
         """A trial begins."""
+        return
 
     def step(self, record: StepRecord) -> None:
         """A step is complete."""
+        return
 
     def end(self, result: Result) -> None:
         """The mission has ended."""
+        return
 
     def abandon(self) -> None:
         """The trial was interrupted: close files and leave nothing half-written. Must not raise."""
+        return

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from robotteamsim import _core
@@ -15,20 +17,17 @@ class TeamTotals:
         self._core = _core.simulation.TeamTotals(num_robots)
         self._step_s = step_s
 
-    def update(
-        self, positions_m: np.ndarray, in_contact: np.ndarray, excluded: np.ndarray, running: np.ndarray
-    ) -> None:
-        """Add several steps. A stay counts only while the mission runs.
+    def update(self, positions_m: np.ndarray, in_contact: np.ndarray, excluded: Sequence[bool], running: bool) -> None:
+        """Add a step. A stay counts only while the mission runs.
 
         Args:
-            positions_m: true ones, in `map` [m], float64, shape (steps, n, 2); NaN for an absent robot, which does
-                         not count.
-            in_contact:  whether each robot touches something, bool, shape (steps, n).
-            excluded:    whether each robot is excluded, bool, shape (steps, n).
-            running:     whether the mission runs, bool, shape (steps,).
+            positions_m: true ones, in `map` [m], float64, shape (n, 2); NaN for an absent robot, which does not count.
+            in_contact:  whether each robot touches something, bool, shape (n,).
+            excluded:    whether each robot is excluded.
+            running:     whether the mission runs.
         Raises: ValueError: the shapes differ.
         """
-        self._core.add_steps(positions_m, in_contact, excluded, running)
+        self._core.add_step(positions_m, in_contact, excluded, running)
 
     def result(self) -> tuple[RobotTotals, ...]:
         """Return the totals so far, in id order."""

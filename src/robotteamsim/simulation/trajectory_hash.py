@@ -24,13 +24,8 @@ class TrajectoryHash:
     def update(self, sim_time_ns: int, ground_truth: Sequence[PoseReading] | np.ndarray) -> None:
         """Add one step. Args: ground_truth: as an array: shape (n, 4)."""
         rows = ground_truth if isinstance(ground_truth, np.ndarray) else np.array(list(map(astuple, ground_truth)))
-        self.update_all([sim_time_ns], rows[np.newaxis])
-
-    def update_all(self, sim_times_ns: Sequence[int], ground_truth: np.ndarray) -> None:
-        """Add several steps, which is faster than one by one. Args: ground_truth: float64, shape (steps, n, 4)."""
-        stamps = np.array(sim_times_ns, dtype="<i8").view(np.uint8).reshape(len(sim_times_ns), -1)
-        poses = np.ascontiguousarray(ground_truth, dtype="<f8").view(np.uint8).reshape(len(sim_times_ns), -1)
-        self._sha256.update(np.concatenate([stamps, poses], axis=1).tobytes())
+        self._sha256.update(sim_time_ns.to_bytes(8, "little", signed=True))
+        self._sha256.update(rows.astype("<f8", copy=False).tobytes())
 
     def hexdigest(self) -> str:
         """Return the hash of the steps so far, 64 hexadecimal digits."""

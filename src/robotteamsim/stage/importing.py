@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import ValidationError
 
 from robotteamsim.errors import PlacementError, ScenarioError
+from robotteamsim.scenario.building import building_of
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import wall_corners
 from robotteamsim.scenario.problems import problems, suggestion
@@ -130,7 +131,7 @@ def _plan(root: Entity, path: Path, tallest_m: float, values: Values, notes: Not
 def _check_poses(scenario: Scenario, robots: tuple[PlacedRobot, ...], positions: list[Entity]) -> None:
     """Raise PlacementError, with its line of the world file, for a robot that does not fit where it starts."""
     try:
-        placed_robots(scenario.model_copy(update={"robots": robots}))
+        placed_robots(scenario.model_copy(update={"robots": robots}), building_of(scenario.plan))
     except PlacementError as error:
         # Of a list of robots, the key is robots.<index>.start_pose.
         index = int(error.key.split(".")[1])

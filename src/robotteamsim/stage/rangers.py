@@ -58,10 +58,8 @@ class RangerReader:
             lasers = [sonars.pop(0)]
         keys: dict[str, Any] = {"laser": self._laser(self._beams(robot, lasers.pop(0)))}
         names = iter(self._names([*lasers, *sonars]))
-        if lasers:
-            keys["lasers"] = tuple(self._further_laser(self._beams(robot, laser), next(names)) for laser in lasers)
-        if sonars:
-            keys["sonars"] = tuple(self._sonar(self._beams(robot, sonar), next(names)) for sonar in sonars)
+        sensors = [self._mounted_laser(self._beams(robot, laser), next(names)) for laser in lasers]
+        keys["sensors"] = (*sensors, *(self._sonar(self._beams(robot, sonar), next(names)) for sonar in sonars))
         return keys
 
     def _name(self, ranger: Entity) -> str:
@@ -89,7 +87,7 @@ class RangerReader:
         angles = {"angle_min_rad": yaw_rad - 0.5 * beams.fov_rad, "angle_max_rad": yaw_rad + 0.5 * beams.fov_rad}
         return self._checked(Laser, beams, {"beams": beams.samples, **angles, "forward_m": tidy(x_m)})
 
-    def _further_laser(self, beams: _Beams, name: str) -> MountedLaser:
+    def _mounted_laser(self, beams: _Beams, name: str) -> MountedLaser:
         interval_ms = self._values.number(beams.ranger, "update_interval", "f", self._step_ms)
         every_steps = max(1, round(interval_ms / self._step_ms)) if self._step_ms > 0.0 else 1
         angles = {"angle_min_rad": -0.5 * beams.fov_rad, "angle_max_rad": 0.5 * beams.fov_rad}

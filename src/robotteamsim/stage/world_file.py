@@ -73,6 +73,7 @@ def read_world_file(path: Path, file: str) -> Entity:
     return _Parser(read_tokens(path, file), Place(file, 1)).world()
 
 
+# The grammar has four rules. With lark, limits, included files and messages with their line would still be ours.
 class _Parser:
     """Recursive descent: items are `define`, properties and entities."""
 

@@ -1,4 +1,4 @@
-"""The particle swarm family, PSO, DPSO, RPSO and RDPSO: pure functions for robots, and optimisers of any objective.
+"""The particle swarm family, PSO, DPSO, RPSO and RDPSO, as pure functions for robots.
 
 Equation numbers are those of the dissertation.
 """
@@ -23,16 +23,6 @@ from robotteamsim.swarm.metrics import (
     swarm_activity,
     swarm_connectivity,
 )
-from robotteamsim.swarm.optimise import maximise, minimise
-from robotteamsim.swarm.options import (
-    CommunicationTerm,
-    DpsoOptions,
-    ObstacleTerm,
-    PsoOptions,
-    RdpsoOptions,
-    RpsoOptions,
-    SwarmSizes,
-)
 from robotteamsim.swarm.velocity import (
     Attractors,
     Vector,
@@ -47,17 +37,10 @@ __all__ = [
     "EXACT_LEVELS",
     "PUBLISHED_LEVELS",
     "Attractors",
-    "CommunicationTerm",
     "Context",
-    "DpsoOptions",
     "ExclusionRules",
     "Levels",
     "MemoryMode",
-    "ObstacleTerm",
-    "PsoOptions",
-    "RdpsoOptions",
-    "RpsoOptions",
-    "SwarmSizes",
     "SwarmState",
     "Vector",
     "Verdict",
@@ -67,10 +50,8 @@ __all__ = [
     "communication_weight",
     "judge",
     "limit_speed",
-    "maximise",
     "memory_coefficients",
     "memory_term",
-    "minimise",
     "natural_selection",
     "next_position",
     "next_velocity",

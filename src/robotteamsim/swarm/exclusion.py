@@ -19,7 +19,7 @@ class ExclusionRules:
     max_robots: int = 15
 
 
-class SwarmState(msgspec.Struct, frozen=True, gc=False):
+class SwarmState(msgspec.Struct, frozen=True):
     """The memory of one swarm.
 
     search_counter: SC, iterations without improvement.  num_killed: N_kill, robots excluded and not included again.
@@ -29,7 +29,7 @@ class SwarmState(msgspec.Struct, frozen=True, gc=False):
     num_killed: Count = 0
 
 
-class Verdict(msgspec.Struct, frozen=True, gc=False):
+class Verdict(msgspec.Struct, frozen=True):
     """The effect of an iteration on a swarm: its new state, and the excluded and included robots in id order."""
 
     state: SwarmState

@@ -1,16 +1,13 @@
 """The velocity and position update of a robotic swarm [dissertation, eq. 22 and 25]."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from itertools import islice
-from typing import NamedTuple, TypeVar, cast
+from typing import NamedTuple
 
 import numpy as np
 
 from robotteamsim import _core
-
-Coordinates = TypeVar("Coordinates", float, np.ndarray)
-"""One coordinate of one robot, or an array with those of many."""
 
 Vector = tuple[float, float]
 """(x, y) in one frame; positions [m], velocities [m per iteration]."""
@@ -62,21 +59,6 @@ def next_velocity(
     if len(drawn) < len(attractors):
         raise ValueError("there must be a random number for each attractor")
     return _core.swarm.next_velocity(position, inertia, attractors, weights, drawn)
-
-
-def add_pulls(
-    inertia: Coordinates,
-    position: Coordinates,
-    pulls: Iterable[tuple[float | np.ndarray, float | np.ndarray, Coordinates]],
-) -> Coordinates:
-    """Return inertia + the sum of c * r * (attractor - position) over (c, r, attractor), in the order given.
-
-    For all of a swarm at once: arrays of one shape.
-    """
-    velocity: float | np.ndarray = inertia
-    for weight, random, attractor in pulls:
-        velocity = velocity + weight * random * (attractor - position)
-    return cast(Coordinates, velocity)
 
 
 def limit_speed(velocity: Vector, max_speed: float) -> Vector:

@@ -4,33 +4,40 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
 from robotteamsim.errors import RecordingError
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.bag_reader import BagReader
-from robotteamsim.recording.hazard_messages import FIRE_GRID, SMOKE_GRID, TEMPERATURE
+from robotteamsim.recording.topics import Topic
+from robotteamsim.recording.topics.radio import NETWORK_STATE, VOICE_MAP
+from robotteamsim.recording.topics.robots import SCAN
+from robotteamsim.recording.topics.world import DOORS, FIRE, PEOPLE, SMOKE, TEMPERATURE
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.view.frame import Link, enclosed_of, links_of
 
-_NETWORK, _DOORS, _PEOPLE, _VOICE = "/network/state", "/world/doors", "/world/people", "/voice_map/values"
-_TEAM_TYPES = {
-    _NETWORK: "robotteamsim/NetworkState",
-    _DOORS: "robotteamsim/Doors",
-    _PEOPLE: "robotteamsim/People",
-    _VOICE: "robotteamsim/FloatMap",
-    FIRE_GRID: "nav_msgs/OccupancyGrid",
-    SMOKE_GRID: "nav_msgs/OccupancyGrid",
-    TEMPERATURE: "robotteamsim/FloatMap",
-}
-_SCAN_TYPE = "sensor_msgs/LaserScan"
-
 _MOST_DB, _MOST_M, _MOST_RAD, _MOST_C = 1e3, 1e6, 1e2, 1e4
 """Larger numbers are not measurements, but damage."""
+
+Value = TypeVar("Value")
+Default = TypeVar("Default")
+
+
+class Timeline(Generic[Value]):
+    """Values with their stamps [ns], in the order of the stamps."""
+
+    def __init__(self, samples: Iterable[tuple[int, Value]]) -> None:
+        self.samples = sorted(samples, key=lambda sample: sample[0])
+
+    def at(self, stamp_ns: int, before: Default) -> Value | Default:
+        """Return the last value up to a stamp. Args: before: returned if there is none yet."""
+        index = bisect_right(self.samples, stamp_ns, key=lambda sample: sample[0])
+        return self.samples[index - 1][1] if index else before
 
 
 class Scan(NamedTuple):
@@ -42,55 +49,24 @@ class Scan(NamedTuple):
     range_max_m: float
 
 
+@dataclass(frozen=True, slots=True)
 class BagLayers:
-    """Values by topic, each in the order of its stamps [ns]."""
+    """Values over time; a topic that the bag lacks has none.
 
-    def __init__(self, samples: Mapping[str, Sequence[tuple[int, Any]]]) -> None:
-        self._samples = {topic: sorted(some, key=lambda sample: sample[0]) for topic, some in samples.items()}
-        self._stamps = {topic: [stamp_ns for stamp_ns, _ in some] for topic, some in self._samples.items()}
+    links:    with their signals.
+    openings: of doors by their names.
+    enclosed: names of the people for whom no path to an exit is open.
+    scans:    by the name of the robot in the run.
+    """
 
-    def links(self, stamp_ns: int) -> tuple[Link, ...] | None:
-        """Return the links with their signals; None: the bag does not contain them."""
-        found: tuple[Link, ...] | None = self._last(_NETWORK, stamp_ns)
-        return found
-
-    def doors(self, stamp_ns: int) -> Mapping[str, float]:
-        """Return the opening of each door by its name."""
-        return self._last(_DOORS, stamp_ns) or {}
-
-    def enclosed(self, stamp_ns: int) -> frozenset[str]:
-        """Return the names of the people for whom no path to an exit is open."""
-        found: frozenset[str] = self._last(_PEOPLE, stamp_ns) or frozenset()
-        return found
-
-    def scan(self, robot: str, stamp_ns: int) -> Scan | None:
-        """Return the last scan of a robot. Args: robot: its name in the run."""
-        found: Scan | None = self._last(scan_topic(robot), stamp_ns)
-        return found
-
-    def first_scan(self, robot: str) -> Scan | None:
-        """Return the first scan of a robot; None: the bag has none."""
-        found: Sequence[tuple[int, Scan]] = self._samples.get(scan_topic(robot), ())
-        return found[0][1] if found else None
-
-    def voice_maps(self) -> Sequence[tuple[int, FieldMap]]:
-        """Return all voice maps with their stamps [ns]."""
-        return self._samples.get(_VOICE, ())
-
-    def maps(self, topic: str) -> Sequence[tuple[int, Any]]:
-        """Return all maps of a topic of fire or smoke, with their stamps [ns]."""
-        return self._samples.get(topic, ())
-
-    def _last(self, topic: str, stamp_ns: int) -> Any | None:
-        if topic not in self._samples:
-            return None
-        index = bisect_right(self._stamps[topic], stamp_ns) - 1
-        return self._samples[topic][index][1] if index >= 0 else None
-
-
-def scan_topic(robot: str) -> str:
-    """Return the topic of a robot's laser; the robot of a bag without namespaces is named "robot"."""
-    return "/base_scan" if robot == "robot" else f"/{robot}/base_scan"
+    links: Timeline[tuple[Link, ...]]
+    openings: Timeline[dict[str, float]]
+    enclosed: Timeline[frozenset[str]]
+    voice: Timeline[FieldMap]
+    fire: Timeline[OccupancyGrid]
+    smoke: Timeline[OccupancyGrid]
+    temperatures: Timeline[FieldMap]
+    scans: dict[str, Timeline[Scan]]
 
 
 def read_layers(paths: Sequence[Path], scanned: Sequence[str]) -> BagLayers:
@@ -99,19 +75,33 @@ def read_layers(paths: Sequence[Path], scanned: Sequence[str]) -> BagLayers:
     Args:   scanned: names of the robots whose scans are read.
     Raises: RecordingError: a bag cannot be read, or contains impossible values.
     """
-    samples: dict[str, list[tuple[int, Any]]] = {}
+    # The robot of a bag without namespaces is named "robot".
+    scan_topics = {name: "/base_scan" if name == "robot" else f"/{name}/base_scan" for name in scanned}
+    wanted = {topic.name: (topic.type_name, convert) for topic, convert in _OF_TEAM.items()}
+    wanted |= dict.fromkeys(scan_topics.values(), (SCAN.type_name, _scan))
+    samples: dict[str, list[tuple[int, Any]]] = {topic: [] for topic in wanted}
     with BagReader(paths) as bag:
-        wanted = _TEAM_TYPES | dict.fromkeys(map(scan_topic, scanned), _SCAN_TYPE)
-        types = {topic: kind for topic, kind in wanted.items() if bag.topics.get(topic) == kind and bag.is_known(topic)}
+        topics = {topic for topic, (kind, _) in wanted.items() if bag.topics.get(topic) == kind and bag.is_known(topic)}
         unread: set[str] = set()
-        for topic, stamp_ns, message in bag.messages(set(types)):
+        for topic, stamp_ns, message in bag.messages(topics):
+            _, convert = wanted[topic]
             try:
-                samples.setdefault(topic, []).append((stamp_ns, _converter(topic, types[topic])(message)))
+                samples[topic].append((stamp_ns, convert(message)))
             except AttributeError:  # This version of the type lacks an attribute.
                 unread.add(topic)
             except ValueError as error:
                 raise RecordingError(f"{', '.join(map(str, paths))}: {topic}: {error}") from None
-    return BagLayers({topic: some for topic, some in samples.items() if topic not in unread})
+    lines = {topic: Timeline(() if topic in unread else some) for topic, some in samples.items()}
+    return BagLayers(
+        links=lines[NETWORK_STATE.name],
+        openings=lines[DOORS.name],
+        enclosed=lines[PEOPLE.name],
+        voice=lines[VOICE_MAP.name],
+        fire=lines[FIRE.name],
+        smoke=lines[SMOKE.name],
+        temperatures=lines[TEMPERATURE.name],
+        scans={name: lines[topic] for name, topic in scan_topics.items()},
+    )
 
 
 def _links(message: Any) -> tuple[Link, ...]:
@@ -122,20 +112,8 @@ def _links(message: Any) -> tuple[Link, ...]:
     return links_of(adjacency, _finite(message.rssi_dbm, "signals", _MOST_DB).reshape(n, n))
 
 
-def _doors(message: Any) -> dict[str, float]:
+def _openings(message: Any) -> dict[str, float]:
     return {door.name: min(max(door.opening, 0.0), 1.0) for door in message.doors if math.isfinite(door.opening)}
-
-
-def _enclosed(message: Any) -> frozenset[str]:
-    return enclosed_of(message.people)
-
-
-def _voice_map(message: Any) -> FieldMap:
-    return _field_map(message, "levels", _MOST_DB)
-
-
-def _temperatures(message: Any) -> FieldMap:
-    return _field_map(message, "temperatures", _MOST_C)
 
 
 def _field_map(message: Any, name: str, most: float) -> FieldMap:
@@ -177,15 +155,12 @@ def _finite(values: Any, name: str, most: float) -> np.ndarray:
     return numbers
 
 
-_CONVERTERS: dict[str, Callable[[Any], Any]] = {
-    "robotteamsim/NetworkState": _links,
-    "robotteamsim/Doors": _doors,
-    "robotteamsim/People": _enclosed,
-    "robotteamsim/FloatMap": _voice_map,
-    "nav_msgs/OccupancyGrid": _grid,
-    _SCAN_TYPE: _scan,
+_OF_TEAM: dict[Topic, Callable[[Any], Any]] = {
+    NETWORK_STATE: _links,
+    DOORS: _openings,
+    PEOPLE: lambda message: enclosed_of(message.people),
+    VOICE_MAP: lambda message: _field_map(message, "levels", _MOST_DB),
+    FIRE: _grid,
+    SMOKE: _grid,
+    TEMPERATURE: lambda message: _field_map(message, "temperatures", _MOST_C),
 }
-
-
-def _converter(topic: str, kind: str) -> Callable[[Any], Any]:
-    return _temperatures if topic == TEMPERATURE else _CONVERTERS[kind]

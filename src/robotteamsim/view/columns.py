@@ -18,8 +18,8 @@ from robotteamsim.view.recorder import Recording
 NO_LINK = 10_000
 """Replaces the signal [dBm] of a pair without a link; larger than any signal."""
 
-_SILENT_DBM = -120.0
-"""Signals below are not shown."""
+_LOWEST = {"radio": -120.0}
+"""Values below are not shown [dBm]; of other layers, those below 0 are not."""
 
 _CHANGING: dict[str, Callable[[Frame], Any]] = {
     "swarms": lambda frame: frame.swarms,
@@ -96,8 +96,8 @@ def _document(recording: Recording) -> dict[str, Any]:
             for index, frame in enumerate(frames)
             if frame.scans_m
         ],
-        "voice": [_layer(layer, 0.0) for layer in recording.voice],
-        "radio": [_layer(layer, _SILENT_DBM) for layer in recording.radio],
+        "voice": [map_document("voice", layer) for layer in recording.voice],
+        "radio": [map_document("radio", layer) for layer in recording.radio],
         "films": {"fire": _film(recording.hazards.fire), "smoke": _film(recording.hazards.smoke)},
     }
 
@@ -136,8 +136,10 @@ def _changes(values: Iterable[Any]) -> list[Any]:
     return found
 
 
-def _layer(layer: LayerMap, lowest: float) -> dict[str, Any]:
+def map_document(name: str, layer: LayerMap) -> dict[str, Any]:
+    """Return a map of the layer of a name."""
     rows, columns = layer.values.shape
+    lowest = _LOWEST.get(name, 0.0)
     values = np.nan_to_num(layer.values, nan=lowest, posinf=lowest, neginf=lowest)
     return {
         "time_s": layer.time_s,

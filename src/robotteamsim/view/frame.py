@@ -9,7 +9,7 @@ import msgspec
 import numpy as np
 
 from robotteamsim.interface import OUTSIDE
-from robotteamsim.mission.status import Event
+from robotteamsim.mission.events import AnyEvent
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.simulation import StepRecord
 from robotteamsim.world.contract import AnyWorld
@@ -135,18 +135,6 @@ def gait_now(name: str, gait: Gait, fallen: Collection[str], enclosed: Collectio
     return "walks" if gait == "flees" and name in enclosed else gait
 
 
-class AnyEvent(Protocol):
-    """An event of the mission, or a message on /mission/events."""
-
-    @property
-    def kind(self) -> str:
-        """As in `Event`."""
-
-    @property
-    def subject(self) -> str:
-        """As in `Event`."""
-
-
 def fallen_of(events: Iterable[AnyEvent]) -> frozenset[str]:
     """Return the names of the victims who collapse in these events."""
     return frozenset(event.subject for event in events if event.kind == "victim_collapsed")
@@ -182,6 +170,6 @@ def links_of(adjacency: np.ndarray, rssi_dbm: np.ndarray | None) -> tuple[Link, 
     return tuple(zip(first.tolist(), second.tolist(), signals.astype(int).tolist(), strict=True))
 
 
-def shown_events(events: Sequence[Event], time_s: float) -> list[ShownEvent]:
+def shown_events(events: Sequence[AnyEvent], time_s: float) -> list[ShownEvent]:
     """Return events of the step at a time [s]."""
     return [ShownEvent(time_s, event.kind, event.detail) for event in events]

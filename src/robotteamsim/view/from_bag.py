@@ -2,34 +2,21 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from collections.abc import Mapping, Sequence
-from operator import itemgetter
+from collections.abc import Sequence
 from pathlib import Path
 
 import msgspec
 import numpy as np
 
 from robotteamsim.analysis.runs.reading import read_run
-from robotteamsim.analysis.runs.recorded_run import RecordedRobot, RecordedRun
+from robotteamsim.analysis.runs.recorded_run import RecordedRobot, RecordedRun, RecordedStatus
 from robotteamsim.errors import RecordingError
 from robotteamsim.interface import OUTSIDE
-from robotteamsim.recording.hazard_messages import FIRE_GRID, SMOKE_GRID, TEMPERATURE
+from robotteamsim.recording.topics.world import FIRE, SMOKE
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.view.bag_layers import BagLayers, read_layers
-from robotteamsim.view.frame import (
-    Frame,
-    Gait,
-    Link,
-    Pose,
-    VictimShape,
-    fallen_of,
-    gait_now,
-    gait_of,
-    links_of,
-    shown_events,
-)
+from robotteamsim.view.bag_layers import BagLayers, Timeline, read_layers
+from robotteamsim.view.frame import Frame, Link, Pose, VictimShape, fallen_of, gait_now, gait_of, links_of, shown_events
 from robotteamsim.view.hazard_layers import HazardMaps, fire_map, smoke_map
 from robotteamsim.view.layer_map import layer_map
 from robotteamsim.view.recorder import FRAME_S, MOST_SCANNED, SCAN_S, Recording
@@ -52,40 +39,75 @@ def recording_of_bag(paths: Sequence[Path], scenario: Scenario | None = None) ->
 
 def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | None = None) -> Recording:
     """Return the recording of a run that was read from bags. Args, Raises: as `recording_of_bag`."""
-    scanned = [robot.name for robot in run.robots] if len(run.robots) <= MOST_SCANNED else []
-    layers = read_layers(paths, scanned)
-    scene = _with_lasers(scene_of_run(run, scenario), layers)
-    recording = Recording(scene, run.name)
     duration_s = (run.end_ns - run.start_ns) / 1e9
     if duration_s > _LONGEST_S:
         raise RecordingError(
             f"{', '.join(map(str, paths))}: lasts {duration_s:.0f} s by its stamps; expected at most "
             f"{_LONGEST_S:.0f} s, and stamps of one clock"
         )
-    doors = DoorStates.at_start(scenario.plan) if scenario else {}
+    layers = read_layers(paths, [robot.name for robot in run.robots] if len(run.robots) <= MOST_SCANNED else [])
+    fire = scenario.fire if scenario is not None else None
+    hazards = _hazards(layers, run.start_ns, (fire or Fire()).heat.block_c)
+    scene = _with_lasers(scene_of_run(run, scenario), layers)
+    events = []
+    for stamp_ns, event in run.events:
+        events += shown_events([event], (stamp_ns - run.start_ns) / 1e9)
+    return Recording(
+        scene=msgspec.structs.replace(scene, has_fire=bool(hazards.fire or hazards.smoke)),
+        title=run.name,
+        frames=_frames(run, layers, scene, scenario),
+        events=events,
+        voice=[layer_map((stamp_ns - run.start_ns) / 1e9, found) for stamp_ns, found in layers.voice.samples],
+        hazards=hazards,
+    )
+
+
+def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenario | None) -> list[Frame]:
+    """Return a frame each `FRAME_S` and one at the end, of the last values up to each of them."""
+    statuses = Timeline((status.stamp_ns, status) for status in run.statuses)
+    victims = Timeline(run.victims)
     gaits = {victim.name: gait_of(victim) for victim in scenario.mission.victims} if scenario else {}
     fallen_ns = _fallen_ns(run)
-    at_start = {name: state.opening for name, state in doors.items()}
-    count = max(int(np.ceil(duration_s / FRAME_S)), 0)
+    doors = DoorStates.at_start(scenario.plan) if scenario else {}
+    places = {robot.robot_id: place for place, robot in enumerate(run.robots) if robot.robot_id is not None}
+    count = max(int(np.ceil((run.end_ns - run.start_ns) / 1e9 / FRAME_S)), 0)
     stamps_ns = [*(run.start_ns + np.arange(count) * round(FRAME_S * 1e9)).tolist(), run.end_ns]
-    recording.frames = [
-        msgspec.structs.replace(
-            _frame(run, stamp_ns),
-            victims=_victims(run, fallen_ns, gaits, layers.enclosed(stamp_ns), stamp_ns),
-            links=_links(run, layers, stamp_ns),
-            doors=_openings(at_start, layers, stamp_ns),
-            scans_m=_scans(scene, layers, stamp_ns) if index % _FRAMES_PER_SCAN == 0 else (),
+    frames = []
+    for index, stamp_ns in enumerate(stamps_ns):
+        status = statuses.at(stamp_ns, _BEFORE_MISSION)
+        openings = layers.openings.at(stamp_ns, {})
+        enclosed = layers.enclosed.at(stamp_ns, frozenset())
+        fallen = {name for name, since_ns in fallen_ns.items() if since_ns <= stamp_ns}
+        links, fiedler_value = _network(run, stamp_ns)
+        scans = [line.at(stamp_ns, None) for line in layers.scans.values()] if index % _FRAMES_PER_SCAN == 0 else []
+        frames.append(
+            Frame(
+                time_s=(stamp_ns - run.start_ns) / 1e9,
+                poses=tuple(_pose(robot, stamp_ns) for robot in run.robots),
+                swarms=tuple(OUTSIDE if _is_excluded(robot, stamp_ns) else 0 for robot in run.robots),
+                links=_among(places, layers.links.at(stamp_ns, links)),
+                fiedler_value=fiedler_value,
+                doors=tuple(openings.get(name, state.opening) for name, state in doors.items()),
+                victims=tuple(
+                    VictimShape(
+                        v.name, v.position_m, v.state, gait_now(v.name, gaits.get(v.name, "lies"), fallen, enclosed)
+                    )
+                    for v in victims.at(stamp_ns, ())
+                ),
+                explored=status.explored,
+                target=status.target_area,
+                state=status.state,
+                noise_db=status.noise_db,
+                endangered=status.endangered_links,
+                scans_m=tuple(scan.ranges_m if scan else [] for scan in scans) if any(scans) else (),
+            )
         )
-        for index, stamp_ns in enumerate(stamps_ns)
-    ]
-    recording.voice = [layer_map((stamp - run.start_ns) / 1e9, found) for stamp, found in layers.voice_maps()]
-    for stamp_ns, event in run.events:
-        recording.events += shown_events([event], (stamp_ns - run.start_ns) / 1e9)
-    fire = scenario.fire if scenario is not None else None
-    recording.hazards = _hazards(layers, run.start_ns, (fire or Fire()).heat.block_c)
-    has_fire = bool(recording.hazards.fire or recording.hazards.smoke)
-    recording.scene = msgspec.structs.replace(recording.scene, has_fire=has_fire)
-    return recording
+    return frames
+
+
+_BEFORE_MISSION = RecordedStatus(
+    stamp_ns=0, time_s=0.0, scenario="", state="", end="", explored=(), victims=(), endangered_links=0, noise_db=0.0
+)
 
 
 def _hazards(layers: BagLayers, start_ns: int, block_c: float) -> HazardMaps:
@@ -93,18 +115,18 @@ def _hazards(layers: BagLayers, start_ns: int, block_c: float) -> HazardMaps:
 
     Raises: RecordingError: the floor changes.
     """
-    for topic in (FIRE_GRID, SMOKE_GRID):
-        if len({(grid.cells.shape, grid.origin_m, grid.resolution_m) for _, grid in layers.maps(topic)}) > 1:
+    for topic, line in ((FIRE.name, layers.fire), (SMOKE.name, layers.smoke)):
+        if len({(grid.cells.shape, grid.origin_m, grid.resolution_m) for _, grid in line.samples}) > 1:
             raise RecordingError(f"{topic}: maps of different sizes or places; expected one floor")
     found = HazardMaps()
-    temperatures = dict(layers.maps(TEMPERATURE))
-    for stamp_ns, grid in layers.maps(FIRE_GRID):
+    temperatures = dict(layers.temperatures.samples)
+    for stamp_ns, grid in layers.fire.samples:
         time_s, heat = (stamp_ns - start_ns) / 1e9, temperatures.get(stamp_ns)
         is_hot = np.zeros(grid.cells.shape, dtype=bool)
         if heat is not None and heat.values.shape == is_hot.shape:
             is_hot = heat.values >= block_c
         found.add_fire(fire_map(time_s, grid.origin_m, grid.resolution_m, grid.cells, is_hot))
-    for stamp_ns, grid in layers.maps(SMOKE_GRID):
+    for stamp_ns, grid in layers.smoke.samples:
         found.add_smoke(smoke_map((stamp_ns - start_ns) / 1e9, grid.origin_m, grid.resolution_m, grid.cells))
     return found
 
@@ -113,8 +135,9 @@ def _with_lasers(scene: Scene, layers: BagLayers) -> Scene:
     """Return the scene with the lasers of the bag; their places on the robots are known only from a scenario."""
     robots = []
     for robot in scene.robots:
-        scan = layers.first_scan(robot.name)
-        if scan is not None:
+        scans = layers.scans[robot.name].samples if robot.name in layers.scans else []
+        if scans:
+            scan = scans[0][1]
             robot = msgspec.structs.replace(
                 robot,
                 beams=len(scan.ranges_m),
@@ -126,26 +149,11 @@ def _with_lasers(scene: Scene, layers: BagLayers) -> Scene:
     return msgspec.structs.replace(scene, robots=tuple(robots))
 
 
-def _links(run: RecordedRun, layers: BagLayers, stamp_ns: int) -> tuple[Link, ...]:
-    """Return the links; without signals if the bag has only the compact form of the network."""
-    found = layers.links(stamp_ns)
-    links = _network(run, stamp_ns)[0] if found is None else found
-    places = {robot.robot_id: place for place, robot in enumerate(run.robots) if robot.robot_id is not None}
+def _among(places: dict[int, int], links: tuple[Link, ...]) -> tuple[Link, ...]:
+    """Return links of robots by their places in the run. Args: places: by robot_id; {}: the robots have none."""
     if not places:  # robots without a number are in the order of the network
         return links
-    pairs = ((places.get(first), places.get(second), signal) for first, second, signal in links)
-    return tuple((a, b, signal) for a, b, signal in pairs if a is not None and b is not None)
-
-
-def _openings(at_start: Mapping[str, float], layers: BagLayers, stamp_ns: int) -> tuple[float, ...]:
-    """Return the opening of each door of the scene; of one that the bag does not know, that at the start."""
-    known = layers.doors(stamp_ns)
-    return tuple(known.get(name, opening) for name, opening in at_start.items())
-
-
-def _scans(scene: Scene, layers: BagLayers, stamp_ns: int) -> tuple[list[float], ...]:
-    scans = [layers.scan(robot.name, stamp_ns) for robot in scene.robots]
-    return tuple(scan.ranges_m if scan else [] for scan in scans) if any(scans) else ()
+    return tuple((places[a], places[b], signal) for a, b, signal in links if a in places and b in places)
 
 
 def _fallen_ns(run: RecordedRun) -> dict[str, int]:
@@ -159,39 +167,6 @@ def _fallen_ns(run: RecordedRun) -> dict[str, int]:
             if victim.state == "collapsed":
                 found[victim.name] = min(stamp_ns, found.get(victim.name, stamp_ns))
     return found
-
-
-def _victims(
-    run: RecordedRun,
-    fallen_ns: Mapping[str, int],
-    gaits: Mapping[str, Gait],
-    enclosed: frozenset[str],
-    stamp_ns: int,
-) -> tuple[VictimShape, ...]:
-    """Return the victims. Args: gaits: at the start, by name; others lie.  enclosed: as `gait_now`."""
-    index = bisect_right(run.victims, stamp_ns, key=itemgetter(0))
-    victims = run.victims[index - 1][1] if index else ()
-    fallen = {name for name, since_ns in fallen_ns.items() if since_ns <= stamp_ns}
-    return tuple(
-        VictimShape(v.name, v.position_m, v.state, gait_now(v.name, gaits.get(v.name, "lies"), fallen, enclosed))
-        for v in victims
-    )
-
-
-def _frame(run: RecordedRun, stamp_ns: int) -> Frame:
-    index = bisect_right(run.statuses, stamp_ns, key=lambda status: status.stamp_ns)
-    status = run.statuses[index - 1] if index else None
-    return Frame(
-        time_s=(stamp_ns - run.start_ns) / 1e9,
-        poses=tuple(_pose(robot, stamp_ns) for robot in run.robots),
-        swarms=tuple(OUTSIDE if _is_excluded(robot, stamp_ns) else 0 for robot in run.robots),
-        fiedler_value=_network(run, stamp_ns)[1],
-        explored=status.explored if status else (),
-        target=status.target_area if status else -1,
-        state=status.state if status else "",
-        noise_db=status.noise_db if status else 0.0,
-        endangered=status.endangered_links if status else 0,
-    )
 
 
 def _pose(robot: RecordedRobot, stamp_ns: int) -> Pose | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from robotteamsim.hazards import HazardField
-from robotteamsim.recording.hazard_messages import BURNING_VALUE, BURNT_OUT_VALUE, fire_cells, smoke_cells
+from robotteamsim.recording.topics.world import BURNING_VALUE, BURNT_OUT_VALUE, fire_cells, smoke_cells
 from robotteamsim.view.layer_map import MAX_CELLS, LayerMap
 
 _NOTHING, _HOT, _BURNT_OUT, _BURNING = range(4)
@@ -15,7 +15,7 @@ SMOKE_S = 5.0
 """Time between smoke maps in a recording [s]."""
 
 _SMOKE_STEP = 4
-"""Smoke is kept in steps of 4 % of its range, which cannot be told apart in the page."""
+"""Smoke is kept in steps of 4 % of its range, which look the same in the page."""
 
 
 def fire_layer(time_s: float, field: HazardField) -> LayerMap:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from concurrent.futures import Future
 from typing import Annotated, Any
 
@@ -14,7 +14,7 @@ import msgspec
 from robotteamsim.hazards import HazardField
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Simulation, StepRecord
-from robotteamsim.view.columns import header
+from robotteamsim.view.columns import header, map_document
 from robotteamsim.view.frame import Frame, ShownEvent, enclosed_of, fallen_of, frame_of, shown_events, victim_shapes
 from robotteamsim.view.hazard_layers import fire_layer, smoke_layer
 from robotteamsim.view.layer_map import LayerMap, layer_map
@@ -124,27 +124,30 @@ class Subscription:
     def __init__(self, viewer: int, first: Update) -> None:
         self.viewer = viewer
         self.layers = FIRST_LAYERS
-        self._sent: dict[str, LayerMap] = {}
+        self._sent: set[str] = set()  # names of the maps that this viewer has
         self._pending: Update | None = None
         self._changed = threading.Condition()
-        self.send(first, {})
+        self.send(first, {}, ())
 
-    def send(self, update: Update, maps: Mapping[str, LayerMap]) -> None:
-        """Add an update, with those maps that this viewer shows and does not have, and with scans if it shows them."""
+    def send(self, update: Update, maps: Mapping[str, LayerMap], changed: Collection[str]) -> None:
+        """Add an update, with those maps that this viewer shows and does not have, and with scans if it shows them.
+
+        Args: changed: names of the maps that differ from those of the last call.
+        """
         if update.restarted:
-            self._sent = {}
-        new = {name: layer for name, layer in maps.items() if name in self.layers and self._sent.get(name) is not layer}
-        self._sent |= new
+            self._sent = set()
+        new = [name for name in maps if name in self.layers and (name in changed or name not in self._sent)]
+        self._sent.update(new)
         frames = update.frames
         if "laser" not in self.layers:
             frames = [msgspec.structs.replace(frame, scans_m=()) if frame.scans_m else frame for frame in frames]
-        layers = {name: plain_layer(layer) for name, layer in new.items()}
+        layers = {name: map_document(name, maps[name]) for name in new}
         self.put(msgspec.structs.replace(update, frames=frames, layers=layers, viewer=self.viewer))
 
     def show(self, layers: frozenset[str]) -> None:
         """Choose the layers; maps of those that were hidden are sent again."""
         self.layers = layers
-        self._sent = {name: layer for name, layer in self._sent.items() if name in layers}
+        self._sent &= layers
 
     def put(self, update: Update) -> None:
         """Add an update to those that wait."""
@@ -222,7 +225,7 @@ class LiveMission:
         scenario = simulation.scenario  # with the places of random victims
         simulation.mission.start()
         self._simulation, self._coverage = simulation, RadioCoverage(scenario)
-        recording = Recording(scene_of(scenario), f"{scenario.name}, seed {scenario.run.seed}")
+        recording = Recording(scene_of(simulation.setup), f"{scenario.name}, seed {scenario.run.seed}")
         self._header = header(recording)
         self._events: list[ShownEvent] = []
         self._fallen: frozenset[str] = frozenset()
@@ -262,7 +265,7 @@ class LiveMission:
     def _answer(self, command: Command, done: Future[None]) -> None:
         try:
             self._execute(command)
-        except Exception as error:  # whatever is wrong with a command, the mission goes on
+        except Exception as error:  # the mission continues after any wrong command
             done.set_exception(error)
             return
         self._send()
@@ -297,7 +300,7 @@ class LiveMission:
                 self._begin(seed)
                 with self._lock:
                     for subscription in self._subscriptions:
-                        subscription.send(self._first_update(), {})
+                        subscription.send(self._first_update(), {}, ())
 
     def _step(self) -> None:
         if self._record.mission.state == "ended":
@@ -317,12 +320,12 @@ class LiveMission:
         if frame.time_s == self._frames[-1].time_s:
             self._frames.pop()
         self._frames.append(msgspec.structs.replace(frame, scans_m=()))
-        self._update_maps()
+        changed = self._update_maps()
         update = Update(self._status(), self._events[self._sent_events :], [frame], {})
         self._sent_events = len(self._events)
         with self._lock:
             for subscription in self._subscriptions:
-                subscription.send(update, self._maps)
+                subscription.send(update, self._maps, changed)
 
     def _frame_of(self, record: StepRecord) -> Frame:
         """Return the frame of the last step, with what was changed by commands since then."""
@@ -340,13 +343,13 @@ class LiveMission:
         with self._lock:
             return frozenset[str]().union(*(subscription.layers for subscription in self._subscriptions))
 
-    def _update_maps(self) -> None:
-        """Compute the maps that somebody shows and that have changed."""
-        wanted, maps = self._wanted(), self._maps
-        time_s, environment = self._record.sim_time_s, self._simulation.environment
-        if "voice" in wanted and environment.voice.changes != self._voice_changes:
-            self._voice_changes = environment.voice.changes
-            maps["voice"] = layer_map(time_s, environment.voice_map())
+    def _update_maps(self) -> Collection[str]:
+        """Compute the maps that somebody shows and that have changed; return their names."""
+        wanted, maps = self._wanted(), dict[str, LayerMap]()
+        time_s, voice = self._record.sim_time_s, self._simulation.hearing.sensor
+        if "voice" in wanted and voice.version != self._voice_changes:
+            self._voice_changes = voice.version
+            maps["voice"] = layer_map(time_s, voice.map())
         if "radio" in wanted and time_s - self._radio_s >= _RADIO_SIM_S:
             self._radio_s = time_s
             coverage = self._coverage.at(self._frames[-1])
@@ -355,6 +358,8 @@ class LiveMission:
         if hazards is not None and not wanted.isdisjoint(FIRST_LAYERS):
             self._hazards = None
             maps |= {"fire": fire_layer(time_s, hazards), "smoke": smoke_layer(time_s, hazards)}
+        self._maps |= maps
+        return maps.keys()
 
     def _status(self) -> dict[str, Any]:
         return {
@@ -369,16 +374,3 @@ class LiveMission:
         return Update(
             self._status(), self._events[: self._sent_events], list(self._frames), {}, restarted=True, **self._header
         )
-
-
-def plain_layer(layer: LayerMap) -> dict[str, Any]:
-    """Return a map as plain values for JSON, rounded to 1 dB."""
-    rows, columns = layer.values.shape
-    return {
-        "time_s": layer.time_s,
-        "origin_m": layer.origin_m,
-        "cell_m": layer.cell_m,
-        "rows": rows,
-        "columns": columns,
-        "values": layer.values.clip(-200.0, 200.0).round().astype(int).ravel().tolist(),
-    }

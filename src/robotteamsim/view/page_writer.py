@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from robotteamsim.recording.files import check_replaceable, write_atomically
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, Simulation
 from robotteamsim.view.html import mission_page
 from robotteamsim.view.recorder import FrameRecorder
@@ -18,7 +18,7 @@ class PageWriter(FrameRecorder):
         super().__init__(simulation)
         self._path = path
 
-    def begin(self, scenario: Scenario) -> None:
+    def begin(self, setup: Setup) -> None:
         """Raises: RecordingError: the file cannot be written."""
         check_replaceable(self._path)
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.simulation import Result, Simulation, StepRecord
+from robotteamsim.simulation import Observer, Simulation, StepRecord
 from robotteamsim.view.frame import Frame, ShownEvent, fallen_of, frame_of, shown_events
 from robotteamsim.view.hazard_layers import HazardMaps, fire_layer, smoke_layer
 from robotteamsim.view.layer_map import MAX_CELLS, LayerMap, layer_map
@@ -40,7 +40,7 @@ class Recording:
     hazards: HazardMaps = field(default_factory=HazardMaps)
 
 
-class FrameRecorder:
+class FrameRecorder(Observer):
     """Observes a simulation and keeps its frames in `recording`."""
 
     def __init__(self, simulation: Simulation) -> None:
@@ -53,10 +53,7 @@ class FrameRecorder:
         self._fallen: frozenset[str] = frozenset()
         self._has_scans = scenario.num_robots <= MOST_SCANNED
         title = f"{scenario.name}, seed {scenario.run.seed}, {scenario.voice.noise_db:g} dB"
-        self.recording = Recording(scene_of(scenario), title)
-
-    def begin(self, scenario: Scenario) -> None:
-        """Do nothing: the recording begins with the first step."""
+        self.recording = Recording(scene_of(simulation.setup), title)
 
     def step(self, record: StepRecord) -> None:
         """Keep the frame of a step, if one is due, and its events."""
@@ -75,12 +72,6 @@ class FrameRecorder:
         found.frames.append(frame)
         if index % self._every_radio == 0:
             found.radio += self._coverage.at(frame)
-
-    def end(self, result: Result) -> None:
-        """Do nothing: the recording is complete."""
-
-    def abandon(self) -> None:
-        """Do nothing."""
 
 
 class RadioCoverage:

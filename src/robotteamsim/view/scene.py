@@ -13,7 +13,7 @@ from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import OCCUPIED, Corners, OccupancyGrid, bay_lines, door_corners, solids
 from robotteamsim.scenario.scenario import Role, Scenario
 from robotteamsim.scenario.sections import PlacedRobot
-from robotteamsim.world.placement import placed_robots
+from robotteamsim.setup import Setup, resolve
 
 _GRID_WALL_HEIGHT_M = 1.0
 """Height of walls that are known only from an occupancy grid."""
@@ -100,9 +100,9 @@ class Scene(msgspec.Struct, frozen=True):
     exits: tuple[AreaShape, ...] = ()
 
 
-def scene_of(scenario: Scenario) -> Scene:
+def scene_of(setup: Setup) -> Scene:
     """Return the scene of a scenario."""
-    plan = scenario.plan
+    scenario, plan = setup.scenario, setup.plan
     return Scene(
         title=scenario.name,
         bounds=(*plan.bounds.min, *plan.bounds.max),
@@ -112,7 +112,7 @@ def scene_of(scenario: Scenario) -> Scene:
         areas=tuple(AreaShape(area.name, area.center, area.radius_m) for area in scenario.mission.areas),
         robots=tuple(
             _robot(scenario.name_of(i).removeprefix("the ").replace(" ", "_"), i, robot, scenario.role_of(i))
-            for i, robot in enumerate(placed_robots(scenario))
+            for i, robot in enumerate(setup.robots)
         ),
         objects=tuple(
             ObjectShape(
@@ -143,7 +143,7 @@ def _victim_states(scenario: Scenario) -> tuple[str, ...]:
 def scene_of_run(run: RecordedRun, scenario: Scenario | None) -> Scene:
     """Return the scene of a recorded run: its areas and robots, in the building of a scenario or of the bag's map."""
     if scenario is not None:
-        known = scene_of(scenario)
+        known = scene_of(resolve(scenario))
         bounds, walls, doors, bays = known.bounds, known.solids, known.doors, known.bays
     else:
         bounds, walls, doors, bays = _bounds(run), _grid_solids(run.grid), (), ()

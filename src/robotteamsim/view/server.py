@@ -19,6 +19,7 @@ _COMMANDS: msgspec.json.Decoder[AnyCommand] = msgspec.json.Decoder(AnyCommand)
 _KEEP_ALIVE_S = 5.0
 
 
+# aiohttp or starlette would save few of these lines, and need an event loop next to the threads of missions.
 class ViewServer(ThreadingHTTPServer):
     """Answers browsers of this machine."""
 
@@ -125,6 +126,6 @@ def _execute(mission: LiveMission, text: bytes) -> str:
         mission.execute(_COMMANDS.decode(text))
     except (msgspec.ValidationError, msgspec.DecodeError, RobotTeamSimError, ValueError) as error:
         return str(error)
-    except Exception as error:  # whatever a mission raises is shown in the page
+    except Exception as error:  # any error of a mission is shown in the page
         return f"{type(error).__name__}: {error}"
     return ""

@@ -1,4 +1,4 @@
-"""What all worlds have in common: time, schedule, presence, and checks of poses and names."""
+"""What all worlds have in common: time, presence, and checks of poses and names."""
 
 from __future__ import annotations
 
@@ -9,12 +9,13 @@ from typing import Protocol
 
 import numpy as np
 
-from robotteamsim.errors import PlacementError
+from robotteamsim import _core
+from robotteamsim.errors import CameraError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
-from robotteamsim.scenario.schedule import ScheduledEvent, Upcoming
 from robotteamsim.scenario.sections import PlacedRobot, Run
+from robotteamsim.scenario.sensors import Camera, LightSensor
 from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorState, DoorStates, LeafMotion
 from robotteamsim.world.free_space import FreeSpace, Occupants
@@ -49,14 +50,8 @@ class Physics(Protocol):
     def poses(self) -> np.ndarray:
         """Return the poses of the robots."""
 
-    def twists(self) -> np.ndarray:
-        """Return their mean velocities in the last step."""
-
-    def motions(self) -> np.ndarray:
-        """Return their motions in the last step."""
-
-    def in_contact(self) -> np.ndarray:
-        """Return whether each touched something in the last step."""
+    def team(self) -> _core.world.TeamMotion:
+        """Return their last step."""
 
     def contact_angles(self) -> dict[int, tuple[float, ...]]:
         """Return the directions of contacts, by id."""
@@ -96,7 +91,7 @@ class Physics(Protocol):
 
 
 class BaseWorld(ABC):
-    """What all worlds have in common: time, schedule, checks of poses and names. See `AnyWorld` for its contract.
+    """What all worlds have in common: time, checks of poses and names. See `AnyWorld` for its contract.
 
     A subclass adds the physics.
     """
@@ -108,12 +103,9 @@ class BaseWorld(ABC):
         run: Run,
         *,
         objects: Sequence[MovableObject] = (),
-        schedule: Sequence[ScheduledEvent] = (),
     ) -> None:
         """Place the robots at their start poses, in id order.
 
-        Args:   schedule: robots that leave and arrive by themselves, and doors that open and close; a robot whose
-                    place is occupied arrives when it is free. Noise and victims are not part of the world.
         Raises: PlacementError: a robot or object starts in a wall, block, closed door, robot or object, or outside.
         """
         self.plan = plan
@@ -124,10 +116,10 @@ class BaseWorld(ABC):
         self._door_ids = {door.name: index for index, door in enumerate(plan.doors)}
         self._doors = DoorStates.at_start(plan)
         self._start_poses = [Pose(*robot.start_pose) for robot in self._robots]
-        self._schedule = tuple(schedule)
         self._free_space.check_start_poses(self._doors)
         check_objects(plan, self._objects, self._robots)
         self._physics = self._make_physics(run)
+        self.team_version = 0
         self._have_leaves = any(door.motion != "instant" for door in plan.doors)
         self._begin()
 
@@ -151,12 +143,15 @@ class BaseWorld(ABC):
 
     def step(self, twists: Sequence[Twist] | np.ndarray) -> None:
         """See `AnyWorld.step`."""
-        self._follow_schedule()
         self._physics.step(twists)
         self.step_index += 1
         self.sim_time_ns += self._step_ns
         if self._have_leaves:
             self._update_doors()
+
+    def team(self) -> _core.world.TeamMotion:
+        """See `AnyWorld.team`."""
+        return self._physics.team()
 
     def poses(self) -> list[Pose]:
         """See `AnyWorld.poses`."""
@@ -168,15 +163,15 @@ class BaseWorld(ABC):
 
     def twists(self) -> list[Twist]:
         """See `AnyWorld.twists`."""
-        return [Twist(*row) for row in self._physics.twists().tolist()]
+        return [Twist(*row) for row in self.team().twists.tolist()]
 
     def motions(self) -> list[Pose]:
         """See `AnyWorld.motions`."""
-        return [Pose(*row) for row in self._physics.motions().tolist()]
+        return [Pose(*row) for row in self.team().motions.tolist()]
 
     def in_contact(self) -> list[bool]:
         """See `AnyWorld.in_contact`."""
-        in_contact: list[bool] = self._physics.in_contact().tolist()
+        in_contact: list[bool] = self.team().in_contact.tolist()
         return in_contact
 
     def contact_angles_rad(self) -> dict[int, tuple[float, ...]]:
@@ -261,6 +256,14 @@ class BaseWorld(ABC):
         """See `AnyWorld.set_light`."""
         raise ValueError(f"unknown light '{name}'; known: none")
 
+    def illuminance_lx(self, robot_id: int, sensor: LightSensor) -> float:
+        """See `AnyWorld.illuminance_lx`."""
+        return 0.0
+
+    def image(self, robot_id: int, camera: Camera) -> np.ndarray:
+        """See `AnyWorld.image`."""
+        raise CameraError(f"robots.cameras: '{camera.name}' needs run.world mujoco")
+
     def reset_positions(self) -> None:
         """See `AnyWorld.reset_positions`."""
         for robot_id, pose in enumerate(self._start_poses):
@@ -277,39 +280,20 @@ class BaseWorld(ABC):
     def _begin(self) -> None:
         self.step_index = 0
         self.sim_time_ns = 0
-        self._upcoming = Upcoming(self._schedule, ("remove", "spawn", "door", "light"))
-        self._waiting: list[ScheduledEvent] = []
-        """Spawns that are due, of robots whose place is occupied."""
         self.mishaps = _NO_MISHAPS
         self.loads = _NO_LOADS
         self._update_presence()
 
     def _update_presence(self) -> None:
-        present = self._physics.present()
-        self.present: np.ndarray | None = None if present.all() else present
+        self.present = self._physics.present()
         self.arrivals = tuple(self._physics.arrivals())
+        self.team_version += 1
 
     def _is_present(self, robot_id: int) -> bool:
         """Raises: ValueError: no such robot."""
         if not 0 <= robot_id < self.num_robots:
             raise ValueError(f"robot_id must be in 0..{self.num_robots - 1}, got {robot_id}")
-        return self.present is None or bool(self.present[robot_id])
-
-    def _follow_schedule(self) -> None:
-        """Apply the events that are due; those that no longer apply are skipped."""
-        due, self._waiting = self._waiting + self._upcoming.due(self.sim_time_ns), []
-        for event in due:
-            if event.door is not None:
-                self.set_door(event.door, bool(event.closed))
-            elif event.light is not None:
-                self.set_light(event.light, bool(event.lit))
-            elif event.remove is not None and self._is_present(event.remove):
-                self.remove_robot(event.remove)
-            elif event.spawn is not None and not self._is_present(event.spawn):
-                try:
-                    self.spawn_robot(event.spawn, event.pose and Pose(*event.pose))
-                except PlacementError:
-                    self._waiting.append(event)
+        return bool(self.present[robot_id])
 
     def _occupants(self) -> Occupants:
         """Return the current positions of robots, objects and leaves."""

@@ -1,14 +1,12 @@
 """The contract of worlds: what everybody who uses a world relies on, whichever engine computes its physics.
 
-`test/python/world/conformance` tests each world against it. Simulations, sensors, the ROS node `world` and the viewer
-use only these members.
+`test/python/world/conformance` tests each world against it. Simulations, sensors, the ROS nodes and the viewer use
+only these members.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Literal, Protocol
 
 import numpy as np
@@ -18,51 +16,11 @@ from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.sensors import Camera, LightSensor
+from robotteamsim.scenario.sensors.base import Fan
 from robotteamsim.world.doors import DoorStates
 
 Mishap = Literal["tipped_over", "left_world"]
 """Why a robot cannot go on: it lies on its side or back, or it has left the world."""
-
-
-@dataclass(frozen=True, eq=False)
-class Fan:
-    """Beams from one point of a robot, parallel to its floor.
-
-    angles_rad: of the beams in base_link, float64, shape (beams,).
-    forward_m, left_m, height_m: their origin in base_link.
-    range_max_m: where they end.
-    """
-
-    angles_rad: np.ndarray
-    forward_m: float
-    left_m: float
-    height_m: float
-    range_max_m: float
-
-    @cached_property
-    def directions(self) -> np.ndarray:
-        """The beams as unit vectors in base_link, float64, shape (beams, 3)."""
-        return np.column_stack((np.cos(self.angles_rad), np.sin(self.angles_rad), np.zeros(len(self.angles_rad))))
-
-
-class Scene(Protocol):
-    """What sensors measure in a world of bodies with heights."""
-
-    def ranges_m(self, robot_id: int, fan: Fan) -> np.ndarray:
-        """Return how far each beam of a robot reaches, float64, shape (beams,) [m]; inf without a return.
-
-        Walls, doors, objects, the floor and other robots return a beam; the robot itself does not. An absent robot gets
-        no returns.
-        """
-
-    def illuminance_lx(self, robot_id: int, sensor: LightSensor) -> float:
-        """Return what one of a robot's light sensors measures [lx]; 0 for an absent robot."""
-
-    def image(self, robot_id: int, camera: Camera) -> np.ndarray:
-        """Return what one of a robot's cameras sees, in the form of `FurtherReadings.images`.
-
-        Raises: CameraError: nothing can be drawn on this computer.
-        """
 
 
 class AnyWorld(Protocol):
@@ -84,16 +42,18 @@ class AnyWorld(Protocol):
     """Number of steps since the start."""
     sim_time_ns: int
     """Time since the start [ns]."""
-    present: np.ndarray | None
-    """Whether each robot is present, bool, shape (n,); None if all are. The same object until that changes."""
+    team_version: int
+    """Increases with each change of `present`, `arrivals`, `mishaps` and `loads`."""
+    present: np.ndarray
+    """Whether each robot is present, bool, shape (n,)."""
     arrivals: tuple[int, ...]
-    """Number of arrivals of each robot, including the start; the same object until a robot arrives or leaves."""
+    """Number of arrivals of each robot, including the start."""
     mishaps: Mapping[int, Mishap]
-    """Robots that lie on their side or have left the world, by id; the same object until that changes. Such robots do
-    not end a mission. A robot that has left is absent; it may be spawned again."""
+    """Robots that lie on their side or have left the world, by id. Such robots do not end a mission. A robot that has
+    left is absent; it may be spawned again."""
 
     loads: Mapping[int, str]
-    """Names of the objects that robots hold, by the robots' ids; the same object until that changes."""
+    """Names of the objects that robots hold, by the robots' ids."""
 
     @property
     def num_robots(self) -> int:
@@ -103,16 +63,36 @@ class AnyWorld(Protocol):
     def step_ns(self) -> int:
         """Length of a step [ns]."""
 
-    @property
-    def scene(self) -> _core.world.World | Scene:
-        """What sensors scan: the C++ world of Box2D, in the plane, or a scene in three dimensions."""
+    def cast(self, fan: Fan, robot_ids: Sequence[int]) -> np.ndarray:
+        """Return how far the beams of some robots reach, float64, shape (robots, beams) [m]; inf without a return.
+
+        Walls, doors, objects and other robots return a beam, and so do floors in a world with heights; the robot itself
+        does not. An absent robot gets no returns.
+        """
+
+    def illuminance_lx(self, robot_id: int, sensor: LightSensor) -> float:
+        """Return what one of a robot's light sensors measures [lx]; 0 for an absent robot and without lights."""
+
+    def image(self, robot_id: int, camera: Camera) -> np.ndarray:
+        """Return what one of a robot's cameras sees, in the form of `FurtherReadings.images`.
+
+        Raises: CameraError: nothing can be drawn on this computer or in this world.
+        """
 
     def step(self, twists: Sequence[Twist] | np.ndarray) -> None:
         """Advance by one step with one command per robot, in id order.
 
-        Scheduled events that are due happen first. The command of an absent robot is ignored.
+        The command of an absent robot is ignored.
         Args:   twists: as an array float64, shape (n, 3): forward, left [m/s], counter-clockwise [rad/s].
         Raises: ValueError: the number of twists is wrong, or one is not finite; then nothing has moved.
+        """
+
+    def team(self) -> _core.world.TeamMotion:
+        """Return the last step of all robots as arrays in id order; see the methods with these names.
+
+        poses, motions: float64, shape (n, 3): x, y [m], yaw [rad].
+        twists:         float64, shape (n, 3): forward, left [m/s], counter-clockwise [rad/s].
+        in_contact:     bool, shape (n,).
         """
 
     def poses(self) -> list[Pose]:

@@ -10,6 +10,7 @@ from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import Corners, Solid, door_corners, solids
 from robotteamsim.scenario.sections import PlacedRobot
+from robotteamsim.scenario.sensors.base import Fan
 
 MAX_CORNERS = 8
 """Box2D's limit for polygons."""
@@ -71,6 +72,18 @@ def core_object(obj: MovableObject) -> _core.world.MovableObject:
         friction=obj.friction,
         start=Pose(*obj.pose),
         corners_m=obj.corners_m,
+    )
+
+
+def core_fan(fan: Fan) -> _core.world.Fan:
+    """Return a fan in the plane."""
+    return _core.world.Fan(
+        beams=fan.beams,
+        angle_min_rad=fan.angle_min_rad,
+        angle_max_rad=fan.angle_max_rad,
+        forward_m=fan.forward_m,
+        left_m=fan.left_m,
+        range_max_m=fan.range_max_m,
     )
 
 

@@ -70,16 +70,16 @@ class DoorStates(Mapping[str, DoorState]):
         """Return whether each door is closed, by name, in the plan's order."""
         return {name: state.closed for name, state in self._states.items()}
 
-    def with_door(self, name: str, closed: bool) -> DoorStates:
-        """Return these doors with one completely closed or open; the version is that of no world."""
-        return DoorStates(self._states | {name: DoorState(closed, 0.0 if closed else 1.0)})
-
     def changes_since(self, before: DoorStates) -> list[DoorChange]:
         """Return the doors whose state differs from an earlier one, in the plan's order."""
         if self.version == before.version != UNVERSIONED:
             return []
         pairs = [DoorChange(name, before[name], state) for name, state in self._states.items()]
         return [change for change in pairs if change.now != change.before]
+
+    def closed_since(self, before: DoorStates) -> dict[str, bool]:
+        """Return whether each door is closed that has been closed or opened since earlier states, by name."""
+        return {name: now.closed for name, then, now in self.changes_since(before) if now.closed != then.closed}
 
 
 def leaf_outline(door: Door, state: DoorState) -> Corners | None:

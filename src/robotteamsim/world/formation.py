@@ -11,8 +11,9 @@ import shapely
 from robotteamsim import _core
 from robotteamsim.errors import PlacementError
 from robotteamsim.scenario.base import PlanarPose
+from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.plan import FREE, obstacles, occupancy_grid
+from robotteamsim.scenario.plan import FREE, obstacles
 from robotteamsim.scenario.sections import Team
 from robotteamsim.world.clearance import Solids, check_inside, overlaps, point_text
 
@@ -25,7 +26,7 @@ _MAX_REACH_CELLS = 2000
 
 
 def formation(
-    plan: FloorPlan,
+    building: Building,
     team: Team,
     taken: list[PlanarPose],
     *,
@@ -43,9 +44,9 @@ def formation(
             section: key of the team, for errors.
     Raises: PlacementError: the start itself is not free, or there is not enough room.
     """
-    start = team.start or team.start_poses[0]
+    plan, start = building.plan, team.start or team.start_poses[0]
     wanted = team.count - len(taken)
-    room = _Room(plan, start, team, [*taken, *others], section)
+    room = _Room(building, start, team, [*taken, *others], section)
     return (_spiral if team.formation == "spiral" else _square)(plan, team, room, start, wanted)
 
 
@@ -103,9 +104,9 @@ class _Room:
     """The places where a robot of the team fits and that it can reach from the start."""
 
     def __init__(
-        self, plan: FloorPlan, start: PlanarPose, team: Team, taken: Sequence[PlanarPose], section: str
+        self, building: Building, start: PlanarPose, team: Team, taken: Sequence[PlanarPose], section: str
     ) -> None:
-        self.section = section
+        self.section, plan = section, building.plan
         key = f"{section}.start" if team.start else f"{section}.start_poses.0"
         check_inside(plan, key, start[:2])
         hit = Solids(plan).under_robot(team, start)
@@ -117,7 +118,7 @@ class _Room:
         self._taken = shapely.MultiPoint([pose[:2] for pose in taken])
         self._bounds = plan.bounds
         longest_m = max(high - low for low, high in zip(plan.bounds.min, plan.bounds.max, strict=True))
-        self._grid = occupancy_grid(plan, max(_REACH_RESOLUTION_M, longest_m / _MAX_REACH_CELLS))
+        self._grid = building.grid(max(_REACH_RESOLUTION_M, longest_m / _MAX_REACH_CELLS))
         self._reached = self._reached_from(start)
 
     def has_place(self, points: np.ndarray) -> np.ndarray:

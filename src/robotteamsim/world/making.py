@@ -16,10 +16,10 @@ def make_world(scenario: Scenario, robots: Sequence[PlacedRobot]) -> AnyWorld:
     Raises: PlacementError: a robot or object has no room.
             ModuleNotFoundError: the package that computes this world is not installed; see `robotteamsim.extras`.
     """
-    plan, run, objects, schedule = scenario.plan, scenario.run, scenario.objects, scenario.schedule
+    plan, run, objects = scenario.plan, scenario.run, scenario.objects
     if run.world == "box2d":
-        return World(plan, robots, run, objects=objects, schedule=schedule)
+        return World(plan, robots, run, objects=objects)
     # MuJoCo is an extra, and its import takes a while.
     from robotteamsim.world.mujoco.world import MujocoWorld
 
-    return MujocoWorld(plan, robots, run, objects=objects, schedule=schedule)
+    return MujocoWorld(plan, robots, run, objects=objects)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import math
 from collections.abc import Collection, Mapping, Sequence
 from typing import Literal
@@ -12,15 +11,14 @@ import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.scenario.base import Point
-from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.plan import FREE, occupancy_grid
+from robotteamsim.scenario.building import Building, Doors
+from robotteamsim.scenario.plan import FREE
 from robotteamsim.scenario.rescue import PeopleTuning
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.schedule import Upcoming
+from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.victims import Victim
 from robotteamsim.world.core_parts import core_solids
 from robotteamsim.world.doors import DoorStates
-from robotteamsim.world.placement import placed_robots
 from robotteamsim.world.walking import Walk
 
 Motion = Literal["stands", "walks", "enclosed"]
@@ -37,7 +35,7 @@ _TRAIL_STEP_M = 0.3
 """Distance between the places of a firefighter that followers keep in mind."""
 
 
-class PersonState(msgspec.Struct, frozen=True, gc=False):
+class PersonState(msgspec.Struct, frozen=True):
     """Where a person is, in `map` [m].
 
     motion: walks: on their own, to an exit or along their path; enclosed: would flee, but no path to an exit is open.
@@ -63,23 +61,24 @@ class _Person:
 class People:
     """Moves all people of a trial, the victims, after each step of the world.
 
-    Who flees or follows walks by the collision-free speed model, around robots, firefighters and each other. Those who
-    have a `path` or `wander` walk along it. Positions become known to others every `mission.walk_update_s`.
+    People who flee or follow move by the collision-free speed model, around robots, firefighters and each other. Those
+    who have a `path` or `wander` walk along it. Positions become known to others every `mission.walk_update_s`.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, robots: Sequence[PlacedRobot], building: Building) -> None:
         mission = scenario.mission
-        self._plan, self._tuning = scenario.plan, scenario.people
+        self._building, self._tuning = building, scenario.people
         self._exits_m = tuple(way_out.center for way_out in mission.exits)
         self._seed = scenario.run.seed
         self._step_ns = scenario.run.step_ns
         self._update_ns = round(mission.walk_update_s * 1e9)
         self._updates = -1
-        self._reaches_m = np.array([robot.reach_m for robot in placed_robots(scenario)])
+        self._reaches_m = np.array([robot.reach_m for robot in robots])
         self._crowd = _core.world.Crowd(*core_solids(scenario.plan), crowd_parameters(scenario.people))
-        self._upcoming = Upcoming(scenario.schedule, ("victim",))
         self._persons = {victim.name: self._person(victim) for victim in mission.victims}
         self._states: tuple[PersonState, ...] = ()
+        self.version = 0
+        """Number of updates of `states`."""
         self._hot: tuple[Block, ...] = ()
         self._doors = DoorStates.at_start(scenario.plan)
         self._find_grid()
@@ -91,7 +90,7 @@ class People:
 
     @property
     def states(self) -> tuple[PersonState, ...]:
-        """The people as of the last update; the same object until the next one."""
+        """The people as of the last update."""
         return self._states
 
     @property
@@ -113,12 +112,8 @@ class People:
               helpers:  who carries or leads whom: id of a firefighter by name of a person.
               settled:  names of people who no longer move, because they are safe, dead, or being picked up.
         """
-        for event in self._upcoming.due(sim_time_ns - self._step_ns):
-            assert event.victim is not None
-            assert event.position is not None
-            self.place(event.victim, event.position)
-        if doors is not self._doors:
-            self._doors = doors
+        changed, self._doors = doors.changes_since(self._doors), doors
+        if changed:
             self._find_grid()
         grid = self._grid
         walkers: list[tuple[_Person, Point]] = []
@@ -138,6 +133,7 @@ class People:
         updates = sim_time_ns // self._update_ns
         if updates != self._updates:
             self._updates = updates
+            self.version += 1
             self._states = tuple(
                 PersonState(name, person.position, person.motion) for name, person in self._persons.items()
             )
@@ -163,10 +159,11 @@ class People:
         self._persons[name] = self._person(Victim(name=name, position=position_m))
 
     def _find_grid(self) -> None:
-        self._grid = _grid(self._plan, self._tuning.radius_m, tuple(self._doors.closed().items()), self._hot)
+        doors = tuple(self._doors.closed().items())
+        self._grid = self._building.shared(_Grid, self._tuning.radius_m, doors, self._hot)
 
     def _person(self, victim: Victim) -> _Person:
-        return _Person(victim, Walk(self._plan, victim, self._seed) if victim.walks else None)
+        return _Person(victim, Walk(self._building.plan, victim, self._seed) if victim.walks else None)
 
     def _target(self, person: _Person, sim_time_ns: int, grid: _Grid, helper_m: np.ndarray | None) -> Point | None:
         """Return where a person walks by the model; None: they do not, and have been moved if they move otherwise."""
@@ -223,10 +220,8 @@ class People:
 class _Grid:
     """The free floor for a person's body, and paths to exits."""
 
-    def __init__(
-        self, plan: FloorPlan, radius_m: float, closed: tuple[tuple[str, bool], ...], hot: tuple[Block, ...]
-    ) -> None:
-        occupancy = occupancy_grid(plan, _CELL_M, dict(closed))
+    def __init__(self, building: Building, radius_m: float, doors: Doors, hot: tuple[Block, ...]) -> None:
+        occupancy = building.grid(_CELL_M, doors)
         blocked = occupancy.cells != FREE
         for row, column in hot:
             rows, columns = (slice(index * _PER_BLOCK, (index + 1) * _PER_BLOCK) for index in (row, column))
@@ -247,10 +242,6 @@ class _Grid:
         """Whether a person can walk to a place in a straight line."""
         start = self._core.nearest_free(position, 0.5)
         return start is not None and self._core.is_line_free(start, place)
-
-
-# Trials of a campaign share the grids, which take some 30 ms.
-_grid = functools.lru_cache(maxsize=16)(_Grid)
 
 
 def crowd_parameters(tuning: PeopleTuning) -> _core.world.CrowdParameters:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import itertools
 import math
 from collections.abc import Iterator, Sequence
@@ -11,6 +10,7 @@ from typing import NamedTuple
 
 from robotteamsim.errors import PlacementError
 from robotteamsim.scenario.base import PlanarPose, Point
+from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.firefighters import Firefighters, centre_body
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
@@ -36,7 +36,7 @@ class _Members(NamedTuple):
         return cls(scenario.robots, scenario.firefighters, centre if isinstance(centre, tuple) else None)
 
 
-def placed_robots(scenario: Scenario) -> tuple[PlacedRobot, ...]:
+def placed_robots(scenario: Scenario, building: Building) -> tuple[PlacedRobot, ...]:
     """Return every member of the team with its start pose, in id order: robots, firefighters, command centre.
 
     A team takes its `start_poses` first; the others are in its formation, see `formation`.
@@ -45,16 +45,17 @@ def placed_robots(scenario: Scenario) -> tuple[PlacedRobot, ...]:
             room; one line with file or --set, key and value.
     """
     with _blamed(scenario):
-        return _placed(scenario.plan, _Members.of(scenario))
+        return building.shared(_placed, _Members.of(scenario))
 
 
-def check_places(scenario: Scenario) -> None:
+def check_places(scenario: Scenario, building: Building) -> None:
     """Check that all robots, objects, areas and victims of a scenario have room in its plan.
 
     Raises: PlacementError: one line with file or --set, key, value and the obstacle.
     """
     with _blamed(scenario):
-        _check(scenario.plan, _Members.of(scenario), scenario.mission, scenario.objects, scenario.schedule)
+        members = _Members.of(scenario)
+        building.shared(_check, members, scenario.mission, scenario.objects, scenario.schedule)
         _check_walkers(scenario.mission, scenario.people.radius_m)
 
 
@@ -135,14 +136,12 @@ def _blamed(scenario: Scenario) -> Iterator[None]:
         raise PlacementError(scenario.origin.line(str(error), error.key), error.key) from None
 
 
-# Cached, because all trials of a cell need the same formation, which takes 40 ms in the garage.
-@functools.lru_cache(maxsize=16)
-def _placed(plan: FloorPlan, members: _Members) -> tuple[PlacedRobot, ...]:
-    robots, firefighters, centre = members
-    placed = _placed_team(plan, robots, "robots") if isinstance(robots, Team) else _checked_list(plan, robots)
+def _placed(building: Building, members: _Members) -> tuple[PlacedRobot, ...]:
+    plan, (robots, firefighters, centre) = building.plan, members
+    placed = _placed_team(building, robots, "robots") if isinstance(robots, Team) else _checked_list(plan, robots)
     if firefighters is not None:
         others = [robot.start_pose for robot in placed]
-        placed += _placed_team(plan, firefighters, "firefighters", others)
+        placed += _placed_team(building, firefighters, "firefighters", others)
     if centre is not None:
         body = centre_body(centre)
         _check_poses(plan, [body.start_pose], [body], ["command_centre"], "the command centre")
@@ -157,28 +156,27 @@ def _checked_list(plan: FloorPlan, robots: tuple[PlacedRobot, ...]) -> tuple[Pla
 
 
 def _placed_team(
-    plan: FloorPlan, team: Team, section: str, others: Sequence[PlanarPose] = ()
+    building: Building, team: Team, section: str, others: Sequence[PlanarPose] = ()
 ) -> tuple[PlacedRobot, ...]:
     poses = list(team.start_poses[: team.count])
-    _check_poses(plan, poses, [team] * len(poses), [f"{section}.start_poses.{i}" for i in range(len(poses))])
+    _check_poses(building.plan, poses, [team] * len(poses), [f"{section}.start_poses.{i}" for i in range(len(poses))])
     if len(poses) < team.count:
-        poses += formation(plan, team, taken=poses, others=others, section=section)
+        poses += formation(building, team, taken=poses, others=others, section=section)
     shared = {key: getattr(team, key) for key in Robot.model_fields}
     at_start = team.count - team.reserve
     return tuple(PlacedRobot(**shared, start_pose=pose, present=i < at_start) for i, pose in enumerate(poses))
 
 
-# Cached for the trials of a campaign.
-@functools.lru_cache(maxsize=16)
 def _check(
-    plan: FloorPlan,
+    building: Building,
     members: _Members,
     mission: Mission,
     objects: tuple[MovableObject, ...],
     schedule: tuple[ScheduledEvent, ...],
 ) -> None:
+    plan = building.plan
     check_mission(plan, mission)
-    placed = _placed(plan, members)
+    placed = building.shared(_placed, members)
     check_objects(plan, objects, placed)
     _check_schedule(plan, schedule, placed)
 

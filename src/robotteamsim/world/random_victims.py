@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import functools
-
 import numpy as np
 
 from robotteamsim import _core, rng
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.base import Point
-from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.plan import FREE, occupancy_grid
+from robotteamsim.scenario.building import Building
+from robotteamsim.scenario.plan import FREE
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.victims import Victim
 from robotteamsim.world.placement import placed_robots
@@ -25,7 +23,7 @@ _NEAR_M = 1.0
 """How far from a start the reachable floor may begin, if the start itself is too close to a wall."""
 
 
-def with_random_victims(scenario: Scenario) -> Scenario:
+def with_random_victims(scenario: Scenario, building: Building) -> Scenario:
     """Return a scenario with the victims of `mission.random_victims` at their places; the same if there are none.
 
     Each is at the centre of a cell, uniformly drawn from all cells that a robot present at the start can reach. The
@@ -37,9 +35,9 @@ def with_random_victims(scenario: Scenario) -> Scenario:
     count, key = scenario.mission.random_victims, "mission.random_victims"
     if count == 0:
         return scenario
-    robots = [robot for robot in placed_robots(scenario) if robot.present]
+    robots = [robot for robot in placed_robots(scenario, building) if robot.present]
     starts = tuple(robot.start_pose[:2] for robot in robots)
-    cells_m = reachable_cells_m(scenario.plan, min(robot.reach_m for robot in robots), starts)
+    cells_m = building.shared(reachable_cells_m, min(robot.reach_m for robot in robots), starts)
     if len(cells_m) < count:
         line = (
             f"{key}: {count} victims, but robots can reach {len(cells_m)} free cells of {CELL_M:g} m from their start"
@@ -54,11 +52,9 @@ def with_random_victims(scenario: Scenario) -> Scenario:
     return scenario.model_copy(update={"mission": mission})
 
 
-# Cached for the trials of a campaign.
-@functools.lru_cache(maxsize=16)
-def reachable_cells_m(plan: FloorPlan, reach_m: float, starts: tuple[Point, ...]) -> np.ndarray:
+def reachable_cells_m(building: Building, reach_m: float, starts: tuple[Point, ...]) -> np.ndarray:
     """Return the centres of all cells that a body of this radius can reach from any start, shape (n, 2), row by row."""
-    occupancy = occupancy_grid(plan, CELL_M)
+    occupancy = building.grid(CELL_M)
     grid = _core.plan.PlanningGrid(occupancy.cells != FREE, occupancy.origin_m, CELL_M, reach_m + MARGIN_M)
     reached = np.zeros(occupancy.cells.shape, dtype=bool)
     for start in starts:

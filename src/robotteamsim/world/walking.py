@@ -53,10 +53,7 @@ class Walk:
 
 
 class Walkers:
-    """The victims of a trial who walk. Environment and mission follow one each, and compute the same positions.
-
-    Nobody, if the world moves the people; see `people.People`.
-    """
+    """The victims of a trial who walk; nobody, if `people.People` moves them."""
 
     def __init__(self, scenario: Scenario) -> None:
         plan, mission, seed = scenario.plan, scenario.mission, scenario.run.seed

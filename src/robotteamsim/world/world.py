@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
+import functools
+from collections.abc import Sequence
+
+import numpy as np
+
 from robotteamsim import _core
+from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.sections import Run
+from robotteamsim.scenario.sensors.base import Fan
 from robotteamsim.world.base_world import BaseWorld
-from robotteamsim.world.core_parts import core_object, core_robot, core_solids
+from robotteamsim.world.core_parts import core_fan, core_object, core_robot, core_solids
 
 
 class World(BaseWorld):
@@ -21,14 +28,17 @@ class World(BaseWorld):
     """
 
     core: _core.world.World
-    """The C++ world, for sensors."""
+    """The C++ world."""
 
-    @property
-    def scene(self) -> _core.world.World:
-        """The C++ world, which sensors scan."""
-        return self.core
+    def cast(self, fan: Fan, robot_ids: Sequence[int]) -> np.ndarray:
+        """See `AnyWorld.cast`."""
+        caster = self._casters.get(fan)
+        if caster is None:
+            caster = self._casters[fan] = _fan_caster(self.plan, fan)
+        return caster.cast(self.core, robot_ids)
 
     def _make_physics(self, run: Run) -> _core.world.World:
+        self._casters: dict[Fan, _core.world.FanCaster] = {}
         still, leaves = core_solids(self.plan)
         bodies, models = [core_robot(robot) for robot in self._robots], [core_object(obj) for obj in self._objects]
         self.core = _core.world.World(still, leaves, bodies, run.step_s, run.physics_substeps, models)
@@ -36,3 +46,9 @@ class World(BaseWorld):
 
     def _add_body(self, obj: MovableObject) -> None:
         self.core.add_object(core_object(obj))
+
+
+# Worlds on one plan share casters, because they store visible edges per cell.
+@functools.lru_cache(maxsize=64)
+def _fan_caster(plan: FloorPlan, fan: Fan) -> _core.world.FanCaster:
+    return _core.world.FanCaster(core_fan(fan), *core_solids(plan))

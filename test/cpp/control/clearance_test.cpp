@@ -15,7 +15,7 @@ namespace {
 const double kPi = std::acos(-1.0);
 
 /// Three beams: right, ahead, left; 5 m at most.
-ScanClearance ThreeBeams(double forward = 0.0) { return ScanClearance({3, -kPi / 2, kPi / 2, forward, 5.0}); }
+ScanClearance ThreeBeams(double forward_m = 0.0) { return ScanClearance({3, -kPi / 2, kPi / 2, forward_m, 5.0}); }
 
 TEST(ScanClearance, RefusesAScanOfAnotherLength) {
   EXPECT_THROW(ThreeBeams().Hits(std::vector<float>{1.0F, 1.0F}, 5.0), std::invalid_argument);
@@ -32,13 +32,14 @@ TEST(ScanClearance, HitsLeaveOutBeamsWithoutReturn) {
 }
 
 /// What FreeDistanceAmong says, one hit after the other and from all of them.
-double PlainFreeDistance(const std::vector<base::Point>& hits, double heading, double radius, double max_distance) {
-  double free = max_distance;
+double PlainFreeDistance(const std::vector<base::Point>& hits, double heading_rad, double radius_m,
+                         double max_distance_m) {
+  double free = max_distance_m;
   for (const base::Point& hit : hits) {
-    const double along = hit.x * std::cos(heading) + hit.y * std::sin(heading);
-    const double across = hit.y * std::cos(heading) - hit.x * std::sin(heading);
-    if (along <= 0.0 || radius * radius - across * across <= 0.0) continue;
-    const double touch = along - std::sqrt(radius * radius - across * across);
+    const double along = hit.x * std::cos(heading_rad) + hit.y * std::sin(heading_rad);
+    const double across = hit.y * std::cos(heading_rad) - hit.x * std::sin(heading_rad);
+    if (along <= 0.0 || radius_m * radius_m - across * across <= 0.0) continue;
+    const double touch = along - std::sqrt(radius_m * radius_m - across * across);
     if (touch < 0.0 && along * along > 0.25 * (along * along + across * across)) return 0.0;
     if (touch >= 0.0 && touch < free) free = touch;
   }
@@ -56,10 +57,10 @@ TEST(FreeDistanceAmong, IsThatOfThePlainWayWithEachInstructionSet) {
       hits.push_back({range * std::cos(angle), range * std::sin(angle)});
     }
     for (int i = 0; i < 20; ++i) {
-      const double heading = 2.0 * kPi * (uniform(random) - 0.5);
-      const double plain = PlainFreeDistance(hits, heading, 0.25, 0.7);
+      const double heading_rad = 2.0 * kPi * (uniform(random) - 0.5);
+      const double plain = PlainFreeDistance(hits, heading_rad, 0.25, 0.7);
       for (const base::Simd simd : {base::Simd::kPortable, base::Simd::kAvx2, base::Simd::kAvx512}) {
-        if (base::IsSupported(simd)) EXPECT_EQ(FreeDistanceAmong(hits, Direction(heading), 0.25, 0.7, simd), plain);
+        if (base::IsSupported(simd)) EXPECT_EQ(FreeDistanceAmong(hits, Direction(heading_rad), 0.25, 0.7, simd), plain);
       }
     }
   }
@@ -69,8 +70,8 @@ TEST(ScanClearance, DiscStopsWhereItTouchesTheHit) {
   const std::vector<float> ranges = {5.0F, 1.0F, 5.0F};
   EXPECT_NEAR(ThreeBeams().FreeDistance(ranges, 0.0, 0.2, 3.0), 0.8, 1e-9);
   // 0.1 m beside the hit: the disc touches it sqrt(0.2^2 - 0.1^2) before the foot of the perpendicular.
-  const double heading = std::asin(0.1);
-  EXPECT_NEAR(ThreeBeams().FreeDistance(ranges, heading, 0.2, 3.0), std::cos(heading) - std::sqrt(0.03), 1e-6);
+  const double heading_rad = std::asin(0.1);
+  EXPECT_NEAR(ThreeBeams().FreeDistance(ranges, heading_rad, 0.2, 3.0), std::cos(heading_rad) - std::sqrt(0.03), 1e-6);
   EXPECT_EQ(ThreeBeams().FreeDistance(ranges, 0.3, 0.2, 3.0), 3.0);
   EXPECT_EQ(ThreeBeams().FreeDistance(ranges, kPi, 0.2, 3.0), 3.0);
 }
@@ -84,10 +85,11 @@ TEST(ScanClearance, DiscSlidesAlongAWallThatItTouches) {
 
 TEST(ScanClearance, SeveralHeadingsGiveWhatEachGives) {
   const std::vector<float> ranges = {0.5F, 1.0F, 2.0F};
-  const std::vector<double> headings = {-1.5, 0.0, 1.5};
-  const std::vector<double> free = ThreeBeams().FreeDistances(ranges, {headings.begin(), headings.end()}, 0.25, 3.0);
-  for (std::size_t i = 0; i < headings.size(); ++i) {
-    EXPECT_EQ(free[i], ThreeBeams().FreeDistance(ranges, headings[i], 0.25, 3.0));
+  const std::vector<double> headings_rad = {-1.5, 0.0, 1.5};
+  const std::vector<double> free =
+      ThreeBeams().FreeDistances(ranges, {headings_rad.begin(), headings_rad.end()}, 0.25, 3.0);
+  for (std::size_t i = 0; i < headings_rad.size(); ++i) {
+    EXPECT_EQ(free[i], ThreeBeams().FreeDistance(ranges, headings_rad[i], 0.25, 3.0));
   }
 }
 
@@ -102,31 +104,31 @@ std::vector<float> PostAhead(double distance, double left = 0.0) {
   return ranges;
 }
 
-Sidestepper HalfPlane(std::vector<double> headings) {
-  return {ScanClearance({181, -kPi / 2, kPi / 2, 0.0, 5.0}), std::move(headings), {0.25, 0.35, 1.6}};
+Sidestepper HalfPlane(std::vector<double> headings_rad) {
+  return {ScanClearance({181, -kPi / 2, kPi / 2, 0.0, 5.0}), std::move(headings_rad), {0.25, 0.35, 1.6}};
 }
 
 TEST(Sidestepper, TakesTheWantedHeadingWhereItIsFreeOrBehind) {
   Sidestepper robot = HalfPlane({-1.0, 1.0});
-  EXPECT_EQ(robot.Find(PostAhead(3.0), 0.1, 0.2, 0.5).heading, 0.1);
-  EXPECT_EQ(robot.Find(PostAhead(0.4), 2.0, 0.2, 0.5).heading, 2.0);
+  EXPECT_EQ(robot.Find(PostAhead(3.0), 0.1, 0.2, 0.5).heading_rad, 0.1);
+  EXPECT_EQ(robot.Find(PostAhead(0.4), 2.0, 0.2, 0.5).heading_rad, 2.0);
 }
 
 TEST(Sidestepper, PassesOnTheRightAndStaysOnASideOnceBegun) {
   Sidestepper robot = HalfPlane({-1.2, 0.0, 1.0});
-  EXPECT_EQ(robot.Find(PostAhead(0.4), 0.0, 0.2, 0.5).heading, -1.2);
+  EXPECT_EQ(robot.Find(PostAhead(0.4), 0.0, 0.2, 0.5).heading_rad, -1.2);
   // Now the left would be nearer by more than what keeping right weighs.
-  EXPECT_EQ(robot.Find(PostAhead(0.4), 0.15, 0.2, 0.5).heading, -1.2);
+  EXPECT_EQ(robot.Find(PostAhead(0.4), 0.15, 0.2, 0.5).heading_rad, -1.2);
   Sidestepper another = HalfPlane({-1.2, 0.0, 1.0});
-  EXPECT_EQ(another.Find(PostAhead(0.4), 0.15, 0.2, 0.5).heading, 1.0);
+  EXPECT_EQ(another.Find(PostAhead(0.4), 0.15, 0.2, 0.5).heading_rad, 1.0);
 }
 
 TEST(Sidestepper, TakesTheFarthestFreeWhereNoneIsFreeAsFarAsNeeded) {
   Sidestepper robot = HalfPlane({0.0, 0.3});
   const Sidestepper::FreeHeading found = robot.Find(PostAhead(0.4), 0.0, 0.25, 0.5);
-  EXPECT_EQ(found.heading, 0.3);
-  EXPECT_GT(found.free, 0.1);
-  EXPECT_LT(found.free, 0.5);
+  EXPECT_EQ(found.heading_rad, 0.3);
+  EXPECT_GT(found.free_m, 0.1);
+  EXPECT_LT(found.free_m, 0.5);
   EXPECT_THROW(HalfPlane({}), std::invalid_argument);
 }
 

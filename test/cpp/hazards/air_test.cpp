@@ -44,10 +44,10 @@ std::vector<double> Plain(const std::vector<double>& from, const std::vector<std
 
 AirModel WithoutLosses() {
   AirModel model;
-  model.cell = kCell;
-  model.diffusivity = kDiffusivity;
-  model.heat_capacity = 2.0;
-  model.convection = 0.0;
+  model.cell_m = kCell;
+  model.diffusivity_m2_s = kDiffusivity;
+  model.heat_capacity_kj_m2_k = 2.0;
+  model.convection_kw_m2_k = 0.0;
   model.emissivity = 0.0;
   return model;
 }
@@ -108,7 +108,7 @@ TEST(Air, PassesNoClosedDoor) {
 TEST(Air, CoolsByConvectionAtTheRateOfItsModel) {
   const Links links(1, 1, {1}, {1}, {}, 0);
   AirModel model = WithoutLosses();
-  model.convection = 0.01;
+  model.convection_kw_m2_k = 0.01;
   Air air(model, links);
   air.Add(links.Padded(0), 0.0, 200.0);  // 100 K
   for (int second = 0; second < 60; ++second) air.Advance(links, 1.0);
@@ -119,7 +119,7 @@ TEST(Air, CoolsByConvectionAtTheRateOfItsModel) {
 TEST(Air, RejectsImpossibleNumbers) {
   const Links links(1, 1, {1}, {1}, {}, 0);
   AirModel model;
-  model.cell = 0.0;
+  model.cell_m = 0.0;
   EXPECT_THROW(Air(model, links), std::invalid_argument);
   Air air(AirModel(), links);
   EXPECT_THROW(air.Advance(links, -1.0), std::invalid_argument);

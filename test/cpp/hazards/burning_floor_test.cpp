@@ -22,9 +22,9 @@ BurningFloor OneFuel() {
   fuel[kCell] = 0;
   Fire fire(links, {{1000.0, 50.0, 50.0}}, fuel, std::vector<double>(kRows * kCols, 1.0));
   AirModel air;
-  air.cell = 0.5;
-  air.diffusivity = 1e-9;
-  air.convection = air.emissivity = 0.0;
+  air.cell_m = 0.5;
+  air.diffusivity_m2_s = 1e-9;
+  air.convection_kw_m2_k = air.emissivity = 0.0;
   return BurningFloor(std::move(links), std::move(fire), air, {0.004, 0.7}, {});
 }
 
@@ -45,7 +45,7 @@ TEST(BurningFloor, SootIsItsYieldOfTheHeatPerArea) {
   floor.Ignite(kCell);
   floor.Advance(2.0);
   ASSERT_EQ(floor.fire().releases().size(), 1U);
-  const double heat = floor.fire().releases()[0].heat;
+  const double heat = floor.fire().releases()[0].heat_kj;
   const std::vector<double> soot = floor.Soot();
   EXPECT_NEAR(std::accumulate(soot.begin(), soot.end(), 0.0), 0.004 * heat / 0.25, 1e-12);
   EXPECT_NEAR(floor.SootDensity(2.5)[kCell], soot[kCell] / 2.5, 1e-6 * soot[kCell]);

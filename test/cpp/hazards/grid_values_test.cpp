@@ -30,7 +30,7 @@ TEST(ValuesAt, AreThoseOfTheCellsThatContainThePoints) {
 
 TEST(ValuesAt, RefuseAGridWithoutSizeAndValuesThatAreNotFinite) {
   GridValues values = Values();
-  values.shape.resolution = 0.0;
+  values.shape.resolution_m = 0.0;
   EXPECT_THROW(ValuesAt(values, {}, 0.0), std::invalid_argument);
   const float infinite = std::numeric_limits<float>::infinity();
   EXPECT_THROW(ValuesAt({{{0.0, 0.0}, 0.5, 1, 1}, &infinite}, {{0.1, 0.1}}, 0.0), std::invalid_argument);

@@ -9,9 +9,9 @@ namespace {
 
 /// 20 m x 10 m in cells of 0.5 m: smoke of 0.5/m in the western half, clear air in the other. Light is gone at 1.5.
 Haze HalfAHall() {
-  std::vector<float> soot(20 * 40, 0.0F);
-  for (int cell = 0; cell < 20 * 40; ++cell) soot[cell] = cell % 40 < 20 ? 0.5F : 0.0F;
-  return Haze({{0.0, 0.0}, 0.5, 20, 40}, soot, 1.0, 1.5);
+  std::vector<float> soot_g_m3(20 * 40, 0.0F);
+  for (int cell = 0; cell < 20 * 40; ++cell) soot_g_m3[cell] = cell % 40 < 20 ? 0.5F : 0.0F;
+  return Haze({{0.0, 0.0}, 0.5, 20, 40}, soot_g_m3, 1.0, 1.5);
 }
 
 TEST(Haze, LightGetsAsFarAsTheOpticalDepthAllows) {

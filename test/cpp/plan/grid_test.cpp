@@ -11,13 +11,13 @@ namespace robotteamsim::plan {
 namespace {
 
 /// A grid of 1 m cells from lines of text, the top line being the highest row; '#' is occupied.
-PlanningGrid Drawn(const std::vector<std::string>& lines, double inflation = 0.0) {
+PlanningGrid Drawn(const std::vector<std::string>& lines, double inflation_m = 0.0) {
   GridShape shape{{0.0, 0.0}, 1.0, static_cast<int>(lines.size()), static_cast<int>(lines[0].size())};
   std::vector<std::uint8_t> occupied;
   for (auto line = lines.rbegin(); line != lines.rend(); ++line) {
     for (const char cell : *line) occupied.push_back(cell == '#');
   }
-  return PlanningGrid(shape, occupied, inflation);
+  return PlanningGrid(shape, occupied, inflation_m);
 }
 
 const std::vector<std::string> kWallWithGap = {

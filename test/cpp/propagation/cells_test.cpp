@@ -29,8 +29,8 @@ TEST(CellCenters, AreRoundedOneByOneWhereTheResolutionIsNotAWholeMillimetre) {
 }
 
 TEST(CellCenters, TellTheFirstFromAPosition) {
-  for (const double resolution : {0.05, 0.0333}) {
-    const CellCentersMm cells({{-0.2, 0.0}, resolution, 1, 20});
+  for (const double resolution_m : {0.05, 0.0333}) {
+    const CellCentersMm cells({{-0.2, 0.0}, resolution_m, 1, 20});
     for (std::int64_t position = -400; position < 1000; ++position) {
       int expected = 0;
       while (expected < 20 && cells.x.at[expected] < position) ++expected;

@@ -11,9 +11,9 @@
 namespace robotteamsim::world {
 namespace {
 
-std::vector<int> Near(const DiscGrid& grid, const base::Point& point, double reach) {
+std::vector<int> Near(const DiscGrid& grid, const base::Point& point, double reach_m) {
   std::vector<int> robots;
-  grid.ForEachNear(point, reach, [&](int robot, const base::Pose&) { robots.push_back(robot); });
+  grid.ForEachNear(point, reach_m, [&](int robot, const base::Pose&) { robots.push_back(robot); });
   std::sort(robots.begin(), robots.end());
   return robots;
 }

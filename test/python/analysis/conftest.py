@@ -11,10 +11,11 @@ import pytest
 from rosbags.rosbag1 import Writer
 
 from robotteamsim.geometry import Pose, PoseReading, Twist
-from robotteamsim.mission.status import Event
-from robotteamsim.recording import BagWriter, ros_messages
+from robotteamsim.mission.events import Event
+from robotteamsim.recording import BagWriter
 from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.recording.results import EventList
+from robotteamsim.recording.topics import robots
 from robotteamsim.scenario import load
 from robotteamsim.sensing.readings import OdometryReading
 from robotteamsim.simulation import Result, Simulation
@@ -89,7 +90,7 @@ def odometry() -> Callable[..., Any]:
 
     def message(time_ns: int, x_m: float, y_m: float, yaw_rad: float = 0.0, frame: str = "robot_0/odom") -> Any:
         reading = OdometryReading(PoseReading.from_pose(Pose(x_m, y_m, yaw_rad)), Twist())
-        built = ros_messages.odometry(make, time_ns, 0, reading)
+        built = robots.odometry(make, time_ns, 0, reading)
         built.header.frame_id = frame
         return built
 
@@ -102,7 +103,7 @@ def placed_at() -> Callable[..., Any]:
     make = BagTypes()
 
     def message(time_ns: int, x_m: float, y_m: float, yaw_rad: float) -> Any:
-        place = ros_messages.localization(make, time_ns, 0, PoseReading.from_pose(Pose(x_m, y_m, yaw_rad)))
+        place = robots.localization(make, time_ns, 0, PoseReading.from_pose(Pose(x_m, y_m, yaw_rad)))
         return make("tf2_msgs/TFMessage", transforms=[place])
 
     return message

@@ -21,7 +21,7 @@ def _panel(values: np.ndarray = VALUES) -> Panel:
     return Panel("a map", FieldMap((-1.0, 2.0), 0.5, values), None, spots, silent_below=10.0)
 
 
-def test_numbers_tell_what_they_are_and_where():
+def test_errors_of_numbers_name_value_and_place():
     arrays = map_arrays([_panel()], STYLE)
     np.testing.assert_array_equal(arrays["values"], VALUES)
     assert arrays["origin_m"].tolist() == [-1.0, 2.0]
@@ -53,7 +53,7 @@ def test_map_server_reads_the_image_as_shares_of_the_scale(tmp_path):
     assert np.flipud(image).astype(np.int8).tolist() == [[0, 50, 100], [-1, 100, 0]]
 
 
-def test_yaml_says_what_the_shares_mean():
+def test_yaml_documents_its_shares():
     assert grid_yaml(_panel(), STYLE, "m.pgm").startswith(
         "# voice level: 0 is 10 dB, 100 is 60 dB, unknown is not heard\n"
     )

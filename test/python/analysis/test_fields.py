@@ -47,7 +47,7 @@ def test_voice_range_takes_one_end_for_all_victims(hall_scenario, voice_range, c
     assert f"{exponent:g}" in panel.title
 
 
-def test_drawn_voice_map_is_what_the_robots_hear(hall_scenario):
+def test_drawn_voice_map_equals_the_levels_that_robots_hear(hall_scenario):
     scenario = hall_scenario(seed=3)
     panel = voice_panel(scenario, [], 0.25, "drawn")
     sensor = VoiceSensor(scenario.plan, scenario.voice, scenario.mission.victims, 3)
@@ -64,7 +64,7 @@ def test_voices_may_be_anywhere(hall_scenario):
 
 def test_radio_levels_are_those_of_the_network_and_two_more(hall_scenario):
     scenario = hall_scenario(network=Network(endangered_below_dbm=-75.0, lost_below_dbm=-90.0))
-    style = radio_style([scenario], [], loss=False)
+    style = radio_style([scenario], loss=False)
     assert {level.value: level.meaning for level in style.levels} == {
         -60.0: "",
         -70.0: "",
@@ -72,25 +72,24 @@ def test_radio_levels_are_those_of_the_network_and_two_more(hall_scenario):
         -90.0: "lost",
     }
     assert (style.low, style.high, style.unit) == (-90.0, -47.4, "dBm")
-    loss = radio_style([scenario], [], loss=True)
+    loss = radio_style([scenario], loss=True)
     assert [(level.value, level.meaning) for level in loss.levels][:2] == [(90.0, "lost"), (75.0, "endangered")]
     assert (loss.low, loss.high, loss.unit) == (47.4, 106.0, "dB")
 
 
 def test_scale_holds_all_scenarios_that_are_compared(hall_scenario):
     quiet, loud = (hall_scenario(voice=Voice(noise_db=noise_db)) for noise_db in (10.0, 30.0))
-    style = voice_style([loud, quiet], [])
+    style = voice_style([loud, quiet])
     assert (style.low, style.high) == (10.0, 78.0)
     assert [level.value for level in style.levels] == [10.0, 20.0, 30.0]
     weak, strong = (hall_scenario(radio=Radio(tx_power_dbm=power)) for power in (0.0, 10.0))
-    assert radio_style([weak, strong], [], loss=False).high == pytest.approx(-37.4)
+    assert radio_style([weak, strong], loss=False).high == pytest.approx(-37.4)
 
 
 def test_voice_levels_start_at_the_noise(hall_scenario):
-    style = voice_style([hall_scenario(voice=Voice(noise_db=15.0))], [])
+    style = voice_style([hall_scenario(voice=Voice(noise_db=15.0))])
     assert [level.value for level in style.levels] == [15.0, 20.0, 30.0]
-    assert [level.value for level in voice_style([hall_scenario()], [40.0]).levels] == [40.0]
-    assert [level.value for level in voice_style([hall_scenario(voice=Voice(noise_db=0.0))], []).levels] == [10, 20, 30]
+    assert [level.value for level in voice_style([hall_scenario(voice=Voice(noise_db=0.0))]).levels] == [10, 20, 30]
 
 
 def test_default_resolution_gives_600_cells_in_whole_centimetres(hall_scenario):

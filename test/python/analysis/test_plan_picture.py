@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from matplotlib.collections import PatchCollection
 
-from robotteamsim.analysis.plan_picture import draw_plan, render_plan
+from robotteamsim.analysis.plan_picture import draw_plan
 from robotteamsim.scenario import load, load_floor_plan
+from robotteamsim.setup import resolve
 
 
 def test_plan_is_drawn_to_scale_with_its_size_in_the_title() -> None:
@@ -19,11 +20,13 @@ def test_plan_is_drawn_to_scale_with_its_size_in_the_title() -> None:
     assert axes.get_aspect() == 1.0
 
 
-def test_robots_with_corners_are_drawn_as_they_stand() -> None:
+def test_robots_with_corners_are_drawn_at_their_heading() -> None:
     corners = "[[-0.1, -0.2], [0.5, -0.2], [0.5, 0.2], [-0.1, 0.2]]"
     scenario = load("tutorial_arena", [f"robots.footprint_m={corners}", "robots.spacing_m=2"])
     (robots,) = (
-        item for item in draw_plan(scenario.plan, scenario).axes[0].collections if isinstance(item, PatchCollection)
+        item
+        for item in draw_plan(scenario.plan, resolve(scenario)).axes[0].collections
+        if isinstance(item, PatchCollection)
     )
     extents = robots.get_paths()[0].get_extents()
     assert (extents.x0, extents.x1, extents.y0, extents.y1) == pytest.approx((2.9, 3.5, 2.8, 3.2))
@@ -31,17 +34,18 @@ def test_robots_with_corners_are_drawn_as_they_stand() -> None:
 
 def test_scenario_adds_numbered_areas_named_victims_and_robots() -> None:
     scenario = load("garage_sar")
-    axes = draw_plan(scenario.plan, scenario).axes[0]
+    axes = draw_plan(scenario.plan, resolve(scenario)).axes[0]
     texts = {text.get_text() for text in axes.texts}
     assert {"1", "2", "3", "4", "5", "victim_1", "victim_4"} <= texts
     (robots,) = (item for item in axes.collections if isinstance(item, PatchCollection))
     assert len(robots.get_paths()) == 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["garage_sar", "tutorial_arena"])
 def test_picture_shows_walls_and_floor(name: str, tmp_path: Path) -> None:
     scenario = load(name)
-    render_plan(scenario.plan, tmp_path / "plan.png", scenario)
+    draw_plan(scenario.plan, resolve(scenario)).savefig(tmp_path / "plan.png")
     grey = cv2.imread(str(tmp_path / "plan.png"), cv2.IMREAD_GRAYSCALE)
     assert min(grey.shape) > 800
     assert 0.02 < np.mean(grey < 110) < 0.4

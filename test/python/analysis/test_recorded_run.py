@@ -13,9 +13,11 @@ from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.recorded_run import RecordedNetwork
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.errors import RecordingError
-from robotteamsim.recording import BagWriter, ros_messages
+from robotteamsim.message_parts import header, point
+from robotteamsim.recording import BagWriter
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.recording.topics import base, world
 from robotteamsim.scenario import load
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.simulation import Simulation
@@ -35,7 +37,7 @@ def test_bag_of_a_run_contains_all_of_it(busy):
     run = read_run([busy.bag])
     assert [robot.name for robot in run.robots] == [f"robot_{i}" for i in range(5)]
     assert all(robot.track.source == "truth" and robot.track.is_on_map for robot in run.robots)
-    assert [event for _, event in run.events] == busy.events
+    assert [event.row() for _, event in run.events] == [event.row() for event in busy.events]
     assert len(run.statuses) == busy.result.steps
     assert (run.start_ns, run.end_ns) == (STEP_NS, busy.result.steps * STEP_NS)
     assert [area.name for area in run.areas] == [f"area_{i}" for i in range(1, 6)]
@@ -60,7 +62,7 @@ def test_bag_without_matrices_has_the_same_network(tmp_path):
         np.testing.assert_array_equal(getattr(without, key.name), getattr(with_matrices, key.name), err_msg=key.name)
 
 
-def test_standard_topics_alone_give_paths_and_name_what_is_missing(write_bag, odometry, tmp_path):
+def test_standard_topics_alone_give_paths_and_name_missing_topics(write_bag, odometry, tmp_path):
     run = read_run([write_bag(tmp_path / "real.bag", odometry_samples(odometry))])
     (robot,) = run.robots
     assert (robot.name, robot.robot_id, robot.track.source, robot.track.frame) == ("robot_0", 0, "odom", "robot_0/odom")
@@ -140,7 +142,7 @@ def test_topic_of_a_version_without_the_needed_attributes_is_named(odometry, tmp
 
 def test_map_is_read_unchanged(write_bag, odometry, tmp_path):
     cells = np.array([[0, 100, -1], [0, 0, 100]], dtype=np.int8)
-    grid = ros_messages.occupancy_grid(MAKE, 0, OccupancyGrid((-1.0, 2.0), 0.5, cells))
+    grid = base.occupancy_grid(MAKE, 0, OccupancyGrid((-1.0, 2.0), 0.5, cells))
     samples = [("/map", "nav_msgs/OccupancyGrid", 1, grid), *odometry_samples(odometry)]
     run = read_run([write_bag(tmp_path / "map.bag", samples)])
     assert (run.grid.origin_m, run.grid.resolution_m) == ((-1.0, 2.0), 0.5)
@@ -150,8 +152,7 @@ def test_map_is_read_unchanged(write_bag, odometry, tmp_path):
 def test_map_that_grows_is_read_as_it_is_in_the_end(write_bag, odometry, tmp_path):
     grids = [OccupancyGrid((0.0, 0.0), 0.5, np.full((2, size), 100, dtype=np.int8)) for size in (3, 5)]
     maps = [
-        ("/map", "nav_msgs/OccupancyGrid", t, ros_messages.occupancy_grid(MAKE, t, grid))
-        for t, grid in enumerate(grids, 1)
+        ("/map", "nav_msgs/OccupancyGrid", t, base.occupancy_grid(MAKE, t, grid)) for t, grid in enumerate(grids, 1)
     ]
     run = read_run([write_bag(tmp_path / "slam.bag", [*maps, *odometry_samples(odometry)])])
     assert run.grid.cells.shape == (2, 5)
@@ -161,7 +162,7 @@ def test_messages_after_the_end_of_the_mission_do_not_count(write_bag, odometry,
     def status(time_ns, state):
         return MAKE(
             "robotteamsim/MissionStatus",
-            header=ros_messages.header(MAKE, time_ns, "map"),
+            header=header(MAKE, time_ns, "map"),
             scenario="hall",
             state=state,
             end="aborted" if state == "ended" else "",
@@ -175,7 +176,7 @@ def test_messages_after_the_end_of_the_mission_do_not_count(write_bag, odometry,
             running=state == "running",
             epoch=0,
             has_area=False,
-            area_center=ros_messages.point(MAKE, (0.0, 0.0)),
+            area_center=point(MAKE, (0.0, 0.0)),
             area_radius_m=0.0,
             has_base=True,
             discoveries_delivered=3,
@@ -194,20 +195,20 @@ def test_messages_after_the_end_of_the_mission_do_not_count(write_bag, odometry,
     assert (mission.discoveries_delivered, mission.mean_delivery_delay_s, mission.max_delivery_delay_s) == (3, 1.5, 2.5)
 
 
-def test_bag_without_the_topics_is_refused(write_bag, tmp_path):
-    path = write_bag(tmp_path / "clock.bag", [("/clock", "rosgraph_msgs/Clock", 1, ros_messages.clock(MAKE, 1))])
+def test_bag_without_the_topics_is_rejected(write_bag, tmp_path):
+    path = write_bag(tmp_path / "clock.bag", [("/clock", "rosgraph_msgs/Clock", 1, world.clock(MAKE, 1))])
     with pytest.raises(RecordingError) as refused:
         read_run([path])
     wanted = "expected odom or base_pose_ground_truth of a robot, /mission/status or /network/state"
     assert str(refused.value) == f"{path}: {wanted}; found /clock"
 
 
-def test_empty_bag_is_refused(write_bag, tmp_path):
+def test_empty_bag_is_rejected(write_bag, tmp_path):
     with pytest.raises(RecordingError, match=r"/network/state; the bag is empty$"):
         read_run([write_bag(tmp_path / "empty.bag", [])])
 
 
-def test_bag_of_two_runs_is_refused(write_bag, odometry, tmp_path):
+def test_bag_of_two_runs_is_rejected(write_bag, odometry, tmp_path):
     first, second = list(odometry_samples(odometry)), list(odometry_samples(odometry))
     again = [(topic, kind, time_ns + 3 * 10**9, message) for topic, kind, time_ns, message in second]
     with pytest.raises(

@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 import json
 
+import pytest
+
 from robotteamsim import __version__
 from robotteamsim.analysis.runs.files import write_tables
 from robotteamsim.analysis.runs.reading import read_run
@@ -19,6 +21,7 @@ from robotteamsim.simulation import Simulation
 SHORT = ["mission.victims=[{name: ann, position: [9, 6.5]}]", "mission.time_limit_s=60"]
 
 
+@pytest.mark.slow
 def test_table_of_victims_has_the_times_of_the_events_and_who_located_them(tmp_path):
     events = EventList()
     Simulation(load("garage_rescue", SHORT)).run([BagWriter(tmp_path / "short.bag"), events])
@@ -37,7 +40,7 @@ def test_table_of_victims_has_the_times_of_the_events_and_who_located_them(tmp_p
 
 
 def test_details_of_a_mission_have_the_location_and_the_casualties():
-    hot = ["fire.heat.robot_limit_c=10", "fire.heat.robot_endures_s=1", "robots.count=2", "control.relays=0"]
+    hot = ["fire.heat.robot_limit_c=10", "fire.heat.robot_endures_s=1", "robots.count=2", "relays.count=0"]
     outcome = run_trial(load("garage_rescue", [*SHORT, *hot]), Trial(0, 0, 1), __version__)
     assert not outcome.failed, outcome.traceback
     details = json.loads(outcome.details)

@@ -19,9 +19,9 @@ from robotteamsim.analysis.runs.plan_panel import colour_of, extent_m, victim_st
 from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.palette import robot_colour
-from robotteamsim.recording import ros_messages
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.recording.topics import base
 from robotteamsim.scenario import Bounds, load
 from robotteamsim.scenario.plan import OccupancyGrid
 
@@ -40,13 +40,18 @@ def real(write_bag, odometry, tmp_path_factory):
     cells = np.full((400, 400), -1, dtype=np.int8)
     cells[180:220, 190:260] = 0
     cells[180, 190:260] = 100
-    grid = ros_messages.occupancy_grid(MAKE, 0, OccupancyGrid((-10.0, -10.0), 0.05, cells))
+    grid = base.occupancy_grid(MAKE, 0, OccupancyGrid((-10.0, -10.0), 0.05, cells))
     samples = [("/map", "nav_msgs/OccupancyGrid", 1, grid)]
     for step in range(200):
         angle, time_ns = step / 30.0, 10**9 + step * 10**8
         pose = odometry(time_ns, 0.5 * math.cos(angle), 0.5 * math.sin(angle), frame="map")
         samples.append(("/odom", "nav_msgs/Odometry", time_ns, pose))
     return read_run([write_bag(path, samples)])
+
+
+@pytest.fixture(scope="module")
+def figure(run):
+    return draw_runs([run], [run_totals(run)])
 
 
 def names(figure: Figure) -> list[str]:
@@ -69,8 +74,7 @@ def test_path_breaks_where_a_robot_left_and_came_elsewhere(comes_again):
     assert ends.get_xdata().tolist() == [path.get_xdata()[gap - 1], path.get_xdata()[-1]]
 
 
-def test_one_run_has_its_plan_and_all_curves(run, busy):
-    figure = draw_runs([run], [run_totals(run)])
+def test_one_run_has_its_plan_and_all_curves(figure, busy):
     assert names(figure) == [
         "y [m]",
         "mission",
@@ -86,8 +90,7 @@ def test_one_run_has_its_plan_and_all_curves(run, busy):
     assert {"victim waiting", "collision"} <= legend(figure)
 
 
-def test_path_is_drawn_where_the_robot_was(run):
-    figure = draw_runs([run], [run_totals(run)])
+def test_path_is_drawn_where_the_robot_was(figure, run):
     paths = [line for line in figure.axes[0].lines if len(line.get_xdata()) > 100]
     assert [line.get_color() for line in paths] == [robot_colour(index) for index in range(5)]
     for robot, line in zip(run.robots, paths, strict=True):
@@ -113,21 +116,21 @@ def test_bag_with_the_network_alone_has_its_curves_and_says_that_there_is_no_pla
     assert run_totals(only).title == "net: 5 robots"
 
 
-def test_only_what_is_known_of_a_map_is_shown(real):
+def test_only_the_known_part_of_a_map_is_shown(real):
     x0, x1, y0, y1 = extent_m(real, None)
     assert (x0, x1) == pytest.approx((-0.605, 3.105), abs=0.3)
     assert (y1 - y0) < 5.0
 
 
-def test_plan_of_a_scenario_replaces_the_map(run):
+def test_plan_of_a_scenario_replaces_the_map(figure, run):
     plan = load("garage_sar").plan
     with_plan = draw_runs([run], [run_totals(run)], plan).axes[0]
     assert len(with_plan.images) == 0
-    assert len(draw_runs([run], [run_totals(run)]).axes[0].images) == 1
+    assert len(figure.axes[0].images) == 1
     assert len(with_plan.patches) > len(plan.walls)
 
 
-def test_runs_beside_each_other_share_the_scales_and_say_what_one_lacks(run, real):
+def test_compared_runs_share_the_scales_and_name_missing_curves(run, real):
     figure = draw_runs([run, real], [run_totals(run), run_totals(real)])
     rows = np.reshape(figure.axes, (6, 2))
     assert rows[5, 0].get_xlim() == rows[5, 1].get_xlim()
@@ -142,8 +145,8 @@ def test_outcome_is_one_line(run, real, busy):
     assert outcome(run_totals(real)) == ""
 
 
-def test_picture_has_colour_where_paths_are(run, tmp_path):
-    draw_runs([run], [run_totals(run)]).savefig(tmp_path / "run.png")
+def test_picture_has_colour_where_paths_are(figure, tmp_path):
+    figure.savefig(tmp_path / "run.png")
     image = cv2.imread(str(tmp_path / "run.png"))
     assert image.shape[1] > 1500
     first = [round(255 * part) for part in reversed(palette.rgb(robot_colour(0)))]
@@ -168,6 +171,7 @@ def test_curves_that_do_not_change_are_stated_in_words(run):
     assert unchanging(replace(run, network=network)).startswith("0 links, longest path 0 hops")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width_m", [60.0, 84.0, 88.0, 92.0, 110.0])
 def test_title_outcome_and_legend_do_not_overlap_for_any_shape_of_the_floor(run, width_m):
     plan = load("garage_sar").plan.model_copy(update={"bounds": Bounds(max=(width_m, 64.0))})

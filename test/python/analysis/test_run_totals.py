@@ -16,9 +16,9 @@ from robotteamsim.analysis.runs.files import document, write_tables
 from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.recorded_run import RecordedNetwork
 from robotteamsim.analysis.runs.totals import run_totals
-from robotteamsim.mission.status import Event
-from robotteamsim.recording import ros_messages
+from robotteamsim.mission.events import Event, RobotRemoved, RobotSpawned
 from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.recording.topics import mission
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +45,7 @@ def test_robot_totals_are_those_of_the_run_to_the_bit(busy, run):
     assert sum(robot.contact_s for robot in run_totals(run).robots) > 0.0
 
 
-def test_robot_that_leaves_and_comes_elsewhere_has_driven_what_the_run_says(comes_again):
+def test_distance_of_a_robot_that_leaves_and_returns_equals_the_result(comes_again):
     recorded, result = run_totals(read_run([comes_again.bag])), comes_again.result
     assert [robot.distance_m for robot in recorded.robots] == [robot.distance_m for robot in result.robots]
     assert 1.0 < result.robots[1].distance_m < 8.0
@@ -71,8 +71,8 @@ def test_odometry_that_restarts_is_not_a_path_back_to_its_origin(write_bag, odom
         ("/robot_0/odom", "nav_msgs/Odometry", stamp_ns, odometry(stamp_ns, x_m, 0.0))
         for stamp_ns, x_m in zip(range(second_ns, 6 * second_ns, second_ns), places_m, strict=True)
     ]
-    for stamp_ns, kind in ((4 * second_ns - 1, "robot_removed"), (4 * second_ns, "robot_spawned")):
-        event = ros_messages.mission_event(make, stamp_ns, Event(0.0, kind, "", 0, ""))
+    for stamp_ns, what in ((4 * second_ns - 1, RobotRemoved(robot_id=0)), (4 * second_ns, RobotSpawned(robot_id=0))):
+        event = mission.mission_event(make, stamp_ns, Event(0.0, what, ""))
         samples.append(("/mission/events", "robotteamsim/MissionEvent", stamp_ns, event))
     (robot,) = read_run([write_bag(tmp_path / "odom.bag", samples)]).robots
     assert (robot.track.breaks, robot.track.driven_m.tolist()) == ([3], [0.0, 1.0, 2.0, 2.0, 3.0])

@@ -13,6 +13,8 @@ import pytest
 
 from robotteamsim import _core
 
+pytestmark = pytest.mark.slow
+
 START_TIMEOUT_S = 120
 END_TIMEOUT_S = 60
 

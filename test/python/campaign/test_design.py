@@ -99,19 +99,19 @@ def test_paired_trials_of_equal_number_have_the_same_seed_in_all_cells(short_des
         (["run.seed=1,2"], "--sweep: run.seed: not allowed: the seed of each trial is derived from --seed"),
     ],
 )
-def test_wrong_sweeps_are_refused(short_design, sweeps, wanted):
+def test_wrong_sweeps_are_rejected(short_design, sweeps, wanted):
     with pytest.raises((CampaignError, ScenarioError)) as refusal:
         short_design(*sweeps)
     assert str(refusal.value) == wanted
 
 
 @pytest.mark.parametrize("text", ["control.alpha", "control.alpha=", "=1,2"])
-def test_sweeps_of_another_form_are_refused(text):
+def test_sweeps_of_another_form_are_rejected(text):
     with pytest.raises(CampaignError, match="is not of the form KEY=A,B,C, such as control"):
         parse_sweep(text)
 
 
-def test_wrong_numbers_are_refused(short_design):
+def test_wrong_numbers_are_rejected(short_design):
     with pytest.raises(CampaignError, match=r"^--trials: 0 is below 1$"):
         short_design(trials=0)
     with pytest.raises(CampaignError, match=r"^--seed: -1 is not between 0 and 2\^53$"):

@@ -31,7 +31,7 @@ def test_design_file_is_read(tmp_path):
         ("- 1", "[1] is not a design: lines of KEY: VALUE"),
     ],
 )
-def test_wrong_design_file_is_refused(tmp_path, text, wanted):
+def test_wrong_design_file_is_rejected(tmp_path, text, wanted):
     path = tmp_path / "d.yaml"
     path.write_text(text)
     with pytest.raises(RobotTeamSimError) as refusal:

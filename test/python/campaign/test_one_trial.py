@@ -57,6 +57,6 @@ def test_failure_is_an_outcome_with_seed_and_traceback(hall_scenario, monkeypatc
     assert outcome.time_s is None
 
 
-def test_worker_of_another_version_refuses(hall_scenario):
+def test_worker_of_another_version_rejects(hall_scenario):
     with pytest.raises(CampaignError, match=f"^a worker has robotteamsim {VERSION}, expected 9.9$"):
         run_trial(hall_scenario(), Trial(0, 1, 1), "9.9")

@@ -36,14 +36,14 @@ def test_encoded_paths_come_back_to_a_centimetre():
     assert encode_paths(decode_paths(data)) == data
 
 
-def test_hand_made_paths_are_differences_in_centimetres():
+def test_encoded_paths_are_differences_in_centimetres():
     positions_m = np.array([[[1.0, 2.0]], [[1.5, 1.0]]])
     assert decode_paths(encode_paths(positions_m)).tolist() == positions_m.tolist()
     assert encode_paths(positions_m)[:8] == b"\x02\x00\x00\x00\x01\x00\x00\x00"
 
 
 @pytest.mark.parametrize("data", [b"", b"\x01\x00", b"\x02\x00\x00\x00\x01\x00\x00\x00nonsense"])
-def test_bytes_that_are_no_paths_are_refused(data):
+def test_bytes_that_do_not_encode_paths_are_rejected(data):
     with pytest.raises(CampaignError, match=r"^stored paths cannot be read: .+"):
         decode_paths(data)
 

@@ -20,8 +20,8 @@ from robotteamsim.campaign.protocol import (
 )
 from robotteamsim.errors import CampaignError, RobotTeamSimError
 from robotteamsim.scenario import load
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation
-from robotteamsim.world.random_victims import with_random_victims
 
 SMALL = SearchProtocol(("greedy", "random_walk"), ("garage",), (20.0, 30.0), (1, 3), trials=2)
 ONE_R5 = Path(__file__).parents[2] / "data" / "scenarios" / "one_r5.yaml"
@@ -29,8 +29,8 @@ THREE = Path(__file__).parents[2] / "data" / "patrol" / "three.graph"
 
 
 def test_printed_rdpso_has_the_switches_of_the_published_scenario():
-    assert control_of("rdpso_published", {}) == load("garage_sar_published").control
-    assert control_of("rdpso_adapted", {}).adaptation == "fuzzy"
+    assert control_of("rdpso_published") == load("garage_sar_published").control
+    assert control_of("rdpso_adapted").adaptation == "fuzzy"
 
 
 def test_search_is_the_reference_of_both_protocols():
@@ -59,10 +59,11 @@ def test_all_cells_of_a_building_have_the_same_victims():
     placed = set()
     for cell in design.cells:
         run = cell.scenario.run.model_copy(update={"seed": min(seeds)})
-        placed.add(with_random_victims(cell.scenario.model_copy(update={"run": run})).mission.victims)
+        placed.add(resolve(cell.scenario.model_copy(update={"run": run})).scenario.mission.victims)
     assert len(placed) == 1
 
 
+@pytest.mark.slow
 def test_full_protocol_has_room_for_sixteen_robots_in_each_building():
     design = search_design(replace(full_search(), controllers=("greedy",)))
     assert {cell.values[0] for cell in design.cells} == set(BUILDINGS)
@@ -72,7 +73,7 @@ def test_full_protocol_has_room_for_sixteen_robots_in_each_building():
 
 def test_lattice_of_sebs_is_finer_in_a_small_building():
     design = search_design(replace(SMALL, controllers=("sebs",), buildings=("garage", str(ONE_R5)), noises_db=(20.0,)))
-    spacings_m = {cell.values[0]: cell.scenario.control.patrol.spacing_m for cell in design.cells}
+    spacings_m = {cell.values[0]: cell.scenario.mission.patrol.spacing_m for cell in design.cells}
     assert spacings_m["garage"] == 6.0
     # 12 x 12.5 m: a sixth of the side of a square of that area.
     assert spacings_m[str(ONE_R5)] == pytest.approx(math.sqrt(12.0 * 12.45) / 6.0, abs=0.01)
@@ -81,7 +82,7 @@ def test_lattice_of_sebs_is_finer_in_a_small_building():
 def test_patrol_has_a_graph_and_neither_areas_nor_victims():
     design = patrol_design(PatrolProtocol(("sebs",), "garage", str(THREE), (2,), trials=1, duration_s=60.0))
     (cell,) = design.cells
-    assert len(cell.scenario.control.patrol.graph.vertices) == 3
+    assert len(cell.scenario.mission.patrol.graph.vertices) == 3
     assert (cell.scenario.mission.areas, cell.scenario.mission.victims) == ((), ())
     assert cell.scenario.mission.time_limit_s == 60.0
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import os
 import signal
 import socket
-from types import SimpleNamespace
+import subprocess
+import sys
 
 import pytest
 
 from robotteamsim.campaign import open_store, run_trial
 from robotteamsim.campaign import runner as runner_module
 from robotteamsim.campaign.runner import run_trials, scheduler_at
-from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.errors import CampaignError
 
 
@@ -29,13 +29,26 @@ def one_worker():
         yield client
 
 
+@pytest.mark.slow
 def test_one_and_two_workers_give_the_same_bytes(short_design, two_workers, one_worker, tmp_path):
     design = short_design("voice.noise_db=10,20", trials=3)
     assert len(two_workers.ncores()) == 2
     assert export(tmp_path / "2", design, two_workers) == export(tmp_path / "1", design, one_worker)
 
 
-def test_workers_compute_what_this_process_computes(short_design, two_workers, tmp_path):
+@pytest.mark.slow
+def test_dask_prints_nothing_while_local_workers_run():
+    program = (
+        "import logging\n"
+        "from robotteamsim.campaign.runner import local_workers\n"
+        "with local_workers(1):\n"
+        "    logging.getLogger('distributed.scheduler').critical('Closed comm')\n"
+    )
+    run = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert (run.stdout, run.stderr) == ("", "")
+
+
+def test_workers_and_this_process_give_equal_results(short_design, two_workers, tmp_path):
     design = short_design("voice.noise_db=10,20")
     export(tmp_path, design, two_workers)
     with open_store(tmp_path, design) as store:
@@ -47,21 +60,6 @@ def test_workers_compute_what_this_process_computes(short_design, two_workers, t
             assert outcome.paths == here.paths
 
 
-def test_prepared_workers_hold_what_trials_on_a_plan_share(short_design, two_workers):
-    def num_maps():
-        return known_map.cache_info().currsize
-
-    before = two_workers.run(num_maps)
-    runner_module.prepare(two_workers, short_design("robots.radius_m=0.217"))  # which no other test has
-    assert two_workers.run(num_maps) == {worker: count + 1 for worker, count in before.items()}
-
-
-def test_workers_survive_that_nothing_can_be_prepared(two_workers):
-    pids = two_workers.run(os.getpid)
-    runner_module.prepare(two_workers, SimpleNamespace(cells=[SimpleNamespace(scenario=None)]))
-    assert two_workers.run(os.getpid) == pids
-
-
 def test_workers_have_one_thread_each(two_workers):
     def threads(name):
         return os.environ.get(name)
@@ -71,7 +69,8 @@ def test_workers_have_one_thread_each(two_workers):
         assert set(two_workers.run(threads, name).values()) == {"1"}
 
 
-def test_trials_of_a_killed_worker_run_again_elsewhere(short_design, two_workers, tmp_path):
+@pytest.mark.slow
+def test_trials_of_a_killed_worker_run_again_on_another_worker(short_design, two_workers, tmp_path):
     design = short_design("voice.noise_db=10,20", trials=6)
     pids = list(two_workers.run(os.getpid).values())
     with open_store(tmp_path / "killed", design) as store:
@@ -87,6 +86,7 @@ def test_trials_of_a_killed_worker_run_again_elsewhere(short_design, two_workers
     assert killed == export(tmp_path / "undisturbed", design, two_workers)
 
 
+@pytest.mark.slow
 def test_only_missing_trials_run(short_design, two_workers, outcome_of, tmp_path):
     design = short_design("voice.noise_db=10,20")
     with open_store(tmp_path, design) as store:
@@ -110,11 +110,11 @@ def test_trial_that_kills_every_worker_is_given_up_and_the_others_go_on(short_de
                 raise KilledWorker("trial", None, 20)
             return outcome_of(self.trial)
 
-    outcomes = [runner_module._outcome(Future(trial)) for trial in short_design().all_trials()]
+    outcomes = [runner_module.completed_outcome(Future(trial)) for trial in short_design().all_trials()]
     assert [outcome and outcome.number for outcome in outcomes] == [None, 2]
 
 
-def test_lost_scheduler_is_told_in_one_line():
+def test_lost_scheduler_is_reported_in_one_line():
     from distributed.client import FutureCancelledError
 
     class Future:
@@ -122,17 +122,19 @@ def test_lost_scheduler_is_told_in_one_line():
             raise FutureCancelledError("trial", "scheduler-connection-lost")
 
     with pytest.raises(CampaignError, match="the connection to the scheduler was lost; run the same"):
-        runner_module._outcome(Future())
+        runner_module.completed_outcome(Future())
 
 
+@pytest.mark.slow
 def test_more_trials_than_are_in_flight_at_once_all_run(short_design, two_workers, monkeypatch):
-    monkeypatch.setattr(runner_module, "_MIN_IN_FLIGHT", 1)
+    monkeypatch.setattr(runner_module, "MIN_IN_FLIGHT", 1)
     monkeypatch.setattr(two_workers, "ncores", dict)
     design, kept = short_design(trials=4), []
     assert run_trials(two_workers, design, list(design.all_trials()), kept.append) == ()
     assert sorted(outcome.number for outcome in kept) == [1, 2, 3, 4]
 
 
+@pytest.mark.slow
 def test_worker_of_another_version_ends_the_campaign(short_design, two_workers, monkeypatch):
     monkeypatch.setattr(runner_module.robotteamsim, "__version__", "9.9")
     design = short_design()
@@ -140,6 +142,7 @@ def test_worker_of_another_version_ends_the_campaign(short_design, two_workers, 
         run_trials(two_workers, design, list(design.all_trials()), lambda outcome: None)
 
 
+@pytest.mark.slow
 def test_scheduler_of_an_address_is_used(short_design, two_workers, tmp_path):
     design = short_design("voice.noise_db=10,20")
     with scheduler_at(two_workers.scheduler.address) as client:
@@ -147,7 +150,7 @@ def test_scheduler_of_an_address_is_used(short_design, two_workers, tmp_path):
     assert there == export(tmp_path / "here", design, two_workers)
 
 
-def test_scheduler_that_does_not_answer_is_refused(monkeypatch):
+def test_scheduler_that_does_not_answer_is_rejected(monkeypatch):
     monkeypatch.setattr(runner_module, "CONNECT_TIMEOUT_S", 0.2)
     with socket.socket() as silent:
         silent.bind(("127.0.0.1", 0))
@@ -157,8 +160,9 @@ def test_scheduler_that_does_not_answer_is_refused(monkeypatch):
             pass
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "udp://127.0.0.1:9", "127.0.0.1:x", "nonsense"])
-def test_address_of_no_scheduler_is_refused_in_one_line(address, monkeypatch):
+def test_address_of_no_scheduler_is_rejected_in_one_line(address, monkeypatch):
     monkeypatch.setattr(runner_module, "CONNECT_TIMEOUT_S", 0.2)
     with pytest.raises(CampaignError) as raised, scheduler_at(address):
         pass

@@ -21,7 +21,7 @@ def refusal(folder, design):
     return str(raised.value)
 
 
-def test_store_gives_back_what_it_keeps(short_design, outcome_of, failed_outcome_of, tmp_path):
+def test_store_returns_the_kept_outcomes(short_design, outcome_of, failed_outcome_of, tmp_path):
     design = short_design(SWEEP)
     trials = list(design.all_trials())
     outcomes = [outcome_of(trials[3], time_s=0.1 + 0.2), failed_outcome_of(trials[0])]
@@ -89,7 +89,7 @@ def test_csv_does_not_depend_on_the_order_or_the_time_of_computing(short_design,
     assert texts[0] == texts[1]
 
 
-def test_store_of_other_settings_is_refused(short_design, tmp_path):
+def test_store_of_other_settings_is_rejected(short_design, tmp_path):
     with open_store(tmp_path, short_design(SWEEP)):
         pass
     wanted = f"{tmp_path}: contains a campaign with seed = 1, not 2; choose another folder"
@@ -111,14 +111,14 @@ def test_store_goes_on_with_more_trials_of_the_same_design(short_design, outcome
     assert read_store(tmp_path).settings["trials"] == 3
 
 
-def test_store_of_more_trials_is_refused(short_design, tmp_path):
+def test_store_of_more_trials_is_rejected(short_design, tmp_path):
     with open_store(tmp_path, short_design(SWEEP, trials=3)):
         pass
     wanted = f"{tmp_path}: contains a campaign with trials = 3, not 2; choose another folder"
     assert refusal(tmp_path, short_design(SWEEP, trials=2)) == wanted
 
 
-def test_store_of_another_version_is_refused(short_design, tmp_path, monkeypatch):
+def test_store_of_another_version_is_rejected(short_design, tmp_path, monkeypatch):
     with open_store(tmp_path, short_design(SWEEP)):
         pass
     monkeypatch.setattr(robotteamsim, "__version__", "9.9")
@@ -126,14 +126,14 @@ def test_store_of_another_version_is_refused(short_design, tmp_path, monkeypatch
     assert refusal(tmp_path, short_design(SWEEP)) == wanted
 
 
-def test_folder_of_something_else_is_refused_and_left_alone(short_design, tmp_path):
+def test_folder_of_something_else_is_rejected_and_left_alone(short_design, tmp_path):
     (tmp_path / "thesis.tex").touch()
     wanted = f"{tmp_path}: contains 'thesis.tex' and no campaign; expected a new or an empty folder"
     assert refusal(tmp_path, short_design(SWEEP)) == wanted
     assert os.listdir(tmp_path) == ["thesis.tex"]
 
 
-def test_other_databases_and_files_under_the_stores_name_are_refused(short_design, tmp_path):
+def test_other_databases_and_files_under_the_stores_name_are_rejected(short_design, tmp_path):
     path = tmp_path / "campaign.sqlite"
     path.write_text("no database" * 100)
     assert refusal(tmp_path, short_design(SWEEP)) == f"{path}: file is not a database"
@@ -143,14 +143,14 @@ def test_other_databases_and_files_under_the_stores_name_are_refused(short_desig
     assert refusal(tmp_path, short_design(SWEEP)) == f"{path}: is not the store of a campaign"
 
 
-def test_file_and_folders_below_a_file_are_refused(short_design, tmp_path):
+def test_file_and_folders_below_a_file_are_rejected(short_design, tmp_path):
     file = tmp_path / "file"
     file.touch()
     assert refusal(file, short_design(SWEEP)) == f"{file}: is not a folder"
     assert refusal(file / "c", short_design(SWEEP)) == f"{file / 'c'}: cannot be created: {file} is not a folder"
 
 
-def test_campaign_that_runs_is_refused_to_others(short_design, tmp_path):
+def test_campaign_that_runs_is_rejected_to_others(short_design, tmp_path):
     design = short_design(SWEEP)
     with open_store(tmp_path, design):
         assert refusal(tmp_path, design) == f"{tmp_path}: another process is running this campaign"
@@ -163,13 +163,13 @@ def test_checking_a_folder_leaves_nothing(short_design, tmp_path):
     assert os.listdir(tmp_path) == []
 
 
-def test_reading_a_folder_without_a_store_is_refused(tmp_path):
+def test_reading_a_folder_without_a_store_is_rejected(tmp_path):
     with pytest.raises(CampaignError, match=r"contains no campaign: there is no campaign\.sqlite$"):
         read_store(tmp_path)
 
 
 @pytest.mark.parametrize(("number", "lack"), [(1, "the robots' paths"), (2, "the discoveries delivered to a base")])
-def test_store_of_an_older_format_is_refused_with_what_it_lacks(short_design, tmp_path, number, lack):
+def test_store_of_an_older_format_is_rejected_with_the_missing_data(short_design, tmp_path, number, lack):
     path = tmp_path / "campaign.sqlite"
     with open_store(tmp_path, short_design(SWEEP)):
         pass

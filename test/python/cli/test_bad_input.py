@@ -20,10 +20,7 @@ class Sound:
     def __init__(self, robot_id, scenario):
         self.robot_id = robot_id
 
-    def observe(self, observation, inbox, task):
-        pass
-
-    def decide(self):
+    def step(self, observation, inbox, task):
         return self.odd() if self.robot_id == 1 else Decision(Twist(0.2))
 
 class Raises(Sound):
@@ -57,7 +54,7 @@ class SaysNonsense(Sound):
         (["control.alpha=1.2"], "--set: control.alpha: 1.2 is above 1"),
         (["control.adaptation=neural"], "--set: control.adaptation: 'neural' is not one of none, crisp, fuzzy"),
         (["control.alpha=-0.1"], "--set: control.alpha: -0.1 is below 0"),
-        (["control.inertia=2"], "--set: control.inertia: 2 is above 1"),
+        (["control.algorithm=pso", "control.inertia=2"], "--set: control.inertia: 2 is above 1"),
         (["control.swarms.min=3"], "--set: control.swarms.initial: 1 is below min, 3"),
         (["control.swarms.initial=2"], "--set: control.swarms.max: 1 is below initial, 2"),
         (
@@ -75,7 +72,7 @@ class SaysNonsense(Sound):
         ),
     ],
 )
-def test_bad_value_is_refused_in_one_line_with_exit_status_2(capsys, settings, line):
+def test_bad_value_is_rejected_in_one_line_with_exit_status_2(capsys, settings, line):
     arguments = [word for setting in settings for word in ("--set", setting)]
     assert main(["run", "garage_sar", *arguments]) == 2
     assert capsys.readouterr().err == f"robotteamsim: {line}\n"
@@ -86,11 +83,11 @@ def test_bad_value_is_refused_in_one_line_with_exit_status_2(capsys, settings, l
     [
         ("Raises", "controller_failed", "robot 1 is stopped: ValueError: of no use (faulty_ones_of_test.py:"),
         ("Exits", "controller_failed", "robot 1 is stopped: SystemExit: 3 (faulty_ones_of_test.py:"),
-        ("SaysNan", "controller_failed", "robot 1 is stopped: decide returned Twist(linear_x_mps=nan, "),
+        ("SaysNan", "controller_failed", "robot 1 is stopped: step returned Twist(linear_x_mps=nan, "),
         (
             "SaysNonsense",
             "controller_failed",
-            "robot 1 is stopped: decide returned local_best = 'high'; expected a number",
+            "robot 1 is stopped: step returned local_best = 'high'; expected a number",
         ),
         ("SaysTooMuch", "message_too_large", "robot 1 cannot send 70000 bytes, the limit is 65507"),
     ],

@@ -13,6 +13,8 @@ import pytest
 from robotteamsim.campaign import read_store
 from robotteamsim.cli import benchmark_command, campaign_command, main
 
+pytestmark = pytest.mark.slow
+
 SEARCH = ("benchmark", "search", "--controller", "greedy", "--controller", "random_walk", "--building", "warehouse")
 PATROL = ("benchmark", "patrol", "--robots", "2", "--trials", "2", "--duration", "60")
 GRAPH = Path(__file__).parents[2] / "data" / "patrol" / "three.graph"
@@ -83,7 +85,7 @@ def test_mistakes_are_one_line_and_leave_no_folder(refusal, tmp_path):
     assert not folder.exists()
 
 
-def test_folder_of_another_benchmark_is_refused(refusal, tmp_path):
+def test_folder_of_another_benchmark_is_rejected(refusal, tmp_path):
     assert main([*PATROL, "--controller", "sebs", "--quiet", "--out", str(tmp_path)]) == 0
     line = refusal(*PATROL, "--controller", "conscientious_reactive", "--out", tmp_path)
     assert "contains a campaign with" in line

@@ -69,7 +69,7 @@ def test_out_and_bag_are_written(capsys, tmp_path):
     assert sorted(os.listdir(tmp_path)) == ["m.bag", "out"]
 
 
-def test_unwritable_out_is_refused_before_the_mission_and_leaves_no_bag(refusal, tmp_path):
+def test_unwritable_out_is_rejected_before_the_mission_and_leaves_no_bag(refusal, tmp_path):
     (tmp_path / "file").touch()
     bag = tmp_path / "m.bag"
     line = refusal("run", "garage_sar", "--out", str(tmp_path / "file" / "out"), "--bag", str(bag))
@@ -77,7 +77,7 @@ def test_unwritable_out_is_refused_before_the_mission_and_leaves_no_bag(refusal,
     assert os.listdir(tmp_path) == ["file"]
 
 
-def test_unwritable_bag_is_refused(refusal, tmp_path):
+def test_unwritable_bag_is_rejected(refusal, tmp_path):
     line = refusal("run", "garage_sar", "--bag", str(tmp_path))
     assert line == f"{tmp_path}: cannot be written: is a folder, expected a file name"
     line = refusal("run", "garage_sar", "--bag", "")
@@ -93,6 +93,7 @@ def test_devices_are_never_replaced(refusal, tmp_path):
     assert pipe.is_fifo()
 
 
+@pytest.mark.slow
 def test_full_disk_ends_the_run_with_one_line_and_no_result(tmp_path):
     import resource
 
@@ -112,6 +113,7 @@ def test_full_disk_ends_the_run_with_one_line_and_no_result(tmp_path):
     assert os.listdir(tmp_path) == ["m.bag.active"]
 
 
+@pytest.mark.slow
 def test_interrupted_run_exits_130_with_one_line_and_closes_the_bag(tmp_path):
     command = [sys.executable, "-m", "robotteamsim.cli", "run", "garage_sar", "--bag", "m.bag", "--set"]
     process = subprocess.Popen(
@@ -127,6 +129,7 @@ def test_interrupted_run_exits_130_with_one_line_and_closes_the_bag(tmp_path):
         assert reader.topics["/robot_29/odom"].msgcount > 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments",
     [["scenario", "show", "garage_sar"], ["run", "tutorial_arena", "--set", "mission.time_limit_s=1"]],
@@ -142,11 +145,13 @@ def test_broken_pipe_is_silent(arguments):
     assert done.returncode == 141
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "line"),
     [
         (["rnu"], "no such command 'rnu'; did you mean 'run'? (see `robotteamsim --help`)"),
         (["scenario", "zzz"], "no such command 'zzz'; expected one of check, show, render, schema, list"),
+        (["completion", "fsh"], "shell: 'fsh' is not valid; expected one of bash, zsh, fish, tcsh"),
         ([], "the following arguments are required: COMMAND"),
         (["run"], "the following arguments are required: SCENARIO (see `robotteamsim run --help`)"),
         (["run", "garage_sar", "--seed", "x"], "argument --seed: 'x' is not a whole number"),
@@ -232,6 +237,7 @@ def test_version_is_printed(capsys):
     assert capsys.readouterr().out == f"robotteamsim {robotteamsim.__version__}\n"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("common", "own", "line"),
     [
@@ -261,11 +267,13 @@ def test_help_gives_examples(capsys):
     assert "robotteamsim run garage_sar --seed 7 --noise 20" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_scenario_check_summarises_valid_scenarios(capsys):
     assert main(["scenario", "check", "garage_sar"]) == 0
     assert capsys.readouterr().out == "garage_sar: valid: 3 robots, 5 areas, 4 victims in garage of 60 x 40 m\n"
 
 
+@pytest.mark.slow
 def test_scenario_check_takes_overrides(capsys):
     assert main(["scenario", "check", "tutorial_arena", "--set", "robots.count=2"]) == 0
     assert capsys.readouterr().out.startswith("tutorial_arena: valid: 2 robots, 4 areas, 1 victim in ")
@@ -282,7 +290,7 @@ def test_scenario_check_takes_overrides(capsys):
         ("fractions:Fraction", "control.algorithm: fractions:Fraction: TypeError: both arguments should be "),
     ],
 )
-def test_scenario_check_reports_controllers_that_cannot_be_made(capsys, algorithm, message):
+def test_scenario_check_reports_unusable_controllers(capsys, algorithm, message):
     assert main(["scenario", "check", "tutorial_arena", "--set", f"control.algorithm={algorithm}"]) == 2
     captured = capsys.readouterr()
     assert captured.err.startswith(f"robotteamsim: tutorial_arena: {message}")
@@ -304,6 +312,7 @@ def test_scenario_check_reports_every_mistake_of_every_file(capsys, tmp_path):
     assert "second.yaml: " in lines[2]
 
 
+@pytest.mark.slow
 def test_shown_scenario_is_read_back_as_the_same(capsys, tmp_path):
     assert main(["scenario", "show", "garage_sar", "--set", "run.seed=5"]) == 0
     shown = tmp_path / "shown.yaml"
@@ -311,6 +320,7 @@ def test_shown_scenario_is_read_back_as_the_same(capsys, tmp_path):
     assert scenario.load(shown) == scenario.load("garage_sar", ["run.seed=5"])
 
 
+@pytest.mark.slow
 def test_schema_is_printed_or_written(capsys, tmp_path):
     assert main(["scenario", "schema"]) == 0
     printed = json.loads(capsys.readouterr().out)
@@ -341,6 +351,7 @@ def test_imported_map_is_a_plan_to_run_in(capsys, refusal, monkeypatch, tmp_path
     assert main(["run", "trial.yaml", "--quiet", "--set", "mission.time_limit_s=1"]) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["radio", "voice"])
 def test_field_picture_is_written(capsys, tmp_path, kind):
     picture = tmp_path / "field.png"
@@ -349,6 +360,7 @@ def test_field_picture_is_written(capsys, tmp_path, kind):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -374,6 +386,7 @@ def test_field_maps_are_compared_in_one_picture_and_written_as_numbers(capsys, t
         assert (tmp_path / settings["image"]).read_bytes().startswith(b"P5\n500 500\n255\n")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments", [["plan", "render", "garage"], ["scenario", "render", "garage_sar"]])
 def test_plan_or_scenario_is_drawn(capsys, tmp_path, arguments):
     picture = tmp_path / "plan.png"
@@ -382,6 +395,6 @@ def test_plan_or_scenario_is_drawn(capsys, tmp_path, arguments):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
-def test_picture_that_cannot_be_written_is_refused(refusal, tmp_path):
+def test_unwritable_picture_is_rejected(refusal, tmp_path):
     line = refusal("plan", "render", "garage", "--png", str(tmp_path / "no" / "plan.png"))
     assert line == f"{tmp_path}/no/plan.png: cannot be written: No such file or directory"

@@ -27,21 +27,25 @@ def _shell(command: str, **variables: str) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.slow
 def test_full_stdout_is_one_line_and_exit_status_1():
     done = _shell("$RUN scenario list > /dev/full")
     assert (done.returncode, done.stderr) == (1, "robotteamsim: standard output: No space left on device\n")
 
 
+@pytest.mark.slow
 def test_closed_stdout_is_no_error():
     done = _shell("$RUN scenario list >&-")
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.slow
 def test_error_does_not_go_to_stdout_where_stderr_is_closed():
     done = _shell("$RUN run nowhere.yaml 2>&-")
     assert (done.returncode, done.stdout) == (2, "")
 
 
+@pytest.mark.slow
 def test_encoding_without_the_characters_is_no_error(tmp_path):
     (tmp_path / "größe.yaml").write_text("plan: garage\nname: größe\nrobots: {count: 1, start: [2, 2, 0]}\n")
     done = _shell(f"$RUN scenario check {tmp_path}/größe.yaml", PYTHONIOENCODING="ascii")
@@ -77,13 +81,13 @@ def test_markup_in_a_name_is_plain_text(capsys):
 
 
 @pytest.mark.parametrize("command", ["run", "analyse", "plan import", "plan import-stage"])
-def test_symlink_loop_is_refused_in_one_line(tmp_path, refusal, command):
+def test_symlink_loop_is_rejected_in_one_line(tmp_path, refusal, command):
     loop = tmp_path / "loop.yaml"
     loop.symlink_to(loop)
     assert "Too many levels of symbolic links" in refusal(*command.split(), loop)
 
 
-def test_bag_with_a_type_that_is_no_python_is_refused_in_one_line(tmp_path, capsys):
+def test_bag_with_a_type_that_is_no_python_is_rejected_in_one_line(tmp_path, capsys):
     types = get_typestore(Stores.ROS1_NOETIC)
     definition = types.generate_msgdef("std_msgs/msg/String")[0].replace("data", "class")
     with Writer(tmp_path / "odd.bag") as bag:
@@ -112,6 +116,7 @@ def test_user_mistake_has_a_traceback_only_on_request(capsys):
     assert error.endswith("\nrobotteamsim: nowhere.yaml: there is no such file\n")
 
 
+@pytest.mark.slow
 def test_terminated_run_leaves_a_readable_bag_or_nothing(tmp_path):
     out, bag = tmp_path / "o" / "out", tmp_path / "b" / "m.bag"
     command = [*LINES, "run", "garage_sar", "--out", str(out), "--bag", str(bag), "--quiet"]
@@ -126,6 +131,7 @@ def test_terminated_run_leaves_a_readable_bag_or_nothing(tmp_path):
     assert [path.name for path in sorted(tmp_path.rglob("*"))] == ["b", "m.bag"]
 
 
+@pytest.mark.slow
 def test_jupyter_backend_is_not_used(tmp_path):
     picture = tmp_path / "plan.png"
     done = _shell(f"$RUN plan render garage --png {picture}", MPLBACKEND="module://matplotlib_inline.backend_inline")
@@ -178,7 +184,7 @@ def test_controller_that_cannot_be_constructed_is_an_error(tmp_path, monkeypatch
         ),
     ],
 )
-def test_mistaken_argument_is_refused_with_a_hint(refusal, monkeypatch, arguments, line):
+def test_mistaken_argument_is_rejected_with_a_hint(refusal, monkeypatch, arguments, line):
     monkeypatch.chdir(Path(__file__).parents[3])
     assert refusal(*arguments).startswith(line)
 

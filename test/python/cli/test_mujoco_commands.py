@@ -11,7 +11,7 @@ import pytest
 
 from robotteamsim.cli import main
 from robotteamsim.scenario import load
-from robotteamsim.world.placement import placed_robots
+from robotteamsim.setup import resolve
 
 ODD_NAME = 'objects=[{name: "<&\'>", kind: barrel, radius_m: 0.3, pose: [20, 7, 0]}]'
 
@@ -42,7 +42,7 @@ def test_mujoco_reads_the_exported_garage(capsys):
     south = model.geom("wall south")
     np.testing.assert_allclose(south.size, [30.0, 0.15, 1.3])
     np.testing.assert_allclose(model.geom("floor").size[:2], [30.0, 20.0])
-    for i, robot in enumerate(placed_robots(scenario)[:2]):
+    for i, robot in enumerate(resolve(scenario).robots[:2]):
         np.testing.assert_allclose(model.body(f"robot_{i}").pos[:2], robot.start_pose[:2])
 
 
@@ -65,7 +65,7 @@ def test_exported_robots_rest_on_the_floor():
     np.testing.assert_allclose(heights, 0.0, atol=0.01)
 
 
-def test_scenario_without_room_is_refused_and_leaves_nothing_behind(refusal):
+def test_scenario_without_room_is_rejected_and_leaves_nothing_behind(refusal):
     message = refusal("plan", "export-mujoco", "garage_sar", "--out", "out", "--set", "robots.start=[0, 0, 0]")
     assert message.startswith("--set: robots.start: ")
     assert list(Path().iterdir()) == []

@@ -28,42 +28,38 @@ def campaign_folder(tmp_path, outcome_of):
     return make
 
 
-def test_report_goes_beside_the_store_or_where_it_is_wanted(capsys, campaign_folder, tmp_path):
+@pytest.mark.slow
+def test_report_is_written_next_to_the_store_or_to_the_given_folder(capsys, campaign_folder, tmp_path):
     folder = campaign_folder(4)
     assert main(["report", str(folder), "--no-players"]) == 0
     captured = capsys.readouterr()
-    assert captured.out.startswith("The floor plan is ours, because that of the dissertation is lost")
-    lines = captured.out.splitlines()
-    tested, fitted = lines.index("Not fitted: the test"), lines.index("Fitted: calibration")
-    assert tested < fitted
-    assert lines[fitted + 1].startswith("not reproduced  With 10 dB of noise all four victims")
-    assert captured.out.endswith(f"\n\nwritten {folder}/report.html\n")
+    assert captured.out.endswith(f"written {folder}/report.html\n")
     assert main(["report", str(folder), "--no-players", "--out", str(tmp_path / "docs"), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["report"] == str(tmp_path / "docs" / "report.html")
-    assert document["opening"][0].startswith("The floor plan is ours")
-    assert {claim["verdict"] for claim in document["claims"] if claim["fitted"]} == {"not reproduced", "not shown"}
-    for name in ("report.html", "figures/fig20_times.png", "tables/missions.tex"):
+    assert document["notes"] == []
+    for name in ("report.html", "figures/times.png", "tables/missions.tex"):
         assert (tmp_path / "docs" / name).read_bytes() == (folder / name).read_bytes()
 
 
+@pytest.mark.slow
 def test_unfinished_campaign_gets_a_report_that_says_so(capsys, campaign_folder):
     folder = campaign_folder(1)
     assert main(["report", str(folder)]) == 0
     out = capsys.readouterr().out
-    assert "\nThis campaign is unfinished: 1 of 4 trials are done." in out
+    assert "This campaign is unfinished: 1 of 4 trials are done." in out
     assert "\nOmitted, because no mission has ended: 20 dB.\n" in out
 
 
-def test_several_campaigns_get_one_report_with_their_pass_rates(capsys, refusal, campaign_folder, tmp_path):
+@pytest.mark.slow
+def test_several_campaigns_get_one_report(refusal, campaign_folder, tmp_path):
     folders = [str(campaign_folder(4, seed)) for seed in (1, 2)]
     assert refusal("report", *folders) == "--out: missing; expected a folder for the report of several campaigns"
     assert main(["report", *folders, "--no-players", "--out", str(tmp_path / "docs")]) == 0
-    assert "\nnot reproduced  0 of 2      With 10 dB of noise all four victims" in capsys.readouterr().out
     assert "4 trials each in 2 campaigns, seeds 1, 2." in (tmp_path / "docs" / "report.html").read_text()
 
 
-def test_campaign_without_missions_is_refused_and_nothing_is_written(refusal, campaign_folder, tmp_path):
+def test_campaign_without_missions_is_rejected_and_nothing_is_written(refusal, campaign_folder, tmp_path):
     folder = campaign_folder(0)
     before = sorted(os.listdir(folder))
     assert refusal("report", folder, "--out", tmp_path / "out") == (
@@ -73,7 +69,7 @@ def test_campaign_without_missions_is_refused_and_nothing_is_written(refusal, ca
     assert not (tmp_path / "out").exists()
 
 
-def test_folders_without_a_campaign_are_refused(refusal, tmp_path):
+def test_folders_without_a_campaign_are_rejected(refusal, tmp_path):
     wanted = "contains no campaign: there is no campaign.sqlite"
     assert refusal("report", tmp_path) == f"{tmp_path}: {wanted}"
     assert refusal("report", tmp_path / "nowhere") == f"{tmp_path / 'nowhere'}: {wanted}"
@@ -82,9 +78,7 @@ def test_folders_without_a_campaign_are_refused(refusal, tmp_path):
     assert os.listdir(tmp_path) == ["campaign.sqlite"]
 
 
-def test_folder_that_cannot_be_written_is_refused_before_the_report_is_made(
-    refusal, campaign_folder, monkeypatch, tmp_path
-):
+def test_unwritable_folder_is_rejected_before_the_report_is_made(refusal, campaign_folder, monkeypatch, tmp_path):
     monkeypatch.setattr("robotteamsim.analysis.report.make_report", None)
     folder = campaign_folder(1)
     (tmp_path / "file").touch()

@@ -14,6 +14,8 @@ from robotteamsim.campaign import Outcome, make_design, open_store, run_trial
 from robotteamsim.campaign.factors import parse_override, parse_sweep
 from robotteamsim.cli import main
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def outcomes() -> list[Outcome]:

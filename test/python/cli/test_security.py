@@ -13,9 +13,9 @@ from robotteamsim.wording import safe_cell
 
 FOREIGN = """
 import pathlib
-from robotteamsim.control import ALGORITHMS
+from robotteamsim.control.baselines.greedy import GreedyController
 pathlib.Path('ran').touch()
-Mine = ALGORITHMS['greedy']
+Mine = GreedyController
 """
 SHORT = ("--set", "mission.time_limit_s=1")
 

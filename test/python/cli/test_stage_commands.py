@@ -1,4 +1,4 @@
-"""`plan import-stage` and `plan export-stage`."""
+"""`plan import-stage`."""
 
 from __future__ import annotations
 
@@ -44,40 +44,8 @@ def test_world_named_plan_does_not_overwrite_its_own_plan(capsys):
     assert load("scenario.yaml").plan.name == "plan"
 
 
-def test_refused_world_leaves_nothing_behind(refusal):
+def test_rejected_world_leaves_nothing_behind(refusal):
     Path("bad.world").write_text("\nmodel(\n")
     assert refusal("plan", "import-stage", "bad.world") == "bad.world:2: model: '(' is never closed"
     assert [path.name for path in Path().iterdir()] == ["bad.world"]
     assert refusal("plan", "import-stage", "no.world") == "no.world: there is no such file"
-
-
-def test_exported_scenario_is_a_world_and_its_bitmap(capsys):
-    assert main(["plan", "export-stage", "tutorial_arena", "--out", "out", "--resolution", "0.1"]) == 0
-    captured = capsys.readouterr()
-    assert captured.out == "out/tutorial_arena.world: 1 robot; out/tutorial_arena.png: walls and closed doors\n"
-    assert captured.err.startswith("robotteamsim: warning: odometry: drifts by the alphas here")
-    assert sorted(path.name for path in Path("out").iterdir()) == ["tutorial_arena.png", "tutorial_arena.world"]
-    assert main(["plan", "import-stage", "out/tutorial_arena.world", "--out", "back"]) == 0
-    assert load("back/tutorial_arena.yaml").plan.bounds == load("tutorial_arena").plan.bounds
-
-
-def test_exported_scenario_takes_settings(capsys):
-    assert main(["plan", "export-stage", "garage_sar", "--out", "out", "--set", "robots.count=5"]) == 0
-    assert Path("out/garage_sar.world").read_text().count("robot_kind_0( pose") == 5
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["export-stage", "garage_sra", "--out", "out"], "garage_sra: no shipped scenario of this name"),
-        (
-            ["export-stage", "garage_sar", "--out", "out", "--resolution", "0"],
-            "argument --resolution: 0 is not above 0",
-        ),
-        (["export-stage", "garage_sar", "--out", "out", "--resolution", "nan"], "argument --resolution: 'nan' is not"),
-        (["export-stage", "garage_sar"], "the following arguments are required: --out"),
-    ],
-)
-def test_bad_export_is_refused_and_leaves_nothing_behind(refusal, arguments, message):
-    assert refusal("plan", *arguments).startswith(message)
-    assert list(Path().iterdir()) == []

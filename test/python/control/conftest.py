@@ -13,8 +13,8 @@ from robotteamsim.network.messages import Message
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.sensing.robots import RobotSensors
+from robotteamsim.setup import resolve
 from robotteamsim.world import World
-from robotteamsim.world.placement import placed_robots
 
 
 def silence(position: tuple[float, float]) -> VoiceReading:
@@ -25,9 +25,10 @@ class Team:
     """Steps world, sensors, network without loss, and controllers of a scenario, as the simulation does."""
 
     def __init__(self, scenario: Scenario) -> None:
-        robots = placed_robots(scenario)
+        setup = resolve(scenario)
+        robots = setup.robots
         self.world = World(scenario.plan, robots, scenario.run)
-        self.controllers: list[Controller] = [make_controller(i, scenario) for i in range(len(robots))]
+        self.controllers: list[Controller] = [make_controller(i, setup) for i in range(len(robots))]
         self.decisions = [Decision() for _ in robots]
         self.hear: Callable[[tuple[float, float]], VoiceReading] = silence
         """What a robot hears at a position."""
@@ -41,12 +42,13 @@ class Team:
         self.world.step([decision.twist for decision in self.decisions])
         readings = self._sensors.read()
         sent: list[Message] = [message for decision in self.decisions for message in decision.outbox]
+        decisions = []
         for robot_id, (controller, reading) in enumerate(zip(self.controllers, readings, strict=True)):
             position = (reading.ground_truth.x_m, reading.ground_truth.y_m)
             observation = Observation(robot_id, self.world.sim_time_ns, reading, self.hear(position))
             inbox = [message for message in (*sent, *self.hear_messages) if message.sender != robot_id]
-            controller.observe(observation, inbox, self.task)
-        self.decisions = [controller.decide() for controller in self.controllers]
+            decisions.append(controller.step(observation, inbox, self.task))
+        self.decisions = decisions
         return self.decisions
 
     def run(self, seconds: float) -> None:

@@ -1,4 +1,4 @@
-"""What the library does for controllers is what the plain way gives, bit by bit."""
+"""Functions of the library for controllers equal straightforward ones, bit by bit."""
 
 from __future__ import annotations
 
@@ -6,18 +6,16 @@ import math
 
 import numpy as np
 import pytest
-from plain import PlainNavigator, PlainRuledOut, PlainSurroundings, plain_along_path, plain_first_stretch
+from plain import PlainRuledOut, PlainSurroundings, plain_along_path, plain_first_stretch
 from scipy import ndimage
 
 from robotteamsim import _core
 from robotteamsim.control.driving.known_map import KnownMap
-from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.control.rdpso.obstacles import Surroundings
 from robotteamsim.geometry import Pose
-from robotteamsim.scenario.control_tuning import NavigatorTuning
-from robotteamsim.scenario.drives import CarDrive, Drive
+from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan
-from robotteamsim.scenario.sections import Laser, PlacedRobot
+from robotteamsim.scenario.sections import Laser
 
 SIZE_M = 12.0
 
@@ -29,7 +27,7 @@ def cluttered_map(rng: np.random.Generator) -> KnownMap:
         Block(name=f"b{i}", polygon=((x, y), (x + 1.3, y), (x + 1.3, y + 0.4), (x, y + 0.4)))
         for i, (x, y) in enumerate(corners_m.tolist())
     )
-    return KnownMap(FloorPlan(name="hall", bounds=Bounds(max=(SIZE_M, SIZE_M)), blocks=blocks), 0.2, ())
+    return KnownMap(Building(FloorPlan(name="hall", bounds=Bounds(max=(SIZE_M, SIZE_M)), blocks=blocks)), 0.2, ())
 
 
 def scan(rng: np.random.Generator, beams: int) -> np.ndarray:
@@ -45,33 +43,6 @@ def place(rng: np.random.Generator) -> tuple[float, float]:
     return x, y
 
 
-@pytest.mark.parametrize("mode", ["path", "straight"])
-@pytest.mark.parametrize("drive", [Drive(), CarDrive(kind="car", wheelbase_m=0.3, max_steering_rad=0.6)])
-@pytest.mark.parametrize("seed", range(3))
-def test_navigator_commands_what_the_plain_one_commands(seed, drive, mode):
-    rng = np.random.default_rng(seed)
-    body = PlacedRobot(start_pose=(0.0, 0.0, 0.0), drive=drive, laser=Laser(forward_m=0.05))
-    robots = Navigator(body, 3, mode, NavigatorTuning()), PlainNavigator(body, 3, mode)
-    known, goal, x, y = cluttered_map(rng), place(rng), 6.0, 6.0
-    escapes = 0
-    for step in range(600):
-        if step % 150 == 149:
-            known, goal = cluttered_map(rng), place(rng)
-        elif rng.random() < 0.03:
-            goal = place(rng)
-        x, y = (np.clip(rng.normal((x, y), 0.01), 0.1, SIZE_M - 0.1)).tolist()
-        pose = Pose(x, y, float(rng.uniform(-math.pi, math.pi)))
-        others = {i: (x + float(rng.normal()), y + float(rng.normal())) for i in (1, 5, 2)}
-        ranges_m, speed_mps = scan(rng, body.laser.beams), float(rng.uniform(0.1, 0.9))
-        sensed = pose, ranges_m, goal, speed_mps
-        asked = []
-        expected = robots[1].drive(known, *sensed, step * 100_000_000 * 1e-9, others)
-        ask = lambda others=others, asked=asked: asked.append(1) or others  # noqa: E731
-        assert robots[0].drive(known.grid, *sensed, step * 100_000_000, ask) == expected
-        escapes += len(asked)
-    assert escapes > 10
-
-
 def test_nearest_place_is_the_first_of_the_nearest():
     rng = np.random.default_rng(4)
     for _ in range(200):
@@ -84,7 +55,7 @@ def test_nearest_place_is_the_first_of_the_nearest():
 
 
 @pytest.mark.parametrize("beams", [5, 61, 181, 360])
-def test_surroundings_find_what_the_plain_ones_find(beams):
+def test_surroundings_equal_straightforward_ones(beams):
     rng = np.random.default_rng(beams)
     laser = Laser(beams=beams, forward_m=0.1)
     surroundings, plain = Surroundings(laser, 1.2), PlainSurroundings(laser, 1.2)
@@ -97,7 +68,7 @@ def test_surroundings_find_what_the_plain_ones_find(beams):
     assert found > 50
 
 
-def test_scans_are_read_alike_whatever_array_holds_them():
+def test_scans_are_read_equally_from_any_array():
     rng = np.random.default_rng(3)
     surroundings, pose = Surroundings(Laser(), 1.2), Pose(1.0, 2.0, 0.3)
     ranges_m = scan(rng, Laser().beams)
@@ -108,7 +79,7 @@ def test_scans_are_read_alike_whatever_array_holds_them():
 
 
 @pytest.mark.parametrize("together", [True, False])
-def test_ruled_out_covers_what_the_plain_one_covers(together):
+def test_ruled_out_cells_equal_those_of_a_straightforward_search(together):
     rng = np.random.default_rng(5)
     ruled_out = _core.control.RuledOut(radius_m=1.5, cell_m=0.25, next_to_m=0.75)
     plain = PlainRuledOut(1.5, 0.25, 0.75)
@@ -132,7 +103,7 @@ def test_ruled_out_covers_what_the_plain_one_covers(together):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_ways_begin_as_the_plain_ones(seed):
+def test_first_steps_of_paths_equal_those_of_a_straightforward_search(seed):
     rng = np.random.default_rng(seed)
     known, bends = cluttered_map(rng), 0
     for _ in range(100):

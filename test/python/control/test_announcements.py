@@ -16,7 +16,7 @@ from robotteamsim.interface.discovery import announcement
 from robotteamsim.network import Message
 from robotteamsim.network.messages import EVERYBODY
 from robotteamsim.scenario import load
-from robotteamsim.scenario.sections import Control
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation
 
 ANN = Discovery("victim", "ann", 1, (9.0, 4.0), 12.5)
@@ -31,15 +31,13 @@ class Chatty:
     def __init__(self) -> None:
         self.inboxes: list[list[Message]] = []
 
-    def observe(self, observation, inbox, task) -> None:
+    def step(self, observation, inbox, task) -> Decision:
         self.inboxes.append(list(inbox))
-
-    def decide(self) -> Decision:
         return Decision(outbox=(Message(1, 0, "mine"),))
 
 
 def with_base(hall_scenario, algorithm="rdpso", **mission):
-    scenario = hall_scenario(control=Control(algorithm=algorithm, iteration_s=1.0))
+    scenario = hall_scenario(control={"algorithm": algorithm, "iteration_s": 1.0})
     return scenario.model_copy(update={"mission": scenario.mission.model_copy(update={"base": 0, **mission})})
 
 
@@ -47,15 +45,13 @@ def answer(kind: str, name: str) -> Message:
     """Return the base's acknowledgement of a discovery."""
     base = Acknowledger(StandingBase(), 0)
     announced = Message(1, 0, json.dumps({"discoveries": [{"kind": kind, "name": name}]}))
-    base.observe(Observation(0, STEP_NS, None, None), (announced,), Task(running=True))
-    (message,) = base.decide().outbox
+    (message,) = base.step(Observation(0, STEP_NS, None, None), (announced,), Task(running=True)).outbox
     return message
 
 
 def sent(announcer: Announcer, step: int, task: Task, *inbox: Message) -> list[str]:
     """Return the payloads that leave in a step, but for the controller's own."""
-    announcer.observe(Observation(1, step * STEP_NS, None, None), inbox, task)
-    outbox = announcer.decide().outbox
+    outbox = announcer.step(Observation(1, step * STEP_NS, None, None), inbox, task).outbox
     assert outbox[0].payload == "mine"
     assert all((message.sender, message.receiver) == (1, 0) for message in outbox)
     return [message.payload for message in outbox[1:]]
@@ -96,15 +92,14 @@ def test_base_acknowledges_each_discovery_once_a_step_and_nothing_else():
     base = Acknowledger(Chatty(), 0)
     inbox = [Message(sender, 0, announcement(find)) for sender, find in ((1, ANN), (1, EAST), (2, ANN))]
     inbox += [Message(2, 0, "hello"), Message(2, 0, '{"discoveries": 3}')]
-    base.observe(Observation(0, STEP_NS, None, None), inbox, Task(running=True))
-    mine, *answers = base.decide().outbox
+    mine, *answers = base.step(Observation(0, STEP_NS, None, None), inbox, Task(running=True)).outbox
     assert (mine.payload, len(base.controller.inboxes[0])) == ("mine", 5)
     assert [(m.sender, m.receiver, json.loads(m.payload)) for m in answers] == [
         (0, EVERYBODY, {"delivered": {"kind": "victim", "name": "ann"}}),
         (0, EVERYBODY, {"delivered": {"kind": "area", "name": "east"}}),
     ]
-    base.observe(Observation(0, 2 * STEP_NS, None, None), (), Task(running=True))
-    assert [m.payload for m in base.decide().outbox] == ["mine"]
+    later = base.step(Observation(0, 2 * STEP_NS, None, None), (), Task(running=True))
+    assert [m.payload for m in later.outbox] == ["mine"]
 
 
 def test_nothing_is_announced_while_the_mission_is_paused(hall_scenario):
@@ -115,28 +110,28 @@ def test_nothing_is_announced_while_the_mission_is_paused(hall_scenario):
 
 def test_result_that_is_not_a_decision_is_left_to_the_guard(hall_scenario):
     broken = Chatty()
-    broken.decide = lambda: None
+    broken.step = lambda observation, inbox, task: None
     announcer = Announcer(broken, 1, with_base(hall_scenario), ("victim",))
-    announcer.observe(Observation(1, STEP_NS, None, None), (), Task(running=True, undelivered=(ANN,)))
-    assert announcer.decide() is None
+    task = Task(running=True, undelivered=(ANN,))
+    assert announcer.step(Observation(1, STEP_NS, None, None), (), task) is None
 
 
 def test_wrappers_depend_on_controller_and_areas(hall_scenario):
-    assert isinstance(make_controller(1, hall_scenario()), RdpsoController)  # no base
+    assert isinstance(make_controller(1, resolve(hall_scenario())), RdpsoController)  # no base
     scenario = with_base(hall_scenario)
-    base = make_controller(0, scenario)
+    base = make_controller(0, resolve(scenario))
     assert (type(base), type(base.controller)) == (Acknowledger, StandingBase)
-    assert isinstance(make_controller(1, scenario), Announcer)
+    assert isinstance(make_controller(1, resolve(scenario)), Announcer)
     covering = with_base(hall_scenario, "cover")
-    base = make_controller(0, covering)
+    base = make_controller(0, resolve(covering))
     assert (type(base), type(base.controller)) == (Acknowledger, CoverController)
-    assert isinstance(make_controller(1, covering), Announcer)
-    assert isinstance(make_controller(0, with_base(hall_scenario, "cover", areas=())), CoverController)
-    assert isinstance(make_controller(1, with_base(hall_scenario, "cover", areas=())), CoverController)
+    assert isinstance(make_controller(1, resolve(covering)), Announcer)
+    assert isinstance(make_controller(0, resolve(with_base(hall_scenario, "cover", areas=()))), CoverController)
+    assert isinstance(make_controller(1, resolve(with_base(hall_scenario, "cover", areas=()))), CoverController)
 
 
 @pytest.mark.parametrize("algorithm", ["rdpso", "random_walk", "greedy", "pso", "sebs", "cover"])
-def test_base_stands_with_any_algorithm_and_receives_announcements(hall_scenario, algorithm):
+def test_base_does_not_move_with_any_algorithm_and_receives_announcements(hall_scenario, algorithm):
     scenario = with_base(hall_scenario, algorithm)
     near = scenario.mission.victims[0].model_copy(update={"position": (3.5, 6.0)})
     simulation = Simulation(with_base(hall_scenario, algorithm, victims=(near,)))

@@ -6,20 +6,28 @@ import math
 
 import pytest
 
-from robotteamsim.control import make_controller
 from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.rdpso.local_best import LocalBestFinder
 from robotteamsim.control.rdpso.ruled_out import RuledOut
 from robotteamsim.control.rdpso.update import Best
+from robotteamsim.geometry import Pose
 from robotteamsim.interface import Decision, Task
-from robotteamsim.scenario.sections import Area, Control, Mission
+from robotteamsim.scenario.building import Building
+from robotteamsim.scenario.sections import Area, Mission
 from robotteamsim.sensing.readings import VoiceReading
 
 VICTIM = (9.0, 8.0)
 
 
-def of(algorithm: str, **keys: float) -> Control:
-    return Control(algorithm=algorithm, **keys)
+def of(algorithm: str, **keys: float) -> dict[str, object]:
+    return {"algorithm": algorithm, **keys}
+
+
+def final_poses(team, hall_scenario, control: dict[str, object]) -> list[Pose]:
+    """Return where the robots are after 20 s."""
+    hall = team(hall_scenario(control=control))
+    hall.run(20.0)
+    return hall.world.poses()
 
 
 def voice_of_victim(position: tuple[float, float]) -> VoiceReading:
@@ -34,7 +42,7 @@ def voice_of_victim(position: tuple[float, float]) -> VoiceReading:
 
 def test_local_best_is_the_voice_unless_it_is_ruled_out(hall_scenario):
     scenario = hall_scenario()
-    ruled_out, carried = RuledOut(scenario), known_map(scenario.plan, 0.2)
+    ruled_out, carried = RuledOut(scenario), known_map(Building(scenario.plan), 0.2)
     finder = LocalBestFinder(scenario)
     voice, here = VoiceReading(5.0, True, (4.0, 4.0), 7.0), (3.0, 4.0)
     assert finder.find(carried, ruled_out, voice, (16.0, 5.0), here) == Best(7.0, (4.0, 4.0))
@@ -65,45 +73,34 @@ def test_greedy_robot_without_a_voice_goes_to_the_area_and_without_both_wanders(
     assert len(goals) > 3
 
 
-def test_pso_has_an_inertia_in_place_of_the_memory_and_neither_obstacles_nor_network(hall_scenario):
-    control = of("pso", c3=0.3, c4=0.4, inertia=0.7, alpha=0.9)
-    pso = make_controller(0, hall_scenario(control=control))
-    assert pso._momentum.coefficients == (0.7,)
-    assert pso._weights == (0.08, 0.11, 0.0, 0.0)
-    assert pso._links._c4 == 0.0
-    assert not pso._membership._enabled
+def test_pso_has_an_inertia_and_two_coefficients(team, hall_scenario):
+    poses = final_poses(team, hall_scenario, of("pso", inertia=0.7))
+    for change in ({"inertia": 0.2}, {"c1": 0.5}, {"c2": 0.5}):
+        assert poses != final_poses(team, hall_scenario, of("pso", **({"inertia": 0.7} | change)))
 
 
-def test_rpso_is_pso_with_the_obstacle_term(hall_scenario):
-    rpso = make_controller(0, hall_scenario(control=of("rpso", c3=0.3, inertia=0.5)))
-    assert rpso._momentum.coefficients == (0.5,)
-    assert rpso._weights.obstacle == 0.3
-    assert rpso._links._c4 == 0.0
-    assert not rpso._membership._enabled
+def test_rpso_is_pso_with_the_obstacle_term(team, hall_scenario):
+    poses = final_poses(team, hall_scenario, of("pso", inertia=0.5))
+    assert poses == final_poses(team, hall_scenario, of("rpso", c3=0.0, inertia=0.5))
+    assert poses != final_poses(team, hall_scenario, of("rpso", c3=0.3, inertia=0.5))
 
 
-def test_dpso_moves_by_pso_and_excludes(team, hall_scenario):
-    dpso = make_controller(0, hall_scenario(control=of("dpso", c3=0.3, c4=0.4, inertia=0.5)))
-    assert dpso._momentum.coefficients == (0.5,)
-    assert dpso._weights == (0.08, 0.11, 0.0, 0.0)
+@pytest.mark.parametrize(("algorithm", "excludes"), [("pso", False), ("rpso", False), ("dpso", True)])
+def test_only_dpso_excludes(team, hall_scenario, algorithm, excludes):
     mission = Mission(areas=(Area(name="here", center=(3.5, 5.0)),))
-    hall = team(hall_scenario(mission=mission, control=of("dpso")))
+    hall = team(hall_scenario(mission=mission, control=of(algorithm)))
     hall.run(40.0)
-    assert all(decision.excluded for decision in hall.decisions)
+    assert [decision.excluded for decision in hall.decisions] == [excludes, excludes]
 
 
-def test_rpso_without_obstacle_weight_drives_as_pso(team, hall_scenario):
-    def poses(algorithm: str) -> list:
-        hall = team(hall_scenario(control=of(algorithm, c3=0.0)))
-        hall.run(20.0)
-        return hall.world.poses()
-
-    assert poses("pso") == poses("rpso")
+def test_dpso_moves_by_pso_until_it_excludes(team, hall_scenario):
+    poses = final_poses(team, hall_scenario, of("dpso", inertia=0.5))
+    assert poses == final_poses(team, hall_scenario, of("pso", inertia=0.5))
 
 
 def test_rdpso_of_one_memory_term_is_rpso_of_that_inertia(team, hall_scenario):
     # alpha is the weight of the newest velocity; two robots side by side keep their link, so c4 is silent.
-    def poses(control: Control) -> list:
+    def poses(control: dict[str, object]) -> list:
         hall = team(hall_scenario(control=control))
         hall.run(10.0)
         return hall.world.poses()
@@ -120,7 +117,7 @@ def test_nobody_leaves_a_swarm_without_exclusion(team, hall_scenario, algorithm)
 
 
 @pytest.mark.parametrize("algorithm", ["greedy", "pso", "sebs"])
-def test_robots_stand_still_and_are_silent_while_the_task_does_not_run(team, hall_scenario, algorithm):
+def test_robots_are_still_and_silent_while_the_task_does_not_run(team, hall_scenario, algorithm):
     hall = team(hall_scenario(control=of(algorithm)))
     hall.task = Task()
     assert set(hall.step()) == {Decision()}

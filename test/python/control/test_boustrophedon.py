@@ -11,17 +11,18 @@ from robotteamsim.control import make_controller
 from robotteamsim.control.baselines.sweep import shares, sweep
 from robotteamsim.errors import ScenarioError
 from robotteamsim.interface import Task
+from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.floor_plan import Block
-from robotteamsim.scenario.sections import Control, PlacedRobot
-from robotteamsim.scenario.sweep_tuning import SweepTuning
+from robotteamsim.scenario.sections import Mission, PlacedRobot
 from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.setup import resolve
 
 SPACING_M = 2.0
 START = (1.0, 1.0)
 
 
 def swept(plan, spacing_m: float = SPACING_M):
-    return sweep(plan, 0.2, spacing_m, START)
+    return sweep(Building(plan), 0.2, spacing_m, START)
 
 
 def test_empty_hall_is_one_cell_of_parallel_lines_back_and_forth(hall_scenario):
@@ -64,7 +65,7 @@ def test_shares_begin_at_equal_distances_along_the_sweep():
 
 
 def test_robots_sweep_different_lines_and_follow_a_voice(team, hall_scenario):
-    control = Control(algorithm="boustrophedon", sweep=SweepTuning(spacing_m=SPACING_M))
+    control = {"algorithm": "boustrophedon", "spacing_m": SPACING_M}
     hall = team(hall_scenario(control=control))
     hall.task = Task(running=True, epoch=1)
     goals = {i: set() for i in range(2)}
@@ -80,7 +81,7 @@ def test_robots_sweep_different_lines_and_follow_a_voice(team, hall_scenario):
 
 
 def test_voice_that_does_not_become_louder_is_given_up_there_until_the_voices_change(team, hall_scenario):
-    hall = team(hall_scenario(control=Control(algorithm="boustrophedon")))
+    hall = team(hall_scenario(control={"algorithm": "boustrophedon"}))
     outside = (10.0, 9.95)  # In the wall: no robot ever stands next to it.
     hall.hear = lambda position: VoiceReading(50.0, True, outside, 60.0)
     assert all(decision.goal_m == outside for decision in hall.step())
@@ -91,8 +92,8 @@ def test_voice_that_does_not_become_louder_is_given_up_there_until_the_voices_ch
     assert all(decision.goal_m == outside for decision in hall.step())
 
 
-def test_plan_in_which_no_path_can_begin_is_refused(hall_scenario, closet):
+def test_plan_in_which_no_path_can_begin_is_rejected(hall_scenario, closet):
     robots = (PlacedRobot(start_pose=(0.28, 0.28, 0.0), radius_m=0.15),)
-    scenario = hall_scenario(plan=closet, robots=robots, control=Control(algorithm="boustrophedon"))
-    with pytest.raises(ScenarioError, match=r"hall: control.sweep.spacing_m: no line of the sweep crosses floor that"):
-        make_controller(0, scenario)
+    scenario = hall_scenario(plan=closet, robots=robots, mission=Mission(), control={"algorithm": "boustrophedon"})
+    with pytest.raises(ScenarioError, match=r"hall: control.spacing_m: no line of the sweep crosses floor that"):
+        make_controller(0, resolve(scenario))

@@ -14,9 +14,11 @@ from robotteamsim.control.rdpso.obstacles import Surroundings
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import SwarmContext
 from robotteamsim.propagation import RadioField
-from robotteamsim.scenario.sections import Control, Laser, Mission, Network
+from robotteamsim.scenario.controllers.swarms import RdpsoControl
+from robotteamsim.scenario.sections import Laser, Mission, Network
+from robotteamsim.setup import resolve
 
-CRISP = Control(adaptation="crisp")
+CRISP = RdpsoControl(adaptation="crisp")
 PLACES = {0: (0.0, 0.0), 1: (6.0, 8.0), 2: (12.0, 0.0)}
 """Robot 1 is 10 m from both others, which are 12 m apart."""
 
@@ -25,9 +27,9 @@ PLACES = {0: (0.0, 0.0), 1: (6.0, 8.0), 2: (12.0, 0.0)}
 def meter(hall_scenario):
     """Make the meter of a robot whose links reach 11 m."""
 
-    def make(control: Control = CRISP) -> ContextMeter:
+    def make(control: RdpsoControl = CRISP) -> ContextMeter:
         scenario = hall_scenario(control=control, network=Network(link="distance", max_distance_m=11.0))
-        return ContextMeter(control, control.adaptation, LinkKeeper(scenario))
+        return ContextMeter(control, control.adaptation, LinkKeeper(resolve(scenario)))
 
     return make
 
@@ -44,7 +46,7 @@ def coefficients(context: SwarmContext) -> tuple[float, ...]:
     return context.alpha, context.c1, context.c2, context.c3, context.c4
 
 
-def test_metrics_are_those_worked_by_hand(meter):
+def test_metrics_equal_the_hand_calculation(meter):
     robot = meter()
     robot.measure(7, 1, moved(PLACES, -0.29), True, (0.0, 0.0), math.inf)
     context = robot.measure(8, 1, PLACES, True, (0.0, 0.0), 0.25)
@@ -78,7 +80,7 @@ def test_swarm_with_a_member_unheard_is_not_connected_and_a_robot_alone_is(meter
 @pytest.mark.parametrize("adaptation", ["crisp", "fuzzy"])
 def test_context_does_not_depend_on_the_direction_of_the_axes(meter, adaptation):
     def measured(angle_rad: float) -> SwarmContext:
-        robot, cos, sin = meter(Control(adaptation=adaptation)), math.cos(angle_rad), math.sin(angle_rad)
+        robot, cos, sin = meter(RdpsoControl(adaptation=adaptation)), math.cos(angle_rad), math.sin(angle_rad)
         for iteration, step_m in enumerate((0.0, 0.2)):
             turned = {i: (cos * x - sin * y, sin * x + cos * y) for i, (x, y) in moved(PLACES, step_m).items()}
             context = robot.measure(iteration, 2, turned, True, (5.0 * cos, 5.0 * sin), 0.4)
@@ -93,7 +95,7 @@ def test_context_does_not_depend_on_the_direction_of_the_axes(meter, adaptation)
 
 def test_connectivity_by_signal_is_the_fiedler_value_of_networkx(hall_scenario):
     scenario = hall_scenario(control=CRISP, network=Network(lost_below_dbm=-70.0, endangered_below_dbm=-60.0))
-    links, field = LinkKeeper(scenario), RadioField(scenario.plan, scenario.radio)
+    links, field = LinkKeeper(resolve(scenario)), RadioField(scenario.plan, scenario.radio)
     generator = np.random.default_rng(3)
     found = set()
     for _ in range(20):
@@ -122,14 +124,16 @@ def test_clearance_is_the_distance_to_the_nearest_hit_from_the_centre_of_the_rob
 
 @pytest.mark.parametrize("adaptation", ["crisp", "fuzzy"])
 def test_robots_adapt_their_own_coefficients_which_sum_to_two(team, hall_scenario, adaptation):
-    hall = team(hall_scenario(control=Control(adaptation=adaptation)))
+    hall = team(hall_scenario(control=RdpsoControl(adaptation=adaptation)))
     hall.run(12.0)
-    for controller, decision in zip(hall.controllers, hall.decisions, strict=True):
+    for decision in hall.decisions:
         context = decision.context
         assert context.c1 + context.c2 + context.c3 + context.c4 == pytest.approx(2.0)
         assert all(0.0 <= value <= 1.0 for value in metrics(context))
-        assert controller._momentum.coefficients[0] == context.alpha
     assert hall.decisions[0].context != hall.decisions[1].context
+    fixed = team(hall_scenario())
+    fixed.run(12.0)
+    assert fixed.world.poses() != hall.world.poses()
 
 
 def test_robots_without_adaptation_and_wandering_robots_have_no_context(team, hall_scenario):

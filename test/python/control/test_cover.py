@@ -10,10 +10,10 @@ import pytest
 from robotteamsim.control.cover.controller import CoverController
 from robotteamsim.control.cover.update import CoverUpdate, parse_cover_update
 from robotteamsim.errors import ScenarioError
-from robotteamsim.interface import Discovery, Observation
+from robotteamsim.interface import Discovery, Observation, Task
 from robotteamsim.network import EVERYBODY, Message
 from robotteamsim.scenario import load
-from robotteamsim.scenario.sections import Control, Mission, PlacedRobot, Victim, Voice
+from robotteamsim.scenario.sections import Mission, PlacedRobot, Victim, Voice
 from robotteamsim.simulation import Simulation, StepRecord
 
 UPDATE = CoverUpdate(2, (1.0 / 3.0, 4.0), (7.0, 8.0), "00ff", (Discovery("victim", "", 4, (1.5, 2.5), 12.3),))
@@ -24,14 +24,14 @@ def _simulation(hall_scenario, **control) -> Simulation:
     scenario = hall_scenario(
         robots=tuple(PlacedRobot(start_pose=pose) for pose in poses),
         mission=Mission(base=0, victims=(Victim(name="ann", position=(9.0, 4.0)),), time_limit_s=90.0),
-        control=Control(algorithm="cover", **control),
+        control={"algorithm": "cover", **control},
         voice=Voice(noise_db=40.0),
     )
     return Simulation(scenario)
 
 
 def _controllers(simulation: Simulation) -> list[CoverController]:
-    return [guard.controller for guard in simulation.controllers]
+    return [guard.controller for guard in simulation.controllers.guards]
 
 
 def test_update_keeps_every_bit_as_a_message():
@@ -68,34 +68,36 @@ def test_base_stays_where_it_starts(hall_scenario):
     assert np.hypot(*np.subtract(places[1], (2.0, 1.0))) > 1.0
 
 
-def test_message_of_another_floor_or_of_nonsense_is_left_alone(hall_scenario):
+def test_message_of_another_floor_or_malformed_message_is_ignored(hall_scenario):
     simulation = _simulation(hall_scenario)
     record = simulation.step()
     controller: CoverController = _controllers(simulation)[1]
     before = controller.covered_share
     observation = _observation(record)
     payloads = [UPDATE.to_json(), "nonsense", json.dumps({"type": "cover", "robot_id": 2})]
-    controller.observe(observation, [Message(2, EVERYBODY, text) for text in payloads], record.mission.task)
+    controller.step(observation, [Message(2, EVERYBODY, text) for text in payloads], Task(running=False))
     assert controller.covered_share == before
     assert controller.found == ()
 
 
-def test_partition_splits_what_robots_know_and_heals(hall_scenario):
+def test_partition_splits_the_team_and_heals(hall_scenario):
     simulation = _simulation(hall_scenario)
+    sent = []
     for _ in range(5):
         record = simulation.step()
+        sent += [parse_cover_update(message.payload) for message in record.inboxes[1]]
     first, second = _controllers(simulation)[1:]
     victim = Discovery("victim", "", 0, (15.0, 5.0), 1.0)
-    update = CoverUpdate(0, (1.0, 1.0), None, first._cover.to_hex(), (victim,))
+    update = CoverUpdate(0, (1.0, 1.0), None, sent[-1].covered, (victim,))
     observation = _observation(record)
-    first.observe(observation, [Message(0, EVERYBODY, update.to_json())], record.mission.task)
+    first.step(observation, [Message(0, EVERYBODY, update.to_json())], record.mission.task)
     assert (len(first.found), len(second.found)) == (1, 0)
     for _ in range(12):  # the next updates
         simulation.step()
     assert len(second.found) == len(_controllers(simulation)[0].found) == 1
 
 
-def test_base_that_does_not_exist_is_refused():
+def test_base_that_does_not_exist_is_rejected():
     with pytest.raises(ScenarioError, match=r"mission.base: there is no robot 9; expected 0 to 8"):
         load("office_manet", ["mission.base=9"])
 

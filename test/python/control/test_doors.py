@@ -7,9 +7,10 @@ import pytest
 
 from robotteamsim.control.driving.known_map import UNREACHABLE_M, KnownMap
 from robotteamsim.control.rdpso.door_beliefs import DoorBeliefs
-from robotteamsim.control.rdpso.update import Sighting
+from robotteamsim.control.rdpso.update import Sighting, parse_update
 from robotteamsim.geometry import Pose
-from robotteamsim.scenario.control_tuning import DoorTuning
+from robotteamsim.scenario.building import Building
+from robotteamsim.scenario.controllers.driving import DoorTuning
 from robotteamsim.scenario.floor_plan import Door, FloorPlan, Wall
 from robotteamsim.scenario.sections import Area, Laser, Mission, PlacedRobot, Run
 from robotteamsim.sensing.robots import RobotSensors
@@ -60,7 +61,7 @@ def test_door_out_of_sight_stays_as_believed(plan):
     assert beliefs.sightings == ()
 
 
-def test_robot_in_the_doorway_is_no_closed_door(plan):
+def test_robot_in_the_doorway_is_not_a_closed_door(plan):
     robots = [PlacedRobot(start_pose=(8.0, 2.0, 0.0)), PlacedRobot(start_pose=(10.0, 2.0, 0.0))]
     reading = RobotSensors(World(plan, robots, Run()), robots, 1).read()[0]
     beliefs = DoorBeliefs(plan, Laser(), DoorTuning())
@@ -91,11 +92,11 @@ def test_sightings_heard_in_either_order_give_one_belief(plan):
 
 def test_closed_door_lengthens_the_path(plan):
     near, far = (9.0, 2.0), (11.0, 2.0)
-    open_m = KnownMap(plan, 0.2, ()).distance_m(far, near)
-    around_m = KnownMap(plan, 0.2, (("a", True),)).distance_m(far, near)
+    open_m = KnownMap(Building(plan), 0.2, ()).distance_m(far, near)
+    around_m = KnownMap(Building(plan), 0.2, (("a", True),)).distance_m(far, near)
     assert open_m == pytest.approx(2.0, abs=0.2)
     assert around_m == pytest.approx(2.0 * math.dist((9.0, 2.0), (10.0, 8.0)), rel=0.12)
-    shut = KnownMap(plan, 0.2, (("a", True), ("b", True)))
+    shut = KnownMap(Building(plan), 0.2, (("a", True), ("b", True)))
     assert shut.distance_m(far, near) == pytest.approx(UNREACHABLE_M + 2.0)
     assert math.dist(shut.nearest_by_path(far, near, 1.5)[0], far) < 2.0
 
@@ -107,7 +108,9 @@ def test_team_finds_the_other_door_when_the_nearer_one_was_closed(team, hall_sce
     hall.world.set_door("a", True)
     hall.run(120.0)
     assert min(math.dist((pose.x_m, pose.y_m), (14.0, 2.0)) for pose in hall.world.poses()) < 2.0
-    assert all(controller._doors.changed == (("a", True),) for controller in hall.controllers)
+    updates = [parse_update(m.payload) for _ in range(15) for decision in hall.step() for m in decision.outbox]
+    assert {update.robot_id for update in updates} == {0, 1}
+    assert all([(s.door, s.closed) for s in update.doors if s.closed] == [("a", True)] for update in updates)
 
 
 def test_scan_with_infinite_ranges_is_read(plan):

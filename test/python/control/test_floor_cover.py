@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from robotteamsim.control.cover.floor_cover import FloorCover
+from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 
 HALL = FloorPlan(name="hall", bounds=Bounds(max=(20.0, 10.0)))
@@ -21,7 +22,7 @@ ROOMS = FloorPlan(
 
 
 def _cover(plan: FloorPlan = HALL, radius_m: float = 2.5) -> FloorCover:
-    return FloorCover(plan, 0.2, (3.0, 5.0), radius_m)
+    return FloorCover(Building(plan), 0.2, (3.0, 5.0), radius_m)
 
 
 def test_nothing_is_covered_before_the_first_look():
@@ -54,7 +55,7 @@ def test_rooms_that_cannot_be_entered_do_not_count():
     assert cover.best_place((3.0, 5.0), [], 4.0) is None
 
 
-def test_what_others_have_covered_is_merged():
+def test_cells_that_others_covered_are_merged():
     first, second = _cover(), _cover()
     first.look((5.0, 5.0))
     second.look((15.0, 5.0))
@@ -66,7 +67,7 @@ def test_what_others_have_covered_is_merged():
 
 
 @pytest.mark.parametrize("text", ["", "ff", "no hex", "f" * 51])
-def test_what_is_not_of_this_floor_is_not_merged(text):
+def test_map_of_another_floor_is_not_merged(text):
     cover = _cover()
     assert not cover.merge(text)
     assert cover.share == 0.0

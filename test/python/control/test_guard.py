@@ -18,16 +18,14 @@ FORWARD = Decision(Twist(0.5))
 
 
 class Scripted:
-    """Decides what it is told to, one after the other; an exception is raised."""
+    """Returns its decisions one after the other; an exception is raised."""
 
     def __init__(self, *decisions: object) -> None:
         self.decisions = list(decisions)
-        self.num_observed = 0
+        self.num_steps = 0
 
-    def observe(self, observation, inbox, task) -> None:
-        self.num_observed += 1
-
-    def decide(self):
+    def step(self, observation, inbox, task):
+        self.num_steps += 1
         decision = self.decisions.pop(0)
         if isinstance(decision, BaseException):
             raise decision
@@ -53,42 +51,42 @@ def test_decisions_of_a_sound_controller_pass_unchanged():
         (ZeroDivisionError("division by zero"), "ZeroDivisionError: division by zero (test_guard.py:"),
         (ValueError("two\n  lines"), "ValueError: two lines (test_guard.py:"),
         (MemoryError(), "MemoryError (test_guard.py:"),
-        ((x for x in ()), "decide returned <generator object <genexpr>>; expected a Decision"),
-        (Decision(Twist(math.nan)), "decide returned Twist(linear_x_mps=nan, "),
-        (Decision(Twist(0.0, 0.0, math.inf)), "decide returned Twist(linear_x_mps=0.0, "),
-        (Decision(Twist("fast")), "decide returned Twist(linear_x_mps='fast', "),
-        (Decision(context=(0.5,) * 10), "decide returned the context (0.5, 0.5, 0.5, "),
-        (Decision(context=SwarmContext(*[math.nan] * 10)), "decide returned the context SwarmContext(activity=nan, "),
-        (Decision((0.5, 0.0, 0.0)), "decide returned (0.5, 0.0, 0.0); expected a Twist of finite numbers"),
-        (None, "decide returned None; expected a Decision"),
-        (Decision(goal_m=(math.nan, 0.0)), "decide returned the goal (nan, 0.0); expected finite (x, y), or None"),
-        (Decision(outbox=("hello",)), "decide returned 'hello' to send; expected a Message with text"),
+        ((x for x in ()), "step returned <generator object <genexpr>>; expected a Decision"),
+        (Decision(Twist(math.nan)), "step returned Twist(linear_x_mps=nan, "),
+        (Decision(Twist(0.0, 0.0, math.inf)), "step returned Twist(linear_x_mps=0.0, "),
+        (Decision(Twist("fast")), "step returned Twist(linear_x_mps='fast', "),
+        (Decision(context=(0.5,) * 10), "step returned the context (0.5, 0.5, 0.5, "),
+        (Decision(context=SwarmContext(*[math.nan] * 10)), "step returned the context SwarmContext(activity=nan, "),
+        (Decision((0.5, 0.0, 0.0)), "step returned (0.5, 0.0, 0.0); expected a Twist of finite numbers"),
+        (None, "step returned None; expected a Decision"),
+        (Decision(goal_m=(math.nan, 0.0)), "step returned the goal (nan, 0.0); expected finite (x, y), or None"),
+        (Decision(outbox=("hello",)), "step returned 'hello' to send; expected a Message with text"),
         (
             Decision(outbox=(Message(0, EVERYBODY, ""),)),
-            "decide returned a message from sender 0; expected 1, the robot itself",
+            "step returned a message from sender 0; expected 1, the robot itself",
         ),
         (
             Decision(outbox=(Message(1, 3, ""),)),
-            "decide returned a message to receiver 3; expected 0 to 2, or -1 for everybody",
+            "step returned a message to receiver 3; expected 0 to 2, or -1 for everybody",
         ),
-        (Decision(outbox=(Message(1, 0.0, ""),)), "decide returned a message to receiver 0.0; expected 0 to 2"),
-        (Decision(outbox=(Message(1, -2, ""),)), "decide returned a message to receiver -2; expected 0 to 2"),
+        (Decision(outbox=(Message(1, 0.0, ""),)), "step returned a message to receiver 0.0; expected 0 to 2"),
+        (Decision(outbox=(Message(1, -2, ""),)), "step returned a message to receiver -2; expected 0 to 2"),
         (
             Decision(outbox=(Message(1, 0, "\udc00"),)),
-            "decide returned the text '\\udc00' to send, which cannot be encoded as UTF-8",
+            "step returned the text '\\udc00' to send, which cannot be encoded as UTF-8",
         ),
-        (Decision(outbox=None), "decide returned the outbox None; expected a tuple of Messages"),
-        (Decision(excluded="no"), "decide returned excluded = 'no'; expected True or False"),
-        (Decision(swarm=2.5), "decide returned swarm = 2.5; expected a number from 0 on, or -1 for none"),
-        (Decision(swarm=-2), "decide returned swarm = -2; expected a number from 0 on, or -1 for none"),
-        (Decision(swarm=2**31), "decide returned swarm = 2147483648; expected a number from 0 on"),
-        (Decision(search_counter=None), "decide returned search_counter = None; expected a number from 0 on"),
-        (Decision(local_best="high"), "decide returned local_best = 'high'; expected a number"),
-        (Decision(fault=3), "decide returned fault = 3; expected text"),
+        (Decision(outbox=None), "step returned the outbox None; expected a tuple of Messages"),
+        (Decision(excluded="no"), "step returned excluded = 'no'; expected True or False"),
+        (Decision(swarm=2.5), "step returned swarm = 2.5; expected a number from 0 on, or -1 for none"),
+        (Decision(swarm=-2), "step returned swarm = -2; expected a number from 0 on, or -1 for none"),
+        (Decision(swarm=2**31), "step returned swarm = 2147483648; expected a number from 0 on"),
+        (Decision(search_counter=None), "step returned search_counter = None; expected a number from 0 on"),
+        (Decision(local_best="high"), "step returned local_best = 'high'; expected a number"),
+        (Decision(fault=3), "step returned fault = 3; expected text"),
         (SystemExit(3), "SystemExit: 3 (test_guard.py:"),
     ],
 )
-def test_faulty_decision_stops_the_robot_for_good_and_says_why(decision, fault):
+def test_faulty_decision_stops_the_robot_for_good_and_reports_why(decision, fault):
     guarded = guard(FORWARD, decision, FORWARD)
     assert step(guarded) == FORWARD
     told = [step(guarded), step(guarded)]
@@ -113,19 +111,13 @@ def test_controller_that_failed_is_not_asked_any_more():
     guarded = guard(ValueError("no"))
     step(guarded)
     step(guarded)
-    assert guarded.controller.num_observed == 1
+    assert guarded.controller.num_steps == 1
 
 
-def test_controller_that_raises_in_observe_or_when_made_stops_its_robot():
-    class Deaf(Scripted):
-        def observe(self, observation, inbox, task):
-            raise KeyError("voice")
-
+def test_controller_that_raises_when_made_stops_its_robot():
     def unmade():
         raise RuntimeError("no licence")
 
-    deaf = Guard(0, 1, Deaf)
-    assert re.fullmatch(r"KeyError: 'voice' \(test_guard.py:\d+\)", step(deaf).fault)
     never = Guard(0, 1, unmade)
     assert re.fullmatch(r"RuntimeError: no licence \(test_guard.py:\d+\)", step(never).fault)
 

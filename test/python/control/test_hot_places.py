@@ -9,7 +9,9 @@ from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.scenario import load, load_floor_plan
-from robotteamsim.sensing.readings import FurtherReadings, HeatReading, OdometryReading, RobotReading
+from robotteamsim.scenario.building import Building
+from robotteamsim.scenario.sensors import HeatReading
+from robotteamsim.sensing.readings import OdometryReading, RobotReading
 from robotteamsim.simulation import Simulation
 
 ODOMETRY = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
@@ -17,15 +19,15 @@ ODOMETRY = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
 
 def reading(*hot_m: tuple[float, float]) -> RobotReading:
     nothing_m = np.zeros(0, np.float32)
-    heat = FurtherReadings(heat=HeatReading(20.0, hot_m))
-    return RobotReading.of(ODOMETRY.pose, Twist(), ODOMETRY, nothing_m, in_contact=False, further=heat)
+    heat = {"heat": HeatReading(20.0, hot_m)}
+    return RobotReading(ODOMETRY.pose, Twist(), ODOMETRY, nothing_m, in_contact=False, sensors=heat)
 
 
 def test_paths_lead_around_known_hot_blocks():
     plan = load_floor_plan("garage")
     start, goal = (20.0, 7.0), (40.0, 7.0)
     hot = tuple((row, 30) for row in range(2, 10))  # 30 to 31 m along the south aisle, y from 2 to 10 m
-    free, around = known_map(plan, 0.2).grid, known_map(plan, 0.2, (), hot).grid
+    free, around = known_map(Building(plan), 0.2).grid, known_map(Building(plan), 0.2, (), hot).grid
     assert free.is_line_free(start, goal)
     assert not around.is_line_free(start, goal)
     corners = np.array(around.waypoints(start, goal, 100.0))
@@ -50,14 +52,14 @@ def test_map_follows_hot_places_seen_and_heard_at_most_every_five_seconds():
     assert not places.update(60 * 10**9)
 
 
-def test_way_out_is_the_nearest_cold_place_for_a_robot_that_heat_surrounds():
+def test_robot_that_heat_surrounds_leaves_to_the_nearest_cold_place():
     plan = load_floor_plan("garage")
     places = HotPlaces(plan)
-    assert places.way_out(known_map(plan, 0.2).grid, (20.5, 7.5)) is None
+    assert places.way_out(known_map(Building(plan), 0.2).grid, (20.5, 7.5)) is None
     places.hear((row, column) for row in range(4, 11) for column in range(18, 22))
     assert places.is_hot((20.5, 7.5))
     places.update(10**9)
-    grid = known_map(plan, 0.2, (), places.blocked).grid
+    grid = known_map(Building(plan), 0.2, (), places.blocked).grid
     way_out = places.way_out(grid, (20.5, 7.5))
     assert not places.is_hot(way_out)
     assert way_out[0] == pytest.approx(22.3, abs=0.15)  # half a metre of body and margin beside the blocks
@@ -65,7 +67,8 @@ def test_way_out_is_the_nearest_cold_place_for_a_robot_that_heat_surrounds():
     assert places.way_out(grid, (25.0, 7.5)) is None
 
 
-def test_robots_tell_their_team_where_it_is_hot_and_nothing_without_a_fire():
+@pytest.mark.slow
+def test_robots_send_hot_places_and_nothing_without_a_fire():
     def payloads(*overrides: str) -> list[str]:
         simulation = Simulation(load("garage_fire", ["run.seed=7", *overrides]))
         decisions = [decision for _ in range(300) for decision in simulation.step().decisions]

@@ -10,28 +10,30 @@ import pytest
 
 from robotteamsim.control.rdpso.communication import LinkKeeper, strongest_tree
 from robotteamsim.control.rdpso.ruled_out import RuledOut
-from robotteamsim.scenario.control_tuning import LinkTuning
+from robotteamsim.scenario.controllers.links import LinkTuning
+from robotteamsim.scenario.controllers.swarms import RdpsoControl
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.sections import Control, Network
+from robotteamsim.scenario.sections import Network
+from robotteamsim.setup import resolve
 
 HERE = (10.0, 50.0)
 
 
 def field_scenario(hall_scenario, *walls: Wall, **network: object) -> Scenario:
     plan = FloorPlan(name="field", bounds=Bounds(max=(400.0, 100.0)), walls=walls)
-    return hall_scenario(plan=plan, control=Control(c4=0.4), network=Network(**network))
+    return hall_scenario(plan=plan, control=RdpsoControl(c4=0.4), network=Network(**network))
 
 
 def test_safe_link_does_not_pull(hall_scenario):
-    links = LinkKeeper(field_scenario(hall_scenario))
+    links = LinkKeeper(resolve(field_scenario(hall_scenario)))
     # 25.4 m is where free space has -80 dBm.
     assert links.pull(HERE, {1: (35.0, 50.0)}, {})[1] == 0.0
     assert links.pull(HERE, {1: (11.0, 50.0), 2: (300.0, 50.0)}, {})[1] == 0.0
 
 
 def test_endangered_link_pulls_towards_the_neighbour_and_no_nearer_than_safe(hall_scenario):
-    links = LinkKeeper(field_scenario(hall_scenario))
+    links = LinkKeeper(resolve(field_scenario(hall_scenario)))
     (x, y), weight = links.pull(HERE, {1: (50.0, 50.0)}, {})
     assert (50.0 - x, y) == pytest.approx((25.4, 50.0), abs=0.1)
     # -84.6 dBm at 40 m: a third of the way from -80 to -94 dBm.
@@ -39,24 +41,24 @@ def test_endangered_link_pulls_towards_the_neighbour_and_no_nearer_than_safe(hal
 
 
 def test_link_without_the_gate_pulls_with_its_whole_weight_and_drives_near_robots_apart(hall_scenario):
-    control = Control(c4=0.4, communication=LinkTuning(gated=False))
+    control = RdpsoControl(c4=0.4, communication=LinkTuning(gated=False))
     scenario = field_scenario(hall_scenario).model_copy(update={"control": control})
     # As eq. (22) is printed: from the neighbour 1 m away, 25.4 m in the direction of the robot.
-    (x, y), weight = LinkKeeper(scenario).pull(HERE, {1: (11.0, 50.0)}, {})
+    (x, y), weight = LinkKeeper(resolve(scenario)).pull(HERE, {1: (11.0, 50.0)}, {})
     assert weight == 0.4
     assert (x, y) == pytest.approx((11.0 - 25.4, 50.0), abs=0.1)
 
 
 def test_wall_endangers_a_shorter_link_and_still_pulls_together(hall_scenario):
     walls = [Wall(name=f"w{i}", start=(14.0 + i, 40.0), end=(14.0 + i, 60.0)) for i in range(3)]
-    links = LinkKeeper(field_scenario(hall_scenario, *walls))
+    links = LinkKeeper(resolve(field_scenario(hall_scenario, *walls)))
     (x, _), weight = links.pull(HERE, {1: (28.0, 50.0)}, {})
     assert weight > 0.0
     assert HERE[0] < x < 28.0
 
 
 def test_member_that_was_not_heard_pulls_with_full_weight(hall_scenario):
-    links = LinkKeeper(field_scenario(hall_scenario))
+    links = LinkKeeper(resolve(field_scenario(hall_scenario)))
     (x, y), weight = links.pull(HERE, {1: (11.0, 50.0)}, {2: (210.0, 50.0)})
     assert weight == 0.4
     assert x > HERE[0]
@@ -64,11 +66,11 @@ def test_member_that_was_not_heard_pulls_with_full_weight(hall_scenario):
 
 
 def test_robot_alone_is_not_pulled(hall_scenario):
-    assert LinkKeeper(field_scenario(hall_scenario)).pull(HERE, {}, {}) == (HERE, 0.0)
+    assert LinkKeeper(resolve(field_scenario(hall_scenario))).pull(HERE, {}, {}) == (HERE, 0.0)
 
 
 def test_link_by_distance_pulls_from_four_fifths_of_the_range(hall_scenario):
-    links = LinkKeeper(field_scenario(hall_scenario, link="distance", max_distance_m=10.0))
+    links = LinkKeeper(resolve(field_scenario(hall_scenario, link="distance", max_distance_m=10.0)))
     assert links.pull(HERE, {1: (17.9, 50.0)}, {})[1] == 0.0
     (x, _), weight = links.pull(HERE, {1: (19.0, 50.0)}, {})
     assert x == pytest.approx(11.0)
@@ -76,7 +78,7 @@ def test_link_by_distance_pulls_from_four_fifths_of_the_range(hall_scenario):
 
 
 def test_without_c4_no_radio_is_computed(hall_scenario):
-    links = LinkKeeper(hall_scenario(control=Control(c4=0.0)))
+    links = LinkKeeper(resolve(hall_scenario(control=RdpsoControl(c4=0.0))))
     assert links.pull((3.0, 4.0), {1: (math.inf, 0.0)}, {}) == ((3.0, 4.0), 0.0)
 
 
@@ -97,7 +99,7 @@ def test_robot_rules_out_all_around_but_the_loudest_cell(ruled_out):
     assert not ruled_out.covers((6.6, 5.0))
 
 
-def test_robot_beside_the_loudest_cell_rules_it_out(ruled_out):
+def test_robot_next_to_the_loudest_cell_rules_it_out(ruled_out):
     ruled_out.add((5.0, 5.0), (5.625, 5.125))
     assert ruled_out.covers((5.625, 5.125))
 
@@ -109,7 +111,7 @@ def test_silence_rules_out_everything_around(ruled_out):
 
 
 def test_nothing_is_ruled_out_where_that_is_switched_off(hall_scenario):
-    printed = RuledOut(hall_scenario(control=Control(rule_out_places=False)))
+    printed = RuledOut(hall_scenario(), is_on=False)
     printed.add((5.0, 5.0), None)
     assert not printed.covers((5.0, 5.0))
 
@@ -134,39 +136,39 @@ def test_tree_keeps_the_link_that_alone_holds_two_groups_together(hall_scenario)
     # Robot 1 is beside this robot; 2 and 3 are far, and their strongest link to the rest is the one to this robot.
     places = {1: (9.0, 50.0), 2: (60.0, 50.0), 3: (61.0, 50.0)}
     scenario = field_scenario(hall_scenario)
-    tree = scenario.model_copy(update={"control": Control(c4=0.4, kept_link="tree")})
-    assert LinkKeeper(scenario).pull(HERE, places, {})[1] == 0.0
-    (x, y), weight = LinkKeeper(tree).pull(HERE, places, {})
+    tree = scenario.model_copy(update={"control": RdpsoControl(c4=0.4, kept_link="tree")})
+    assert LinkKeeper(resolve(scenario)).pull(HERE, places, {})[1] == 0.0
+    (x, y), weight = LinkKeeper(resolve(tree)).pull(HERE, places, {})
     assert weight > 0.0
     assert (60.0 - x, y) == pytest.approx((25.4, 50.0), abs=0.1)
 
 
 def test_tree_leaves_a_robot_in_peace_whose_own_links_are_safe(hall_scenario):
-    scenario = field_scenario(hall_scenario).model_copy(update={"control": Control(c4=0.4, kept_link="tree")})
+    scenario = field_scenario(hall_scenario).model_copy(update={"control": RdpsoControl(c4=0.4, kept_link="tree")})
     # Robot 1 holds the far robot 2; this robot has only its link to robot 1 in the tree.
-    assert LinkKeeper(scenario).pull(HERE, {1: (12.0, 50.0), 2: (60.0, 50.0)}, {})[1] == 0.0
+    assert LinkKeeper(resolve(scenario)).pull(HERE, {1: (12.0, 50.0), 2: (60.0, 50.0)}, {})[1] == 0.0
 
 
 def test_tree_by_distance_is_that_of_the_shortest_links(hall_scenario):
     scenario = field_scenario(hall_scenario, link="distance", max_distance_m=20.0)
-    scenario = scenario.model_copy(update={"control": Control(c4=0.4, kept_link="tree")})
-    (x, _), weight = LinkKeeper(scenario).pull(HERE, {1: (9.0, 50.0), 2: (28.0, 50.0)}, {})
+    scenario = scenario.model_copy(update={"control": RdpsoControl(c4=0.4, kept_link="tree")})
+    (x, _), weight = LinkKeeper(resolve(scenario)).pull(HERE, {1: (9.0, 50.0), 2: (28.0, 50.0)}, {})
     assert weight > 0.0
     assert x == pytest.approx(28.0 - 16.0)
 
 
 def test_cells_in_reach_are_those_with_a_good_link_to_any_of_the_places(hall_scenario):
-    links = LinkKeeper(field_scenario(hall_scenario))
+    links = LinkKeeper(resolve(field_scenario(hall_scenario)))
     within = links.in_reach([(10.5, 50.5), (200.5, 50.5)], 1.0)
     assert within.shape == (100, 400)
     # -84.67 dBm, a third of the way from -80 to -94 dBm, is 40.5 m away in the open.
     assert within[50, [49, 52, 161, 240]].tolist() == [True, False, True, True]
     assert links.in_reach([], 1.0) is None
-    by_distance = LinkKeeper(field_scenario(hall_scenario, link="distance", max_distance_m=10.0))
+    by_distance = LinkKeeper(resolve(field_scenario(hall_scenario, link="distance", max_distance_m=10.0)))
     assert by_distance.in_reach([(10.5, 50.5)], 1.0)[50, [17, 18, 19]].tolist() == [True, True, False]
 
 
 def test_without_the_term_no_link_is_asked_for(hall_scenario):
-    scenario = field_scenario(hall_scenario).model_copy(update={"control": Control(c4=0.0, kept_link="tree")})
-    assert LinkKeeper(scenario).in_reach([(10.0, 50.0)], 1.0) is None
-    assert LinkKeeper(scenario).pull(HERE, {1: (300.0, 50.0)}, {})[1] == 0.0
+    scenario = field_scenario(hall_scenario).model_copy(update={"control": RdpsoControl(c4=0.0, kept_link="tree")})
+    assert LinkKeeper(resolve(scenario)).in_reach([(10.0, 50.0)], 1.0) is None
+    assert LinkKeeper(resolve(scenario)).pull(HERE, {1: (300.0, 50.0)}, {})[1] == 0.0

@@ -5,30 +5,32 @@ from __future__ import annotations
 import copy
 import itertools
 
+import numpy as np
 import pytest
 
 from robotteamsim.control.rdpso.common_view import CommonView
 from robotteamsim.control.rdpso.membership import Membership
 from robotteamsim.control.rdpso.natural_selection import DpsoMembership
-from robotteamsim.control.rdpso.update import Best, RdpsoUpdate
+from robotteamsim.control.rdpso.update import Best, RdpsoUpdate, parse_update
 from robotteamsim.interface import OUTSIDE
 from robotteamsim.mission.team_monitor import TeamMonitor
-from robotteamsim.scenario.sections import Area, Control, Mission, PlacedRobot, SocialExclusion, Swarms
+from robotteamsim.scenario.controllers.swarms import RdpsoControl, SocialExclusion, Swarms
+from robotteamsim.scenario.sections import Area, Mission, PlacedRobot
 from robotteamsim.swarm import SwarmState
 
 NUM = 6
 
 
-def control(min_robots: int = 0, max_robots: int = 5, sc_max: int = 3, **swarms: int) -> Control:
+def control(min_robots: int = 0, max_robots: int = 5, sc_max: int = 3, **swarms: int) -> RdpsoControl:
     exclusion = SocialExclusion(search_counter_max=sc_max, min_robots=min_robots, max_robots=max_robots)
-    return Control(exclusion=exclusion, swarms=Swarms(**({"initial": 2, "max": 3, "new_robots": 2} | swarms)))
+    return RdpsoControl(exclusion=exclusion, swarms=Swarms(**({"initial": 2, "max": 3, "new_robots": 2} | swarms)))
 
 
 @pytest.fixture
 def members(hall_scenario):
     """Make the memberships of six robots."""
 
-    def make(settings: Control, seed: int = 1, rules: type[Membership] = Membership) -> list[Membership]:
+    def make(settings: RdpsoControl, seed: int = 1, rules: type[Membership] = Membership) -> list[Membership]:
         robots = tuple(PlacedRobot(start_pose=(3.0 + i, 5.0, 0.0)) for i in range(NUM))
         scenario = hall_scenario(seed=seed, robots=robots, control=settings)
         return [rules(i, scenario) for i in range(NUM)]
@@ -133,7 +135,7 @@ def test_no_swarm_is_founded_beyond_the_most_or_by_too_few(members):
             assert len(set(ids(team)) - {OUTSIDE}) <= limits["max"]
 
 
-def test_those_who_hear_the_same_agree_and_those_who_hear_less_go_on_by_themselves(members):
+def test_robots_with_the_same_messages_agree_and_others_decide_alone(members):
     team = members(control(), seed=3)
     for iteration, improved in enumerate(itertools.islice(itertools.cycle(({0}, {1}, {OUTSIDE}, set())), 60)):
         before = ids(team)
@@ -171,13 +173,13 @@ def test_dpso_spawns_nothing_after_a_deletion_and_no_more_swarms_than_allowed(me
 
 
 def test_nobody_moves_without_exclusion(members):
-    team = members(Control(exclusion=SocialExclusion(enabled=False), swarms=Swarms(initial=3, max=3)))
+    team = members(RdpsoControl(exclusion=SocialExclusion(enabled=False), swarms=Swarms(initial=3, max=3)))
     for iteration in range(50):
         iterate(team, iteration, set())
     assert ids(team) == [0, 0, 1, 1, 2, 2]
 
 
-def test_swarms_on_robots_are_excluded_founded_and_told_of(team, hall_scenario):
+def test_swarm_changes_on_robots_are_reported(team, hall_scenario):
     robots = tuple(PlacedRobot(start_pose=(2.0 + 0.8 * (i % 3), 4.0 + 0.8 * (i // 3), 0.0)) for i in range(NUM))
     mission = Mission(areas=(Area(name="here", center=(3.0, 4.5)),))
     settings = control(sc_max=4, max=4)
@@ -186,20 +188,22 @@ def test_swarms_on_robots_are_excluded_founded_and_told_of(team, hall_scenario):
     for step in range(1500):
         if step % 70 == 69:
             hall.new_epoch(area_center_m=(16.0, 5.0) if step % 140 < 70 else (3.0, 4.5))
-        kinds |= {change.kind for change in monitor.changes(hall.step())}
+        decisions = hall.step()
+        kinds |= {change.kind for change in monitor.changes(decisions, np.ones(len(decisions), dtype=bool))}
     assert kinds >= {"robot_excluded", "robot_included", "swarm_dissolved"}
+
+
+def known_bests(hall) -> list[Best]:
+    """Return the best of each robot's last update within 15 steps."""
+    updates = [parse_update(m.payload) for _ in range(15) for decision in hall.step() for m in decision.outbox]
+    return [update.known_best for update in updates[-2:]]
 
 
 def test_global_best_of_a_swarm_is_not_that_of_another(team, hall_scenario):
     # Two swarms of one robot, one near the area and one far: without a voice nobody draws the other.
-    settings = Control(swarms=Swarms(initial=2, max=2))
+    settings = RdpsoControl(swarms=Swarms(initial=2, max=2))
     hall = team(hall_scenario(control=settings))
-    for _ in range(15):
-        hall.step()
-    first, second = (controller._known_best for controller in hall.controllers)
+    first, second = known_bests(hall)
     assert first.position != second.position
-    shared = team(hall_scenario())
-    for _ in range(15):
-        shared.step()
-    first, second = (controller._known_best for controller in shared.controllers)
+    first, second = known_bests(team(hall_scenario()))
     assert first == second

@@ -5,7 +5,7 @@ from __future__ import annotations
 from robotteamsim.control.rdpso.velocity_memory import Momentum
 
 
-def test_way_of_the_last_iterations_counts_by_their_weights():
+def test_displacements_of_the_last_iterations_count_by_their_weights():
     momentum = Momentum((0.5, 0.25))
     momentum.note((1.0, 1.0))
     assert momentum.term() == (0.0, 0.0), "one place is no velocity"

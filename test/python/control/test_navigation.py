@@ -10,7 +10,8 @@ import pytest
 from robotteamsim.control.driving.known_map import KnownMap
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.geometry import Twist
-from robotteamsim.scenario.control_tuning import NavigatorTuning
+from robotteamsim.scenario.building import Building
+from robotteamsim.scenario.controllers.driving import NavigatorTuning
 from robotteamsim.scenario.drives import AnyDrive, CarDrive, Drive
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
 from robotteamsim.scenario.sections import PlacedRobot, Run
@@ -48,7 +49,7 @@ class Drivers:
         robots = [PlacedRobot(start_pose=start, drive=drive) for start in starts]
         self.world = World(plan, robots, Run())
         self.goals = goals
-        self.map = KnownMap(plan, RADIUS_M, ())
+        self.map = KnownMap(Building(plan), RADIUS_M, ())
         self.touched = [False] * len(robots)
         self.top_speed_mps = 0.0
         self._sensors = RobotSensors(self.world, robots, 1)
@@ -60,9 +61,9 @@ class Drivers:
         for _ in range(round(10 * seconds)):
             if all(self.distance_m(i) < 0.1 for i, goal in enumerate(self.goals) if goal):
                 return
-            self._step()
+            self.step()
 
-    def _step(self) -> None:
+    def step(self) -> None:
         self.world.step(self._twists)
         places = {i: (pose.x_m, pose.y_m) for i, pose in enumerate(self.world.poses())}
         for i, reading in enumerate(self._sensors.read()):
@@ -119,7 +120,7 @@ def test_robot_stays_where_it_arrived():
     drivers = Drivers(room(), [(2.0, 3.0, 0.0)], [(4.0, 3.0)])
     drivers.run(10.0)
     for _ in range(100):
-        drivers._step()
+        drivers.step()
     assert drivers.distance_m(0) < 0.1
 
 
@@ -148,7 +149,7 @@ def test_robot_goes_through_a_door_of_ninety_centimetres():
     assert drivers.distance_m(0) < 0.1
 
 
-def test_goal_inside_an_obstacle_stands_for_the_nearest_point_that_can_be_reached():
+def test_goal_inside_an_obstacle_is_replaced_by_the_nearest_reachable_point():
     block = Block(name="core", polygon=((4.0, 2.0), (6.0, 2.0), (6.0, 4.0), (4.0, 4.0)))
     drivers = Drivers(room(blocks=[block]), [(3.0, 3.0, 0.0)], [(4.3, 3.0)])
     drivers.run(10.0)

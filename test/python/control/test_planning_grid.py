@@ -35,6 +35,7 @@ def graph_of(free: np.ndarray) -> coo_array:
     return coo_array((length, (start, end)), shape=(rows * cols, rows * cols))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(4))
 def test_distance_field_equals_dijkstra_of_scipy(seed):
     grid = random_grid(seed)
@@ -48,7 +49,7 @@ def test_distance_field_equals_dijkstra_of_scipy(seed):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_shortest_path_is_as_long_as_the_field_says_and_stays_free(seed):
+def test_shortest_path_has_the_length_of_the_field_and_stays_free(seed):
     grid = random_grid(seed)
     cells = np.argwhere(grid.blocked() == 0)
     goal = center(*cells[len(cells) // 2])
@@ -64,7 +65,7 @@ def test_shortest_path_is_as_long_as_the_field_says_and_stays_free(seed):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_waypoints_are_joined_by_free_lines_and_are_no_longer_than_the_path(seed):
+def test_lines_between_waypoints_are_free_and_not_longer_than_the_path(seed):
     grid = random_grid(seed)
     cells = np.argwhere(grid.blocked() == 0)
     goal = center(*cells[-1])
@@ -77,6 +78,7 @@ def test_waypoints_are_joined_by_free_lines_and_are_no_longer_than_the_path(seed
         )
 
 
+@pytest.mark.slow
 def test_free_lines_touch_no_blocked_cell():
     grid = random_grid(7)
     blocked = grid.blocked() != 0
@@ -102,11 +104,11 @@ def test_searches_do_not_depend_on_earlier_searches():
     assert first.waypoints(a, b, 100.0) == second.waypoints(a, b, 100.0)
 
 
-def test_grid_refuses_a_flat_array():
+def test_grid_rejects_a_flat_array():
     with pytest.raises(TypeError, match="incompatible function arguments"):
         PlanningGrid(np.zeros(4, dtype=bool), (0.0, 0.0), 0.1, 0.0)
 
 
-def test_grid_refuses_a_field_of_another_grid():
+def test_grid_rejects_a_field_of_another_grid():
     with pytest.raises(ValueError, match="one value per cell"):
         random_grid(0).least_reachable(np.zeros((2, 2), dtype=np.float32), center(20, 20), 1.0)

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import inspect
 from pathlib import Path
+from pkgutil import resolve_name
 
 import pytest
-from pydantic import ValidationError
 
-from robotteamsim.control import ALGORITHMS, algorithm_names, make_controller
+from robotteamsim.control import algorithm_names, make_controller
 from robotteamsim.errors import ScenarioError
+from robotteamsim.geometry import Twist
 from robotteamsim.interface import Task
-from robotteamsim.scenario.sections import Control
+from robotteamsim.scenario.controllers import ALGORITHMS, control_kind
+from robotteamsim.setup import resolve
 
 OTHERS = """
 from robotteamsim.interface import Decision
@@ -20,10 +22,7 @@ class Still:
     def __init__(self, robot_id, scenario):
         pass
 
-    def observe(self, observation, inbox, task):
-        pass
-
-    def decide(self):
+    def step(self, observation, inbox, task):
         return Decision()
 
 class Counting(Still):
@@ -33,6 +32,13 @@ class Counting(Still):
 class Mute:
     def __init__(self, robot_id, scenario):
         pass
+
+class Former(Mute):
+    def observe(self, observation, inbox, task):
+        pass
+
+    def decide(self):
+        return Decision()
 
 number = 3
 """
@@ -53,15 +59,20 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+def place_of(controller: object) -> str:
+    return f"{type(controller).__module__}:{type(controller).__name__}"
+
+
 def make(hall_scenario, name: str):
-    return make_controller(0, hall_scenario(control=Control(algorithm=name)))
+    return make_controller(0, resolve(hall_scenario(control={"algorithm": name})))
 
 
 @pytest.mark.parametrize("name", ALGORITHMS)
-def test_each_algorithm_of_the_package_observes_and_decides(hall_scenario, name):
-    controller = make(hall_scenario, name)
-    assert type(controller) is ALGORITHMS[name]
-    assert controller.decide().twist.linear_x_mps == 0.0
+def test_each_algorithm_is_still_while_the_mission_does_not_run(team, hall_scenario, name):
+    hall = team(hall_scenario(control={"algorithm": name}))
+    hall.task = Task(running=False)
+    assert {place_of(controller) for controller in hall.controllers} == {control_kind(name).controller}
+    assert [decision.twist for decision in hall.step()] == [Twist()] * len(hall.controllers)
 
 
 @pytest.mark.usefixtures("folder")
@@ -72,7 +83,7 @@ def test_controller_of_an_installed_package_is_found_by_its_entry_point(hall_sce
 
 @pytest.mark.usefixtures("folder")
 def test_no_package_takes_a_name_of_ours(hall_scenario):
-    assert type(make(hall_scenario, "rdpso")) is ALGORITHMS["rdpso"]
+    assert place_of(make(hall_scenario, "rdpso")) == control_kind("rdpso").controller
 
 
 @pytest.mark.usefixtures("folder")
@@ -81,33 +92,31 @@ def test_class_is_found_by_its_place(hall_scenario):
 
 
 @pytest.mark.usefixtures("folder")
-def test_class_that_takes_it_is_told_how_often_its_robot_has_come(hall_scenario):
-    scenario = hall_scenario(control=Control(algorithm="others_of_test:Counting"))
-    assert [make_controller(0, scenario).arrival, make_controller(0, scenario, 2).arrival] == [1, 2]
-    scenario = hall_scenario(control=Control(algorithm="others_of_test:Still"))
-    assert type(make_controller(0, scenario, 2)).__name__ == "Still"
+def test_controller_with_parameter_arrival_receives_the_number_of_arrivals(hall_scenario):
+    scenario = hall_scenario(control={"algorithm": "others_of_test:Counting"})
+    assert [make_controller(0, resolve(scenario)).arrival, make_controller(0, resolve(scenario), 2).arrival] == [1, 2]
+    scenario = hall_scenario(control={"algorithm": "others_of_test:Still"})
+    assert type(make_controller(0, resolve(scenario), 2)).__name__ == "Still"
 
 
 def goals(team, scenario, arrival: int) -> list[tuple[float, float] | None]:
     """Return where robots go that have come so often, in each of the first 30 s without an area."""
     hall = team(scenario)
-    hall.controllers = [make_controller(i, scenario, arrival) for i in range(len(hall.controllers))]
+    hall.controllers = [make_controller(i, resolve(scenario), arrival) for i in range(len(hall.controllers))]
     hall.task = Task(running=True, epoch=1)
     return [decision.goal_m for _ in range(300) for decision in hall.step()]
 
 
-@pytest.mark.parametrize("name", sorted(set(ALGORITHMS) - {"rdpso"}))
-def test_adaptation_is_refused_for_controllers_without_it(name):
-    with pytest.raises(ValidationError, match=f"'fuzzy' has no effect on algorithm '{name}'; expected rdpso"):
-        Control(algorithm=name, adaptation="fuzzy")
-
-
-RANDOM = sorted(name for name, make in ALGORITHMS.items() if "arrival" in inspect.signature(make).parameters)
+RANDOM = sorted(
+    name
+    for name, kind in ALGORITHMS.items()
+    if "arrival" in inspect.signature(resolve_name(kind.controller)).parameters
+)
 
 
 @pytest.mark.parametrize("name", RANDOM)
 def test_controller_of_a_robot_that_comes_again_draws_other_numbers_each_time(team, hall_scenario, name):
-    scenario = hall_scenario(control=Control(algorithm=name))
+    scenario = hall_scenario(control={"algorithm": name})
     first, again, third = (goals(team, scenario, arrival) for arrival in (1, 2, 3))
     assert first != again != third != first
     assert again == goals(team, scenario, 2)
@@ -138,7 +147,15 @@ KNOWN = ", ".join([*ALGORITHMS, "still"])
             "is its folder in PYTHONPATH?",
         ),
         ("others_of_test:number", "'others_of_test:number' is 3; expected a class"),
-        ("others_of_test:Mute", "'others_of_test:Mute' makes a Mute, which has no observe and no decide"),
+        (
+            "others_of_test:Mute",
+            "'others_of_test:Mute' makes a others_of_test.Mute, which has no step(observation, inbox, task)",
+        ),
+        (
+            "others_of_test:Former",
+            "'others_of_test:Former' makes a others_of_test.Former, which has observe and decide; "
+            "step(observation, inbox, task) replaces both",
+        ),
         (
             ":Still",
             f"':Still' is not known; expected one of: {KNOWN}, or module:Class",
@@ -146,7 +163,7 @@ KNOWN = ", ".join([*ALGORITHMS, "still"])
     ],
 )
 @pytest.mark.usefixtures("folder")
-def test_algorithm_that_cannot_be_had_is_told_in_one_line(hall_scenario, name, line):
+def test_unavailable_algorithm_is_reported_in_one_line(hall_scenario, name, line):
     with pytest.raises(ScenarioError) as raised:
         make(hall_scenario, name)
     assert str(raised.value) == f"hall: control.algorithm: {line}"

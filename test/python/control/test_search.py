@@ -11,7 +11,7 @@ from robotteamsim.control.search.update import HeardVoice, SearchUpdate, update_
 from robotteamsim.network import EVERYBODY, Message
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Wall
-from robotteamsim.scenario.sections import Area, Control, Mission, Network, Victim, Voice
+from robotteamsim.scenario.sections import Area, Mission, Network, Victim, Voice
 from robotteamsim.simulation import Simulation
 
 ANN, BOB = Victim(name="ann", position=(9.0, 4.0)), Victim(name="bob", position=(17.0, 8.5))
@@ -35,7 +35,7 @@ def _run(hall_scenario, plan=None, noise_db=40.0, control=None, network=None, **
     fields = {"victims": (ANN, BOB), "areas": (EAST, WEST), "time_limit_s": 300.0} | mission
     sections = {
         "mission": Mission(**fields),
-        "control": Control(algorithm="search", **(control or {})),
+        "control": {"algorithm": "search", **(control or {})},
         "voice": Voice(noise_db=noise_db),
         "network": network or Network(),
     }
@@ -47,7 +47,7 @@ def _run(hall_scenario, plan=None, noise_db=40.0, control=None, network=None, **
     simulation.mission.start()
     while simulation.mission.status.state != "ended":
         events += simulation.step().events
-    assert [guard.fault for guard in simulation.controllers] == ["", ""]
+    assert simulation.controllers.faults == ["", ""]
     return simulation, events
 
 
@@ -123,15 +123,15 @@ def test_area_behind_walls_ends_the_search_with_its_name(hall_scenario):
 
 def test_time_limit_leaves_time_for_the_areas(hall_scenario):
     # Nothing is worth so little that the team would stop by itself.
-    simulation, _ = _run(hall_scenario, control={"search": {"victim_worth_s": 1e9, "expected_victims": 1000.0}})
+    simulation, _ = _run(hall_scenario, control={"victim_worth_s": 1e9, "expected_victims": 1000.0})
     assert _end(simulation) == "areas_explored"
 
 
 @pytest.mark.parametrize("assumed_db", [0.0, 75.0])
 def test_wrong_assumption_about_the_noise_costs_no_victim(hall_scenario, assumed_db):
-    simulation, _ = _run(hall_scenario, control={"search": {"assumed_noise_db": assumed_db}})
+    simulation, _ = _run(hall_scenario, control={"assumed_noise_db": assumed_db})
     assert simulation.mission.status.victims == ("saved", "saved")
-    controller = simulation.controllers[0].controller
+    controller = simulation.controllers.guards[0].controller
     assert controller.knowledge.noise_db == pytest.approx(40.0, abs=3.0)
 
 
@@ -154,6 +154,7 @@ def test_robots_that_start_together_choose_different_goals():
     assert len(set(goals.values())) == 8
 
 
+@pytest.mark.slow
 def test_garage_team_saves_all_and_explores_all_at_30_db():
     simulation = Simulation(load("garage_sar", ["control.algorithm=search", "voice.noise_db=30", "run.seed=3"]))
     result = simulation.run()

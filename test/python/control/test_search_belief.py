@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from robotteamsim import _core
-from robotteamsim.control.driving.localisation import body_of
 from robotteamsim.control.search.cells import cell_grid, cell_paths, places, unheard, voice_losses
 from robotteamsim.control.search.listening import ListeningLog, entries_in
 from robotteamsim.control.search.noise import NoiseEstimate
 from robotteamsim.propagation import VoiceField, VoiceSource
 from robotteamsim.scenario import load
+from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.floor_plan import Door, Wall
 from robotteamsim.scenario.sections import Voice
 from robotteamsim.sensing.readings import VoiceReading
@@ -41,7 +41,7 @@ def _cell(column: int, row: int) -> int:
 
 def _belief(scenario):
     grid = cell_grid(scenario)
-    losses = voice_losses(scenario, grid, ())
+    losses = voice_losses(Building(scenario.plan), scenario.voice, grid, ())
     belief = _core.control.VictimBelief(losses, np.full(grid.size, 1.0 / grid.size, dtype=np.float32))
     belief.set_unheard(unheard(scenario.voice, 30.0))
     return belief
@@ -49,7 +49,7 @@ def _belief(scenario):
 
 def test_loss_over_a_distance_is_that_of_a_middling_voice_as_near_as_a_robot_perceives(hall_scenario):
     scenario = hall_scenario()
-    losses = voice_losses(scenario, cell_grid(scenario), ()).losses_from(_cell(2, 5))
+    losses = voice_losses(Building(scenario.plan), scenario.voice, cell_grid(scenario), ()).losses_from(_cell(2, 5))
     # 8 m away, of which the robot perceives 1.5 m less half a cell of 0.25 m.
     expected_db = 55.0 * math.log10(8.0 - 1.375)
     assert losses[_cell(10, 5)] == math.ceil(expected_db / STEP_DB)
@@ -58,7 +58,7 @@ def test_loss_over_a_distance_is_that_of_a_middling_voice_as_near_as_a_robot_per
 
 def test_wall_costs_two_decibels_and_a_closed_door_as_much(rooms):
     grid = cell_grid(rooms)
-    opened, closed = (voice_losses(rooms, grid, doors) for doors in ((), (("a", True),)))
+    opened, closed = (voice_losses(Building(rooms.plan), rooms.voice, grid, doors) for doors in ((), (("a", True),)))
     free_steps, walls_steps = math.ceil(55.0 * math.log10(2.625) / STEP_DB), 2.0 / STEP_DB
     through_wall = opened.losses_from(_cell(8, 5))[_cell(12, 5)]
     assert through_wall == pytest.approx(free_steps + walls_steps, abs=1.0)
@@ -74,18 +74,18 @@ def test_wall_costs_as_much_as_in_the_voice_map_with_each_wall_model(rooms, wall
     field, source = VoiceField(scenario.plan, voice), VoiceSource((8.5, 5.5), -78.0, 5.5)
     # Both places are 4 m away.
     wall_db = field.level_db(source, (8.5, 9.5)) - field.level_db(source, (12.5, 5.5))
-    losses = voice_losses(scenario, cell_grid(scenario), ()).losses_from(_cell(8, 5))
+    losses = voice_losses(Building(scenario.plan), scenario.voice, cell_grid(scenario), ()).losses_from(_cell(8, 5))
     assert losses[_cell(12, 5)] - losses[_cell(8, 9)] == pytest.approx(wall_db / STEP_DB, abs=1.0)
     assert wall_db > 5.0
 
 
 def test_losses_are_symmetric(rooms):
-    losses = voice_losses(rooms, cell_grid(rooms), ())
+    losses = voice_losses(Building(rooms.plan), rooms.voice, cell_grid(rooms), ())
     matrix = np.array([losses.losses_from(cell) for cell in range(200)])
     assert (matrix == matrix.T).all()
 
 
-def test_probability_of_missing_a_voice_is_the_share_of_victims_who_are_too_faint():
+def test_probability_of_missing_a_voice_is_the_share_of_victims_below_the_noise():
     missed = unheard(Voice(exponent=(5.0, 5.0)), 30.0)
     # Uniform from 72 to 78 dB: all are heard after a loss of 42 dB, half after 45 dB, none after 48 dB.
     assert missed[int(41.9 / STEP_DB)] == 0.0
@@ -105,7 +105,7 @@ def test_listening_does_not_depend_on_order_or_repetition(rooms):
     assert 0.0 < once.remaining() < 1.0
 
 
-def test_silence_rules_out_victims_nearby_and_says_nothing_of_those_far_away(hall_scenario):
+def test_silence_excludes_only_victims_nearby(hall_scenario):
     belief = _belief(hall_scenario())
     belief.listen(_cell(3, 5), 0)
     mass = belief.mass() * 200
@@ -113,12 +113,12 @@ def test_silence_rules_out_victims_nearby_and_says_nothing_of_those_far_away(hal
     assert mass[_cell(18, 5)] == pytest.approx(1.0)
 
 
-def test_best_place_gains_what_the_sum_over_cells_gives(rooms):
+def test_information_gain_equals_the_sum_over_cells(rooms):
     belief, grid = _belief(rooms), cell_grid(rooms)
     belief.listen(_cell(3, 5), 0)
-    paths = cell_paths(rooms.plan, RADIUS_M, grid, (), None)
+    paths = cell_paths(Building(rooms.plan), RADIUS_M, grid, (), None)
     claim, start, candidates = _cell(16, 7), _cell(3, 5), [_cell(5, 5), _cell(12, 3), _cell(17, 8)]
-    losses = voice_losses(rooms, grid, ())
+    losses = voice_losses(Building(rooms.plan), rooms.voice, grid, ())
     missed = unheard(rooms.voice, 30.0)
     left = np.minimum(belief.mass(), missed[losses.losses_from(claim)] / 200)
     gains = [np.maximum(left - missed[losses.losses_from(cell)] / 200, 0.0).sum() for cell in candidates]
@@ -130,7 +130,7 @@ def test_best_place_gains_what_the_sum_over_cells_gives(rooms):
 
 def test_path_leads_through_the_door_and_ends_where_the_door_is_closed(rooms):
     grid = cell_grid(rooms)
-    opened, closed = (cell_paths(rooms.plan, RADIUS_M, grid, doors, None) for doors in ((), (("a", True),)))
+    opened, closed = (cell_paths(Building(rooms.plan), RADIUS_M, grid, doors, None) for doors in ((), (("a", True),)))
     by_door_m = math.dist((8.5, 5.5), (10.0, 2.0)) + math.dist((10.0, 2.0), (11.5, 5.5))
     assert opened.length_m(_cell(8, 5), _cell(11, 5)) == pytest.approx(by_door_m, rel=0.12)
     assert closed.length_m(_cell(8, 5), _cell(11, 5)) == math.inf
@@ -139,7 +139,7 @@ def test_path_leads_through_the_door_and_ends_where_the_door_is_closed(rooms):
 
 def test_no_path_enters_the_disc_that_is_kept_out(hall_scenario):
     scenario = hall_scenario()
-    paths = cell_paths(scenario.plan, RADIUS_M, cell_grid(scenario), (), ((10.0, 5.0), 2.5))
+    paths = cell_paths(Building(scenario.plan), RADIUS_M, cell_grid(scenario), (), ((10.0, 5.0), 2.5))
     assert paths.place_of(_cell(10, 5)) is None
     around_m = paths.length_m(_cell(4, 5), _cell(15, 5))
     assert 11.5 < around_m < 15.0
@@ -150,7 +150,7 @@ def test_room_behind_a_wall_without_a_door_is_searched_by_nobody(hall_scenario):
     wall = Wall(name="wall", start=(10.0, 0.0), end=(10.0, 10.0))
     plan = hall.model_copy(update={"walls": (*hall.walls, wall)})
     scenario = hall_scenario(plan=plan)
-    found = places(plan, RADIUS_M, cell_grid(scenario), _cell(3, 5), 1.0, 2)
+    found = places(Building(plan), RADIUS_M, cell_grid(scenario), _cell(3, 5), 1.0, 2)
     assert found.prior.sum() == pytest.approx(1.0)
     assert found.prior[_cell(15, 5)] == 0.0
     assert all(cell % 20 < 10 for cell in found.candidates)
@@ -159,7 +159,7 @@ def test_room_behind_a_wall_without_a_door_is_searched_by_nobody(hall_scenario):
 @pytest.mark.parametrize("at", [(15.2, 7.4), (4.6, 8.3), (12.7, 2.1)])
 def test_source_of_a_voice_follows_from_levels_along_a_path(rooms, at):
     grid = cell_grid(rooms)
-    fix = _core.control.VoiceFix(voice_losses(rooms, grid, ()), (75.0, 1.73), (5.5, 0.29))
+    fix = _core.control.VoiceFix(voice_losses(Building(rooms.plan), rooms.voice, grid, ()), (75.0, 1.73), (5.5, 0.29))
     field = VoiceField(rooms.plan, rooms.voice)
     for place in [(8.0, 3.0), (8.5, 3.6), (9.0, 4.5), (8.6, 5.6), (8.0, 6.6), (7.4, 7.2)]:
         fix.add(place, field.level_db(VoiceSource(at, -76.5, 5.8), place))
@@ -175,15 +175,13 @@ def test_invalid_arguments_are_rejected(rooms):
     with pytest.raises(ValueError, match="above must be >= 0"):
         belief.listen(0, -1)
     with pytest.raises(ValueError, match="prior must have 200 cells, got 3"):
-        _core.control.VictimBelief(voice_losses(rooms, cell_grid(rooms), ()), np.ones(3, dtype=np.float32))
+        _core.control.VictimBelief(
+            voice_losses(Building(rooms.plan), rooms.voice, cell_grid(rooms), ()), np.ones(3, dtype=np.float32)
+        )
 
 
 def test_cells_of_a_large_plan_are_doubled_until_they_are_few(hall_scenario):
-    scenario = hall_scenario()
-    tuned = scenario.control.model_copy(
-        update={"search": scenario.control.search.model_copy(update={"most_cells": 100})}
-    )
-    assert cell_grid(scenario.model_copy(update={"control": tuned})).cell_m == 2.0
+    assert cell_grid(hall_scenario(control={"algorithm": "search", "most_cells": 100})).cell_m == 2.0
 
 
 def _heard(level_db: float) -> VoiceReading:
@@ -223,14 +221,14 @@ def test_robot_that_receives_every_third_message_learns_all_in_time():
 
 
 @pytest.mark.parametrize("text", ["0", "zz", "00c8ff", "00010", "é"])
-def test_text_that_does_not_fit_the_grid_is_no_entry(text):
+def test_text_that_does_not_fit_the_grid_has_no_entries(text):
     assert entries_in(text, 200) is None
 
 
-def test_robot_beside_the_place_of_a_cell_drives_on_to_the_next_one():
+def test_robot_next_to_the_place_of_a_cell_drives_on_to_the_next_one():
     # The straight line to the place, 6 mm away, touches a cell that is too near to a pillar.
     garage = load("garage_sar")
-    paths = cell_paths(garage.plan, body_of(0, garage).reach_m, cell_grid(garage), (), None)
+    paths = cell_paths(Building(garage.plan), garage.robots.reach_m, cell_grid(garage), (), None)
     position, goal = (29.4945, 10.4983), (51.5, 1.5)
     target = paths.ahead(position, paths.cell_of(goal), 8.0)
     assert paths.start_of(position) == paths.cell_of((29.55, 10.55))

@@ -8,7 +8,7 @@ import pytest
 
 from robotteamsim.scenario.floor_plan import Door, Wall
 from robotteamsim.scenario.schedule import ScheduledEvent
-from robotteamsim.scenario.sections import Area, Control, Mission, Network, PlacedRobot, Victim, Voice
+from robotteamsim.scenario.sections import Area, Mission, Network, PlacedRobot, Victim, Voice
 from robotteamsim.simulation import Simulation
 
 ANN, BOB = Victim(name="ann", position=(9.0, 4.0)), Victim(name="bob", position=(17.0, 8.5))
@@ -25,7 +25,7 @@ def mission(hall_scenario):
         scenario = hall_scenario(
             plan=hall.model_copy(update={"walls": (*hall.walls, *walls), "doors": doors}),
             mission=Mission(**({"victims": (ANN, BOB), "areas": (EAST, WEST), "time_limit_s": 300.0} | fields)),
-            control=Control(algorithm="search"),
+            control={"algorithm": "search"},
             voice=Voice(noise_db=40.0),
             network=network or Network(),
             schedule=schedule,
@@ -36,7 +36,7 @@ def mission(hall_scenario):
         events = []
         while simulation.mission.status.state != "ended":
             events += simulation.step().events
-        assert {guard.fault for guard in simulation.controllers} == {""}
+        assert set(simulation.controllers.faults) == {""}
         return simulation.mission, events[-1].detail
 
     return run
@@ -107,7 +107,7 @@ def test_robot_without_a_free_cell_around_it_ends_the_search_with_a_reason(missi
     assert "no free place can be reached" in detail
 
 
-def test_robot_in_a_box_beside_free_floor_ends_the_search_with_a_reason(mission):
+def test_robot_in_a_box_next_to_free_floor_ends_the_search_with_a_reason(mission):
     ended, detail = mission(walls=_box(5.0, 5.0, 0.45), robots=(PlacedRobot(start_pose=(5.0, 5.0, 0.0)),), areas=())
     assert ended.status.end == "search_over"
     assert ended.status.time_s < 30.0

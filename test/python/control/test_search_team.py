@@ -14,8 +14,9 @@ from robotteamsim.control.search.team import Teammates
 from robotteamsim.control.search.update import SearchUpdate
 from robotteamsim.interface import Task
 from robotteamsim.scenario import load
+from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.floor_plan import Wall
-from robotteamsim.scenario.sections import Area, Control, Mission, Victim, Voice
+from robotteamsim.scenario.sections import Area, Mission, Victim, Voice
 from robotteamsim.simulation import Simulation
 
 CUMBERLAND = Path(__file__).parents[2] / "data" / "scenarios" / "cumberland.yaml"
@@ -28,7 +29,7 @@ def hall(hall_scenario):
     listed = (Area(name="next", center=NEXT, radius_m=1.0), Area(name="last", center=LAST, radius_m=1.0))
     scenario = hall_scenario(mission=Mission(areas=listed))
     grid = cell_grid(scenario)
-    return scenario, grid, cell_paths(scenario.plan, 0.2, grid, (), None)
+    return scenario, grid, cell_paths(Building(scenario.plan), 0.2, grid, (), None)
 
 
 def _update(robot_id: int, at: int, work: str, goal: int) -> SearchUpdate:
@@ -62,7 +63,7 @@ def test_robot_without_work_ignores_a_claim_to_which_it_has_a_much_shorter_path(
 def test_voice_in_a_cell_without_a_path_is_looked_for_from_the_nearest_cell_with_one(hall):
     scenario, grid, _ = hall
     plan = scenario.plan.model_copy(update={"walls": (*scenario.plan.walls, *_box())})
-    paths, start = cell_paths(plan, 0.2, grid, (), None), grid.cell_of((2.5, 5.5))
+    paths, start = cell_paths(Building(plan), 0.2, grid, (), None), grid.cell_of((2.5, 5.5))
 
     def cell_for(source_m, start=start):
         return reachable_cell(paths, grid, source_m, start, save_distance_m=1.0)
@@ -82,7 +83,7 @@ def test_victim_in_a_closed_room_is_saved_if_near_its_wall_and_else_does_not_hol
     hall = hall_scenario().plan
     plan = hall.model_copy(update={"walls": (*hall.walls, *_box())})
     mission = Mission(victims=(Victim(name="eve", position=(x_m, 5.0)),), time_limit_s=600.0)
-    scenario = hall_scenario(mission=mission, control=Control(algorithm="search"), voice=Voice(noise_db=40.0))
+    scenario = hall_scenario(mission=mission, control={"algorithm": "search"}, voice=Voice(noise_db=40.0))
     simulation = Simulation(scenario.model_copy(update={"plan": plan}))
     result = simulation.run()
     status = simulation.mission.status
@@ -90,7 +91,8 @@ def test_victim_in_a_closed_room_is_saved_if_near_its_wall_and_else_does_not_hol
     assert result.time_s < 200.0
 
 
-def test_victim_beside_a_cell_too_tight_for_a_robot_is_saved():
+@pytest.mark.slow
+def test_victim_next_to_a_cell_too_tight_for_a_robot_is_saved():
     settings = ["control.algorithm=search", "voice.noise_db=30", "mission.random_victims=4", "mission.victims=[]"]
     simulation = Simulation(load(str(CUMBERLAND), [*settings, "run.seed=4682939054865940"]))
     simulation.run()

@@ -81,7 +81,7 @@ def changed(**values: object) -> str:
         changed(position=[0.0, 0.0]).replace("0.0]", "1e999]"),
     ],
 )
-def test_payload_that_is_no_valid_update_is_ignored(payload):
+def test_payload_that_is_not_a_valid_update_is_ignored(payload):
     assert parse_update(payload) is None
 
 

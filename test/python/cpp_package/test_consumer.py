@@ -13,7 +13,10 @@ ROOT = Path(__file__).resolve().parents[3]
 BUILD = ROOT / "build"
 CONSUMER = Path(__file__).parent / "consumer"
 
-pytestmark = pytest.mark.skipif(not (BUILD / "CMakeCache.txt").is_file(), reason="needs the build of `make build`")
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(not (BUILD / "CMakeCache.txt").is_file(), reason="needs the build of `make build`"),
+]
 
 
 def run(*command: str | Path) -> str:

@@ -8,6 +8,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import pytest
+
 DOCS = Path(__file__).parents[3] / "docs"
 
 
@@ -21,6 +23,7 @@ def _outputs(path: Path) -> list[tuple[str, list[str]]]:
     ]
 
 
+@pytest.mark.slow
 def test_notebook_runs_and_each_cell_shows_what_is_stored(tmp_path: Path) -> None:
     words = [
         sys.executable,

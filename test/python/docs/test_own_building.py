@@ -13,6 +13,8 @@ import pytest
 from robotteamsim.scenario import load_floor_plan, occupancy_grid
 from robotteamsim.scenario.plan import FREE
 
+pytestmark = pytest.mark.slow
+
 MAKE = runpy.run_path(str(Path(__file__).parents[3] / "docs" / "make_own_building.py"))
 
 

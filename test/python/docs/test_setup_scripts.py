@@ -6,6 +6,8 @@ import re
 import subprocess
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[3]
 
 
@@ -55,6 +57,7 @@ def test_hook_of_an_installation_adds_its_share_folder(tmp_path):
     assert package_path(tmp_path, "/opt/share") == f"/opt/share:{tmp_path}/share:/usr/share"
 
 
+@pytest.mark.slow
 def test_long_step_shows_its_progress(tmp_path):
     done = step(tmp_path, "echo '[ 50%] Building'; sleep 11")
     assert re.search(r"^--   \[2/5\] a step: 50 %, 1\d s$", done.stdout, re.MULTILINE)

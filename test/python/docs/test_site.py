@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import re
+import runpy
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser
+
+pytestmark = pytest.mark.slow
 
 DOCS = Path(__file__).parents[3] / "docs"
 
@@ -31,7 +34,7 @@ def test_first_page_plays_a_mission_and_asks_no_other_host(browser: Browser, sit
     player = page.frame_locator("iframe")
     player.locator("body[data-ready]").wait_for(state="attached", timeout=120_000)
     assert player.locator(".view").get_attribute("data-robots", timeout=60_000) == "3"
-    for name in ("python_api", "scenario_keys", "notebook", "world"):
+    for name in ("python_api", "scenario_keys", "ros_messages", "notebook", "world"):
         page.goto(f"file://{site / name}.html")
     assert wrong == []
     page.close()
@@ -56,3 +59,17 @@ def test_text_and_pages_need_no_other_host(site: Path) -> None:
     for path in site.glob("*.html"):
         loaded = re.findall(r'<(?:script|img|link|iframe)[^>]+(?:src|href)="(https?://[^"]+)"', path.read_text())
         assert loaded == [], path.name
+
+
+def test_every_attribute_of_messages_and_services_has_a_comment() -> None:
+    attributes_of = runpy.run_path(str(DOCS / "build_site.py"))["message_attributes"]
+    for path in (*DOCS.parent.glob("msg/*.msg"), *DOCS.parent.glob("srv/*.srv")):
+        about, attributes = attributes_of(path.read_text(encoding="utf-8"))
+        assert about, path.name
+        assert [name for _, name, comment in attributes if not comment] == [], path.name
+
+
+def test_reference_of_messages_has_the_attributes_of_requests_and_answers(site: Path) -> None:
+    page = re.sub("<[^>]*>", "", (site / "ros_messages.html").read_text(encoding="utf-8"))
+    for words in ("hops (18-20); 0 on the diagonal", "false: outside the floor plan or inside a wall"):
+        assert words in page

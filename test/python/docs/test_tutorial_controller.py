@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from robotteamsim.control.runtime.registry import ALGORITHMS
 from robotteamsim.scenario import load
+from robotteamsim.scenario.controllers import ALGORITHMS
 from robotteamsim.simulation import Simulation
 
 ROOT = Path(__file__).parents[3]
@@ -57,15 +57,16 @@ def test_tutorial_class_drives_about_and_touches_nothing_for_long():
 
 
 @pytest.mark.usefixtures("on_path")
-def test_tutorial_class_tells_its_teammates_what_it_hears():
+def test_tutorial_class_sends_heard_voices_to_its_teammates():
     simulation = Simulation(load("garage_sar", ["control.algorithm=my_controller:MyController", "voice.noise_db=0"]))
     for _ in range(1200):
         record = simulation.step()
-    controllers = [guard.controller for guard in simulation.controllers]
+    controllers = [guard.controller for guard in simulation.controllers.guards]
     assert any(controller.heard_of for controller in controllers)
     assert not any(decision.fault for decision in record.decisions)
 
 
+@pytest.mark.slow
 def test_command_line_of_the_tutorial_runs_the_class(folder):
     (command,) = re.findall(r"^PYTHONPATH=\S+ robotteamsim (run .*)$", TUTORIAL.read_text(), re.MULTILINE)
     done = run_cli(folder, *command.split(), "--set", "mission.time_limit_s=5")
@@ -73,6 +74,7 @@ def test_command_line_of_the_tutorial_runs_the_class(folder):
     assert "time limit reached" in done.stdout
 
 
+@pytest.mark.slow
 def test_package_of_the_tutorial_installs_and_is_known_by_its_name(folder, tmp_path):
     target = tmp_path / "installed"
     pip = (sys.executable, "-m", "pip", "install", "--quiet", "--no-index", "--no-deps", "--no-build-isolation")
@@ -92,9 +94,9 @@ def test_package_of_the_tutorial_installs_and_is_known_by_its_name(folder, tmp_p
 @pytest.mark.usefixtures("on_path")
 def test_fault_of_one_robot_is_an_event_and_the_mission_goes_on(folder):
     (folder / "faulty_of_test.py").write_text(
-        "from my_controller import MyController\n\n\nclass Faulty(MyController):\n    def decide(self):\n"
-        "        decision = super().decide()\n"
-        "        if self.robot_id == 1 and self.observation.sim_time_ns == 2_000_000_000:\n"
+        "from my_controller import MyController\n\n\nclass Faulty(MyController):\n    def step(self, *inputs):\n"
+        "        decision = super().step(*inputs)\n"
+        "        if self.robot_id == 1 and inputs[0].sim_time_ns == 2_000_000_000:\n"
         "            1 / 0\n"
         "        return decision\n"
     )

@@ -51,6 +51,7 @@ def test_each_entry_point_has_a_valid_call_to_change():
     assert _entry_points() - _called(calls()) == set()
 
 
+@pytest.mark.slow
 def test_odd_numbers_give_an_error_or_finite_results_within_five_seconds_each():
     done = subprocess.run(
         (sys.executable, _FUZZ / "core_fuzz.py"), capture_output=True, text=True, timeout=600, check=False
@@ -60,7 +61,7 @@ def test_odd_numbers_give_an_error_or_finite_results_within_five_seconds_each():
 
 
 @pytest.mark.parametrize("x", [math.inf, -math.inf, math.nan, 1e300])
-def test_planning_grid_refuses_a_place_that_is_nowhere(x):
+def test_planning_grid_rejects_a_place_outside(x):
     grid = _core.plan.PlanningGrid(np.zeros((200, 300), np.bool_), (0.0, 0.0), 0.1, 0.2)
     with pytest.raises(ValueError, match=r"center must be (finite|within 1e9), got \("):
         grid.nearest_free((x, 5.0), 3.0)

@@ -10,7 +10,6 @@ import pytest
 import yaml
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.gazebo import import_world
 from robotteamsim.scenario import load_floor_plan
 
 TARGET = runpy.run_path(str(Path(__file__).parents[2] / "fuzz" / "import_fuzz.py"))
@@ -18,15 +17,8 @@ HUGE_IMAGE = b"P5\n100000 100000\n255\n" + bytes(10)
 WIDE_IMAGE = b"P5\n100000 3\n255\n" + b"\xfe" * 300_000
 
 
-def test_any_plan_map_and_world_is_used_or_refused_in_one_line(tmp_path: Path) -> None:
+def test_any_plan_and_map_is_used_or_rejected_in_one_line(tmp_path: Path) -> None:
     TARGET["fuzz"](tmp_path, number=1, examples=60)
-
-
-def test_world_of_the_target_is_used_as_it_is(tmp_path: Path) -> None:
-    path = tmp_path / "a.world"
-    path.write_bytes(TARGET["WORLD"])
-    plan = import_world(path).plan
-    assert (len(plan.walls), len(plan.blocks), len(plan.doors)) == (1, 2, 1)
 
 
 def test_target_notices_an_error_that_is_none_of_ours(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -63,7 +55,7 @@ def test_key_that_looks_like_the_tag_of_a_union_is_an_unknown_key(tmp_path: Path
         ({}, WIDE_IMAGE, "image: bounds.max: x 9999 is more than 1000 m from min, -1"),
     ],
 )
-def test_map_that_fuzzing_has_found_is_refused_with_its_exact_message(
+def test_map_that_fuzzing_has_found_is_rejected_with_its_exact_message(
     tmp_path: Path, keys: dict[str, Any], image: bytes, message: str
 ) -> None:
     (tmp_path / "map.png").write_bytes(image)

@@ -5,11 +5,14 @@ from __future__ import annotations
 import math
 import xml.etree.ElementTree as ET
 
+import numpy as np
 import pytest
+import shapely
 
 from robotteamsim.gazebo import export_world
 from robotteamsim.scenario import load
-from robotteamsim.world.placement import placed_robots
+from robotteamsim.scenario.plan import door_corners, solids
+from robotteamsim.setup import resolve
 
 
 def _world(text: str) -> ET.Element:
@@ -26,8 +29,8 @@ def _numbers(element: ET.Element, path: str) -> list[float]:
 
 def test_robots_are_models_with_the_laser_of_the_scenario_at_their_start_poses():
     scenario = load("garage_sar", ["robots.laser={beams: 91, range_max_m: 8.0, noise_m: 0.02, no_return: inf}"])
-    world = _world(export_world(scenario).world)
-    for i, robot in enumerate(placed_robots(scenario)):
+    world = _world(export_world(resolve(scenario)).world)
+    for i, robot in enumerate(resolve(scenario).robots):
         model = _model(world, f"robot_{i}")
         x, y, yaw = robot.start_pose
         assert _numbers(model, "pose") == pytest.approx([x, y, 0.0, 0.0, 0.0, yaw])
@@ -52,7 +55,9 @@ def test_robots_are_models_with_the_laser_of_the_scenario_at_their_start_poses()
     ],
 )
 def test_plugin_has_the_limits_of_the_drive(drive: str, own: dict[str, str]) -> None:
-    plugin = _model(_world(export_world(load("garage_sar", [f"robots.drive={drive}"])).world), "robot_0").find("plugin")
+    plugin = _model(_world(export_world(resolve(load("garage_sar", [f"robots.drive={drive}"]))).world), "robot_0").find(
+        "plugin"
+    )
     limits = {
         part.tag: f"{float(part.text):.3g}" if part.tag != "sideways" else part.text for part in plugin.find("limits")
     }
@@ -61,7 +66,7 @@ def test_plugin_has_the_limits_of_the_drive(drive: str, own: dict[str, str]) -> 
 
 
 def test_wheels_are_as_far_apart_as_the_body_allows_and_touch_the_floor():
-    world = _world(export_world(load("garage_sar"), "wheels").world)
+    world = _world(export_world(resolve(load("garage_sar")), "wheels").world)
     robot = _model(world, "robot_0")
     assert robot.findtext("plugin/drive") == "wheels"
     wheels = [link for link in robot.findall("link") if link.get("name").endswith("_wheel")]
@@ -76,14 +81,14 @@ def test_wheels_are_as_far_apart_as_the_body_allows_and_touch_the_floor():
 
 def test_wheels_have_the_radius_and_friction_of_the_scenario():
     scenario = load("garage_sar", ["robots.wheels={radius_m: 0.08, friction: 0.6}"])
-    robot = _model(_world(export_world(scenario, "wheels").world), "robot_0")
+    robot = _model(_world(export_world(resolve(scenario), "wheels").world), "robot_0")
     wheel = next(link for link in robot.findall("link") if link.get("name") == "left_wheel")
     assert _numbers(wheel, "collision/geometry/cylinder/radius") == [0.08]
     assert _numbers(wheel, "collision/surface/friction/ode/mu") == [0.6]
 
 
 def test_only_differential_drives_have_wheels():
-    export = export_world(load("garage_sar", ["robots.drive={kind: omni}"]), "wheels")
+    export = export_world(resolve(load("garage_sar", ["robots.drive={kind: omni}"])), "wheels")
     assert _model(_world(export.world), "robot_0").findtext("plugin/drive") == "velocity"
     assert export.notes == (
         "robots.drive: only differential drives have wheels in Gazebo; the others move by their velocity",
@@ -91,12 +96,59 @@ def test_only_differential_drives_have_wheels():
 
 
 def test_robots_that_arrive_later_have_a_file_each():
-    export = export_world(load("garage_sar", ["robots.reserve=1"]))
+    export = export_world(resolve(load("garage_sar", ["robots.reserve=1"])))
     names = [model.get("name") for model in _world(export.world).findall("model")]
     assert [name for name in names if name.startswith("robot_")] == ["robot_0", "robot_1"]
     assert list(export.absent) == ["robot_2"]
     assert ET.fromstring(export.absent["robot_2"]).find("model").get("name") == "robot_2"
     assert any("arrive later" in note for note in export.notes)
+
+
+def _outline(link: ET.Element, x: float = 0.0, y: float = 0.0, yaw: float = 0.0) -> tuple[shapely.Polygon, float]:
+    """Return what a box or polyline covers on the floor of the world, and the height of its top."""
+    collision = link.find("collision")
+    poses = [(x, y, 0.0, 0.0, 0.0, yaw)]
+    poses += [_numbers(part, "pose") for part in (link, collision) if part.find("pose") is not None]
+    box = collision.find("geometry/box/size")
+    if box is None:
+        polyline = collision.find("geometry/polyline")
+        corners = np.array([[float(number) for number in point.text.split()] for point in polyline.findall("point")])
+        top_m = float(polyline.findtext("height")) + sum(pose[2] for pose in poses)
+    else:
+        length_m, width_m, height_m = (float(number) for number in box.text.split())
+        corners = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) * (0.5 * length_m, 0.5 * width_m)
+        top_m = 0.5 * height_m + sum(pose[2] for pose in poses)
+    for pose_x, pose_y, _, _, _, turn in reversed(poses):
+        cos, sin = math.cos(turn), math.sin(turn)
+        corners = corners @ np.array([[cos, sin], [-sin, cos]]) + (pose_x, pose_y)
+    return shapely.Polygon(corners), top_m
+
+
+@pytest.mark.parametrize("name", ["garage_sar", "office_manet", "mrl_arena_mapping", "isr_floor_0_sar"])
+def test_walls_blocks_and_closed_doors_have_the_outlines_and_heights_of_the_plan(name: str) -> None:
+    scenario = load(name)
+    doors = tuple(door.model_copy(update={"closed": True}) for door in scenario.plan.doors)
+    plan = scenario.plan.model_copy(update={"doors": doors})
+    world = _world(export_world(resolve(scenario.model_copy(update={"plan": plan}))).world)
+    found = {
+        link.get("name"): _outline(link)
+        for model in world.findall("model")
+        if model.get("name") in ("robotteamsim_walls", "robotteamsim_blocks", "robotteamsim_pillars")
+        for link in model.findall("link")
+    }
+    fixed = {solid.name: solid for solid in solids(plan) if solid.kind != "door"}
+    assert found.keys() == fixed.keys()
+    for solid_name, solid in fixed.items():
+        outline, top_m = found[solid_name]
+        assert shapely.hausdorff_distance(outline, solid.polygon) < 1e-5
+        assert top_m == pytest.approx(solid.element.height_m)
+    for door in doors:
+        model = _model(world, f"door_{door.name}")
+        x, y, _, _, _, yaw = _numbers(model, "pose")
+        outline, top_m = _outline(model.find("link"), x, y, yaw)
+        # The leaf is shorter than the door by a gap of 5 mm at either end.
+        assert shapely.hausdorff_distance(outline, shapely.Polygon(door_corners(door))) == pytest.approx(0.005)
+        assert top_m == pytest.approx(door.height_m)
 
 
 @pytest.mark.parametrize("closed", [True, False])
@@ -113,7 +165,7 @@ def test_joint_of_a_door_moves_the_leaf_between_closed_and_open(motion, kind, op
     garage = load("garage_sar")
     door = garage.plan.doors[0].model_copy(update={**motion, "closed": closed})
     plan = garage.plan.model_copy(update={"doors": (door,)})
-    world = _world(export_world(garage.model_copy(update={"plan": plan})).world)
+    world = _world(export_world(resolve(garage.model_copy(update={"plan": plan}))).world)
     joint = _model(world, "door_plant_door").find("joint")
     assert (joint.get("type"), joint.findtext("parent")) == (kind, "world")
     axis = _numbers(joint, "axis/xyz")
@@ -130,7 +182,7 @@ def test_open_leaf_is_at_its_open_place():
     swing = garage.plan.doors[0].model_copy(update={"motion": "swing"})
     slide = garage.plan.doors[1].model_copy(update={"motion": "slide", "closed": False})
     plan = garage.plan.model_copy(update={"doors": (swing, slide)})
-    world = _world(export_world(garage.model_copy(update={"plan": plan})).world)
+    world = _world(export_world(resolve(garage.model_copy(update={"plan": plan}))).world)
     assert _numbers(_model(world, "door_plant_door"), "pose") == pytest.approx([11.9, 36.2, 0, 0, 0, math.pi])
     assert _numbers(_model(world, "door_stair_door"), "pose") == pytest.approx([54.375, 35.8, 0, 0, 0, math.pi / 2])
 
@@ -140,7 +192,7 @@ def test_objects_keep_mass_friction_and_shape():
         "[{name: crate, size_m: [0.6, 0.4], pose: [2.0, 2.0, 0.5], mass_kg: 3.0, friction: 0.4},"
         " {name: drum, kind: barrel, radius_m: 0.3, height_m: 0.9, pose: [4.0, 4.0, 0.0]}]"
     )
-    world = _world(export_world(load("tutorial_arena", [f"objects={objects}"])).world)
+    world = _world(export_world(resolve(load("tutorial_arena", [f"objects={objects}"]))).world)
     crate, drum = (_model(world, f"object_{name}").find("link") for name in ("crate", "drum"))
     assert _numbers(crate, "collision/geometry/box/size") == [0.6, 0.4, 0.5]
     assert _numbers(crate, "collision/surface/friction/ode/mu") == [0.4]
@@ -150,20 +202,16 @@ def test_objects_keep_mass_friction_and_shape():
     assert _numbers(drum, "inertial/inertia/izz") == pytest.approx([0.5 * 2.0 * 0.09])
 
 
-def test_what_gazebo_lacks_is_named_in_one_line_each():
+def test_features_that_gazebo_lacks_are_named_in_one_line_each():
     settings = [
         "run.world=mujoco",
         "run.mujoco.lights=[{name: lamp, position: [3.0, 4.0]}]",
         "run.mujoco.ramps=[{from: [4.0, 5.0], to: [6.0, 5.0], height_m: 0.2}]",
-        "robots.cameras=[{name: front}]",
-        "robots.gps={datum_lat_deg: 40.0, datum_lon_deg: -8.0}",
+        "robots.sensors=[{kind: camera, name: front}, {kind: gps, datum_lat_deg: 40.0, datum_lon_deg: -8.0}]",
         "robots.gripper={}",
-        "robots.lasers=[{name: rear}]",
-        "robots.light_sensors=[{name: up}]",
-        "robots.sonars=[{name: left}]",
     ]
-    notes = export_world(load("tutorial_arena", settings)).notes
-    sensors = ("cameras", "gps", "gripper", "lasers", "light_sensors", "sonars")
+    notes = export_world(resolve(load("tutorial_arena", settings))).notes
+    sensors = ("gripper", "sensors")
     assert notes == (
         *(f"robots.{key}: omitted: in Gazebo, robots have only a body and one laser" for key in sensors),
         "run.mujoco.lights: omitted: only in the world of MuJoCo",
@@ -172,7 +220,7 @@ def test_what_gazebo_lacks_is_named_in_one_line_each():
 
 
 def test_steps_of_the_physics_divide_a_step_of_the_scenario():
-    world = _world(export_world(load("garage_sar", ["run.step_s=0.033"])).world)
+    world = _world(export_world(resolve(load("garage_sar", ["run.step_s=0.033"]))).world)
     (part_s,) = _numbers(world, "physics/max_step_size")
     assert part_s <= 0.005
     assert 0.033 / part_s == pytest.approx(7.0)

@@ -9,6 +9,9 @@ import pytest
 
 from robotteamsim.gazebo import export_world
 from robotteamsim.scenario import load
+from robotteamsim.setup import resolve
+
+pytestmark = pytest.mark.slow
 
 CHECKER = Path(__file__).parent / "sdf_checker"
 
@@ -48,7 +51,7 @@ HEXAGON = "[[0.3, 0.0], [0.15, 0.25], [-0.15, 0.25], [-0.3, 0.0], [-0.15, -0.25]
     ],
 )
 def test_exported_world_is_valid(checker, tmp_path, name, overrides, drive):
-    done = _check(checker, export_world(load(name, overrides), drive).world, tmp_path)
+    done = _check(checker, export_world(resolve(load(name, overrides)), drive).world, tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -56,14 +59,16 @@ def test_exported_doors_and_absent_robots_are_valid(checker, tmp_path):
     garage = load("garage_sar", ["robots.reserve=1"])
     motions = ({"motion": "swing", "angle_rad": -1.2}, {"motion": "slide"})
     doors = (door.model_copy(update=motion) for door, motion in zip(garage.plan.doors, motions, strict=True))
-    export = export_world(garage.model_copy(update={"plan": garage.plan.model_copy(update={"doors": tuple(doors)})}))
+    export = export_world(
+        resolve(garage.model_copy(update={"plan": garage.plan.model_copy(update={"doors": tuple(doors)})}))
+    )
     for text in (export.world, export.absent["robot_2"]):
         done = _check(checker, text, tmp_path)
         assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_checker_rejects_a_world_with_a_wrong_element(checker, tmp_path):
-    world = export_world(load("tutorial_arena")).world
+    world = export_world(resolve(load("tutorial_arena"))).world
     for wrong in (
         world.replace("<mass>", "<weight>").replace("</mass>", "</weight>"),
         world.replace("<size>", "<size>x"),

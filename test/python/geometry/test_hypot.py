@@ -10,6 +10,8 @@ import pytest
 
 from robotteamsim import _core, rng
 
+pytestmark = pytest.mark.slow
+
 COUNT = 1_000_000
 
 

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from robotteamsim.hazards import Hazards
 from robotteamsim.scenario import from_mapping
+from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.scenario import Scenario
 
 STEP_NS = 10**9
@@ -49,6 +50,12 @@ def scenario(plan: Mapping[str, object], fire: Mapping[str, object], seed: int =
         "run": {"seed": seed, "step_s": 1.0, "physics_substeps": 20},
     }
     return from_mapping({**base, **sections}, "burning")
+
+
+def fire_of(*arguments: object, **sections: object) -> Hazards:
+    """Return the fire of such a scenario."""
+    burning = scenario(*arguments, **sections)
+    return Hazards(burning, Building(burning.plan))
 
 
 def door_of_kind(kind: str) -> dict[str, object]:

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from robotteamsim.hazards import BURNING, Doses, HazardField, HeatStress, walking_speed_share
+from robotteamsim.hazards import Doses, HazardField, HeatStress, walking_speed_share
 from robotteamsim.hazards.effects import gas_dose_per_min, heat_dose_per_min
 from robotteamsim.scenario.fire import Fire
 
@@ -77,10 +77,3 @@ def test_robot_that_left_starts_cool_again():
     assert [stress.expose(there, hot, 10.0) for _ in range(2)] == [[], []]
     stress.expose(gone, hot, 10.0)
     assert [stress.expose(there, hot, 10.0) for _ in range(3)] == [[], [], [0]]
-
-
-def test_burning_cells_are_those_in_that_state():
-    states = np.array([[BURNING, 0]], dtype=np.uint8)
-    plain = field()
-    burning = HazardField((0.0, 0.0), 1.0, plain.temperatures_c, plain.soot_g_m3, states, Fire())
-    assert burning.burning.tolist() == [[True, False]]

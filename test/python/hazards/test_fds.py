@@ -12,6 +12,7 @@ from burning import STEP_NS, Doors, scenario
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.hazards.fds import FdsHazards
+from robotteamsim.scenario.building import Building
 from robotteamsim.simulation import Simulation
 
 PLAN = {"name": "room", "bounds": {"max": [4, 3]}}
@@ -59,12 +60,17 @@ def write_run(folder: Path, slices: Sequence[tuple[str, str, str, Field]]) -> st
     return str(folder)
 
 
+def fds_hazards(folder: str) -> FdsHazards:
+    burning = scenario(PLAN, {"fds": folder})
+    return FdsHazards(burning, Building(burning.plan))
+
+
 HEAT = ("TEMPERATURE", "temp", "C", temperature_c)
 SOOT = ("SOOT DENSITY", "rho_soot", "kg/m3", soot_kg_m3)
 
 
 def test_temperature_and_soot_are_those_of_fds_in_space_and_time(tmp_path):
-    hazards = FdsHazards(scenario(PLAN, {"fds": write_run(tmp_path, [HEAT, SOOT])}))
+    hazards = fds_hazards(write_run(tmp_path, [HEAT, SOOT]))
     assert hazards.step(6 * STEP_NS, Doors())  # begins at 5 s
     # The centre (0.75, 1.25) of a cell of 0.5 m is as far from the nodes 0.5 and 1 of FDS; the first counts.
     place = np.array([[0.75, 1.25]])
@@ -89,7 +95,7 @@ def test_visibility_and_extinction_become_the_same_soot(tmp_path):
     ):
         folder = tmp_path / name
         folder.mkdir()
-        hazards = FdsHazards(scenario(PLAN, {"fds": write_run(folder, [HEAT, smoke])}))
+        hazards = fds_hazards(write_run(folder, [HEAT, smoke]))
         hazards.step(11 * STEP_NS, Doors())  # begins at a time of the results
         found.append(hazards.field.soot_g_m3)
     assert found[1] == pytest.approx(found[0], rel=1e-5)
@@ -111,14 +117,14 @@ def test_mission_runs_in_a_fire_of_fds(tmp_path):
         ([], "has no horizontal slice of TEMPERATURE; found none$"),
     ],
 )
-def test_folder_without_smoke_or_temperature_is_refused_in_one_line(slices, message, tmp_path):
+def test_folder_without_smoke_or_temperature_is_rejected_in_one_line(slices, message, tmp_path):
     with pytest.raises(ScenarioError, match=message) as caught:
         Simulation(scenario(PLAN, {"fds": write_run(tmp_path, slices)}))
     assert "fire.fds: " in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
-def test_folder_that_is_not_of_fds_is_refused(tmp_path):
+def test_folder_that_is_not_of_fds_is_rejected(tmp_path):
     with pytest.raises(ScenarioError, match=r"fire\.fds: '.*nowhere' is not a folder; expected the results of FDS"):
         Simulation(scenario(PLAN, {"fds": str(tmp_path / "nowhere")}))
     with pytest.raises(ScenarioError, match=r"has no \.smv file; expected the results of FDS"):

@@ -6,10 +6,12 @@ import math
 
 import numpy as np
 import pytest
-from burning import HALL, ROOMS, STEP_NS, Doors, advance, door_of_kind, everywhere, scenario
+from burning import HALL, ROOMS, STEP_NS, Doors, advance, door_of_kind, everywhere, fire_of
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.hazards import BURNING, BURNT_OUT, NOT_BURNING, Hazards
+from robotteamsim.scenario.schedule import ScheduledEvent
+from robotteamsim.simulation.stages import ScheduleStage
 
 FAST = 0.0469
 """kW/s^2, NFPA 204."""
@@ -20,11 +22,11 @@ LEFT = {"ignitions": [{"position": [3.2, 3.2]}]}
 def one_cell(**fuel: object) -> Hazards:
     """One cell of 0.25 m^2 with fuel."""
     here = {"name": "bin", "center": [10.25, 10.25], "radius_m": 0.2, "growth": "fast", **fuel}
-    return Hazards(scenario(HALL, {"fuel": [here], **CENTRE}))
+    return fire_of(HALL, {"fuel": [here], **CENTRE})
 
 
 def carpet(seed: int, growth: str = "ultra_fast", **fuel: object) -> Hazards:
-    return Hazards(scenario(HALL, {"fuel": [everywhere(growth=growth, load_mj_m2=5000, **fuel)], **CENTRE}, seed))
+    return fire_of(HALL, {"fuel": [everywhere(growth=growth, load_mj_m2=5000, **fuel)], **CENTRE}, seed)
 
 
 def test_heat_release_rate_of_one_cell_grows_with_the_square_of_time_up_to_its_peak():
@@ -46,6 +48,7 @@ def test_cell_burns_out_when_its_fuel_is_spent():
     assert hazards.heat_release_kw == 0.0
 
 
+@pytest.mark.slow
 def test_fire_on_uniform_fuel_grows_with_the_square_of_time():
     # From 4 times on in which one cell reaches its peak, 18 s; before, the fire is smaller than a few cells.
     times_s = np.array([80, 120, 160, 200])
@@ -60,7 +63,8 @@ def test_fire_on_uniform_fuel_grows_with_the_square_of_time():
     assert np.array(means) == pytest.approx(0.1876 * times_s**2, rel=0.1)
 
 
-def test_fire_spreads_alike_in_all_directions():
+@pytest.mark.slow
+def test_fire_spreads_equally_in_all_directions():
     # Radii of the burnt area in eight directions, over many fires.
     areas = np.zeros(8)
     rows, cols = np.mgrid[0:40, 0:40]
@@ -92,7 +96,7 @@ def test_nothing_passes_a_closed_fireproof_door(proof):
     plan = door_of_kind(proof["kind"]) if "kind" in proof else ROOMS
     doors = {"fireproof": ["door"]} if "key" in proof else {}
     fire = {"fuel": [everywhere(ROOMS, growth="ultra_fast", load_mj_m2=200)], **LEFT, **doors}
-    hazards = Hazards(scenario(plan, fire))
+    hazards = fire_of(plan, fire)
     advance(hazards, 2500, Doors(door=True))
     left, right = slice(0, 12), slice(12, 24)
     assert (hazards.field.states[:, left] == BURNT_OUT).all()
@@ -105,14 +109,14 @@ def test_nothing_passes_a_closed_fireproof_door(proof):
 
 def test_fire_passes_an_open_door_also_a_fireproof_one():
     fire = {"fuel": [everywhere(ROOMS, growth="ultra_fast", load_mj_m2=5000)], **LEFT}
-    hazards = Hazards(scenario(door_of_kind("fireproof"), fire))
+    hazards = fire_of(door_of_kind("fireproof"), fire)
     advance(hazards, 600, Doors(door=False))
     assert (hazards.field.states[:, 12:] == BURNING).any()
 
 
-def test_normal_door_burns_through_after_its_time_beside_flames():
+def test_normal_door_burns_through_after_its_time_next_to_flames():
     fire = {"fuel": [everywhere(ROOMS, growth="ultra_fast", load_mj_m2=5000)], **LEFT, "heat": {"door_endures_s": 60.0}}
-    hazards, doors, begin, beside_s = Hazards(scenario(ROOMS, fire)), Doors(door=True), 1, 0
+    hazards, doors, begin, beside_s = fire_of(ROOMS, fire), Doors(door=True), 1, 0
     while not hazards.burnt_doors():
         assert (hazards.field.states[:, 12:] == NOT_BURNING).all()
         begin = advance(hazards, 1, doors, begin)
@@ -128,7 +132,7 @@ def test_fire_does_not_jump_over_ground_without_fuel_that_is_wider_than_its_reac
     strips = [everywhere(growth="ultra_fast", load_mj_m2=5000)]
     strips[0]["polygon"] = [[0, 0], [9, 0], [9, 20], [0, 20]]
     strips.append({**strips[0], "name": "beyond", "polygon": [[11, 0], [20, 0], [20, 20], [11, 20]]})
-    hazards = Hazards(scenario(HALL, {"fuel": strips, "ignitions": [{"position": [8, 10]}]}))
+    hazards = fire_of(HALL, {"fuel": strips, "ignitions": [{"position": [8, 10]}]})
     advance(hazards, 600)
     assert (hazards.field.states[:, :18] == BURNING).sum() > 300
     assert (hazards.field.states[:, 18:] == NOT_BURNING).all()
@@ -136,7 +140,7 @@ def test_fire_does_not_jump_over_ground_without_fuel_that_is_wider_than_its_reac
 
 def test_room_ends_at_its_walls_and_doors():
     fire = {"fuel": [{"name": "office", "room": [2, 2], "growth": "ultra_fast", "load_mj_m2": 5000}], **LEFT}
-    hazards = Hazards(scenario({**ROOMS, "doors": [{**ROOMS["doors"][0], "closed": False}]}, fire))
+    hazards = fire_of({**ROOMS, "doors": [{**ROOMS["doors"][0], "closed": False}]}, fire)
     advance(hazards, 1200, Doors(door=False))
     assert (hazards.field.states[:, :12] == BURNING).all()
     assert (hazards.field.states[:, 12:] == NOT_BURNING).all()
@@ -144,11 +148,13 @@ def test_room_ends_at_its_walls_and_doors():
 
 def test_ignition_by_list_by_schedule_and_by_call_are_the_same():
     fuel = {"fuel": [everywhere()]}
-    listed = Hazards(scenario(HALL, {**fuel, "ignitions": [{"at_s": 5, "position": [10.2, 10.2]}]}))
-    scheduled = Hazards(scenario(HALL, fuel, schedule=[{"at_s": 5, "ignite": [10.2, 10.2]}]))
-    called = Hazards(scenario(HALL, fuel))
-    for hazards in (listed, scheduled):
-        advance(hazards, 60)
+    listed = fire_of(HALL, {**fuel, "ignitions": [{"at_s": 5, "position": [10.2, 10.2]}]})
+    scheduled, called = fire_of(HALL, fuel), fire_of(HALL, fuel)
+    advance(listed, 60)
+    schedule = ScheduleStage([ScheduledEvent(at_s=5.0, ignite=(10.2, 10.2))], scheduled)
+    for step in range(1, 61):
+        schedule.step(step * STEP_NS)
+        advance(scheduled, 1, begin=step)
     advance(called, 4)
     called.ignite((10.2, 10.2))
     advance(called, 56, begin=5)
@@ -156,7 +162,7 @@ def test_ignition_by_list_by_schedule_and_by_call_are_the_same():
 
 
 def test_nothing_changes_before_the_first_ignition():
-    hazards = Hazards(scenario(HALL, {"fuel": [everywhere()]}))
+    hazards = fire_of(HALL, {"fuel": [everywhere()]})
     before = hazards.field
     assert not hazards.step(STEP_NS, Doors())  # the first step has no update
     assert hazards.step(2 * STEP_NS, Doors())
@@ -181,5 +187,5 @@ def test_nothing_changes_before_the_first_ignition():
 )
 def test_mistakes_are_one_line_with_key_and_value(fire, message):
     with pytest.raises(ScenarioError, match=message) as caught:
-        Hazards(scenario(ROOMS, fire))
+        fire_of(ROOMS, fire)
     assert "\n" not in str(caught.value)

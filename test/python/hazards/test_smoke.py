@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from burning import HALL, LARGE_HALL, ROOMS, Doors, advance, scenario
+from burning import HALL, LARGE_HALL, ROOMS, Doors, advance, fire_of
 
 from robotteamsim import _core
 from robotteamsim.hazards import Hazards
@@ -15,7 +15,7 @@ from robotteamsim.hazards import Hazards
 def puff(plan: dict[str, object], place: tuple[float, float], **sections: object) -> Hazards:
     """A small fire of 250 kJ, which is over after 16 s."""
     fuel = {"name": "bin", "center": list(place), "radius_m": 0.2, "growth": "ultra_fast", "load_mj_m2": 1.0}
-    return Hazards(scenario(plan, {"fuel": [fuel], "ignitions": [{"position": list(place)}], **sections}))
+    return fire_of(plan, {"fuel": [fuel], "ignitions": [{"position": list(place)}], **sections})
 
 
 SOOT_G = 250.0 / 20.0 * 0.06

@@ -42,7 +42,7 @@ def test_walls_around_a_room_keep_the_room_free() -> None:
     assert len(_areas(room)) == 4
 
 
-def test_corner_with_a_longer_way_across_stays_whole() -> None:
+def test_corner_with_a_longer_diagonal_stays_whole() -> None:
     corner = shapely.union_all([shapely.box(0, 0, 60, 25), shapely.box(0, 0, 20, 60)])
     assert len(_areas(corner, longest=15.0)) == 1
     assert len(_areas(corner, longest=26.0)) == 2

@@ -54,6 +54,7 @@ def test_small_pillar_keeps_its_cells(size: tuple[int, int]) -> None:
     assert outline.equals(shapely.box(5, 5, 5 + size[1], 5 + size[0]))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(12))
 def test_outlines_of_any_cells_are_valid_and_near(seed: int) -> None:
     generator = np.random.default_rng(seed)

@@ -82,7 +82,7 @@ def test_line_through_a_staircase_has_its_slope_and_direction(slope: float) -> N
         assert math.copysign(1.0, x) == sign
 
 
-def test_lines_meet_in_their_common_point_and_parallel_ones_nowhere() -> None:
+def test_lines_meet_in_their_common_point_and_parallel_ones_do_not_meet() -> None:
     one = (np.array([0.0, 1.0]), np.array([1.0, 0.0]))
     other = (np.array([5.0, 9.0]), np.array([0.6, 0.8]))
     np.testing.assert_allclose(meeting_point(one, other), [-1.0, 1.0])

@@ -14,7 +14,7 @@ def _wall(length: float, width: float, angle_deg: float = 0.0) -> shapely.Polygo
 
 
 @pytest.mark.parametrize("angle_deg", [0.0, 12.0, 45.0])
-def test_all_sides_of_a_wall_tell_its_thickness(angle_deg: float) -> None:
+def test_all_sides_of_a_wall_have_its_thickness(angle_deg: float) -> None:
     np.testing.assert_allclose(edge_thickness(_wall(40.0, 6.0, angle_deg), most=50.0), 6.0, atol=0.01)
 
 

@@ -8,11 +8,12 @@ import pytest
 
 from robotteamsim.interface import Decision, Discovery
 from robotteamsim.interface.discovery import announcement
-from robotteamsim.mission import Mission
+from robotteamsim.mission import Mission, MissionInput
 from robotteamsim.mission.base_station import BaseStation
 from robotteamsim.mission.status import DeliveredDiscoveries
 from robotteamsim.network.messages import Message, NetworkState
 from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.setup import resolve
 
 STEP_NS = 100_000_000
 START_M, EAST_M, WEST_M, ANN_M = (3.0, 1.0), (16.0, 5.0), (5.0, 5.0), (9.0, 4.0)
@@ -28,7 +29,7 @@ class Course:
     """Steps a mission of two robots, of which the first is the base; nobody hears a voice."""
 
     def __init__(self, scenario) -> None:
-        self.mission, self.steps = Mission(scenario), 0
+        self.mission, self.steps = Mission(resolve(scenario)), 0
 
     def step(self, *places_m, inbox=()):
         self.steps += 1
@@ -36,7 +37,17 @@ class Course:
         network = NetworkState(zeros, zeros, zeros > 0, zeros.astype(np.int32), zeros, 0.0, zeros > 0)
         silence = [VoiceReading(0.0, False, place, 0.0) for place in places_m]
         messages = [Message(1, 0, payload) for payload in inbox]
-        return self.mission.step(self.steps * STEP_NS, np.array(places_m), silence, network, [Decision()] * 2, messages)
+        return self.mission.step(
+            MissionInput(
+                sim_time_ns=self.steps * STEP_NS,
+                positions_m=np.array(places_m),
+                voices=silence,
+                network=network,
+                decisions=[Decision()] * 2,
+                present=np.ones(2, dtype=bool),
+                base_inbox=messages,
+            )
+        )
 
 
 @pytest.fixture

@@ -8,11 +8,12 @@ import pytest
 
 from robotteamsim import _core, rng
 from robotteamsim.interface import Decision, Task
-from robotteamsim.mission import Mission
+from robotteamsim.mission import Mission, MissionInput
 from robotteamsim.network.messages import NetworkState, Refusal, Traffic
 from robotteamsim.scenario import sections
 from robotteamsim.scenario.floor_plan import Door
 from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.setup import resolve
 from robotteamsim.world.doors import DoorState, DoorStates
 
 STEP_NS = 100_000_000
@@ -51,16 +52,20 @@ class Course:
     def __init__(self, mission: Mission, num_robots: int = 2) -> None:
         self.mission, self.num_robots, self.sim_time_ns = mission, num_robots, 0
 
-    def step(self, positions=(), voices=(), endangered=(), excluded=(), present=None, lost=()):
+    def step(self, positions=(), voices=(), endangered=(), excluded=(), present=None, lost=(), **more):
         self.sim_time_ns += STEP_NS
         n = self.num_robots
         return self.mission.step(
-            self.sim_time_ns,
-            np.array((list(positions) + [FAR_M] * n)[:n]),
-            (list(voices) + [SILENCE] * n)[:n],
-            network(n, endangered, lost),
-            [Decision(excluded=i in excluded) for i in range(n)],
-            present=None if present is None else np.array(present),
+            MissionInput(
+                sim_time_ns=self.sim_time_ns,
+                positions_m=np.array((list(positions) + [FAR_M] * n)[:n]),
+                voices=(list(voices) + [SILENCE] * n)[:n],
+                network=network(n, endangered, lost),
+                decisions=[Decision(excluded=i in excluded) for i in range(n)],
+                present=np.array((True,) * n if present is None else present),
+                team_version=self.sim_time_ns,
+                **more,
+            )
         )
 
     def kinds(self, **inputs) -> list[str]:
@@ -69,7 +74,7 @@ class Course:
 
 @pytest.fixture
 def mission(hall_scenario) -> Mission:
-    return Mission(hall_scenario())
+    return Mission(resolve(hall_scenario()))
 
 
 @pytest.fixture
@@ -89,7 +94,7 @@ def test_mission_starts_with_its_first_step_and_its_clock_with_the_second(course
     assert course.mission.status.time_s == 0.1
 
 
-def test_start_event_tells_areas_victims_and_noise(course):
+def test_start_event_lists_areas_victims_and_noise(course):
     (event,) = course.step()
     assert event.detail == "mission starts: 2 areas, 2 victims, 10 dB noise"
 
@@ -97,7 +102,7 @@ def test_start_event_tells_areas_victims_and_noise(course):
 def test_mission_without_autostart_waits_for_start(hall_scenario):
     scenario = hall_scenario()
     waiting = scenario.mission.model_copy(update={"autostart": False})
-    course = Course(Mission(scenario.model_copy(update={"mission": waiting})))
+    course = Course(Mission(resolve(scenario.model_copy(update={"mission": waiting}))))
     assert course.kinds(positions=[AREA_EAST_M]) == []
     assert course.mission.status.state == "waiting"
     assert not course.mission.status.task.running
@@ -106,7 +111,7 @@ def test_mission_without_autostart_waits_for_start(hall_scenario):
     assert course.kinds(positions=[AREA_EAST_M]) == ["start", "area_explored"]
 
 
-def test_before_the_start_the_team_stands_still(mission):
+def test_team_does_not_move_before_the_start(mission):
     assert mission.status.task == Task(running=False, area_center_m=AREA_EAST_M, area_radius_m=2.0)
 
 
@@ -171,24 +176,42 @@ def test_epoch_grows_when_a_victim_falls_silent_and_when_the_target_area_changes
 
 def test_doors_noise_and_victims_are_noted_and_raise_the_epoch(course):
     course.step()
-    course.mission.set_door("gate", True)
     course.mission.set_noise_db(20.0)
     course.mission.set_victim("eve", (4.0, 8.0))
-    assert course.mission.status.task.epoch == 3
+    assert course.mission.status.task.epoch == 2
     assert course.mission.status.victims == ("waiting",) * 3
     assert course.mission.noise_db == 20.0
     assert [event.detail for event in course.step()] == [
-        "door gate is closed",
         "background noise is 20 dB",
         "victim eve calls at (4.0, 8.0)",
     ]
 
 
+def test_new_noise_and_victims_are_events_of_the_next_step(course):
+    course.step()
+    course.mission.set_noise_db(20.0)
+    course.mission.set_victim("eve", (4.0, 8.0))
+    events = course.step()
+    assert [event.kind for event in events] == ["noise", "victim"]
+    assert (course.mission.status.task.epoch, len(course.mission.victims)) == (2, 3)
+
+
+def test_victim_who_moves_is_saved_where_they_are_and_the_epoch_stays(course):
+    course.step()
+    assert course.kinds(positions=[(4.0, 8.0)], moved={"ann": (4.0, 8.0)}) == ["victim_saved"]
+    assert course.mission.victims[0].position == (4.0, 8.0)
+    assert course.kinds(moved={"ann": (2.0, 2.0)}) == []
+    assert course.mission.victims[0].position == (4.0, 8.0)
+    assert course.mission.status.task.epoch == 1
+
+
 def test_leaf_of_a_door_is_reported_when_it_starts_is_blocked_and_stops(hall_scenario):
     scenario = hall_scenario()
     gate = Door(name="gate", start=(10.0, 0.2), end=(10.0, 1.2), motion="swing")
-    mission = Mission(scenario.model_copy(update={"plan": scenario.plan.model_copy(update={"doors": (gate,)})}))
-    epochs = []
+    plan = scenario.plan.model_copy(update={"doors": (gate,)})
+    course = Course(Mission(resolve(scenario.model_copy(update={"plan": plan}))))
+    course.step()
+    told, epochs = [], []
     for state in (
         DoorState(False, 1.0),
         DoorState(False, 0.9, "closes"),
@@ -198,11 +221,9 @@ def test_leaf_of_a_door_is_reported_when_it_starts_is_blocked_and_stops(hall_sce
         DoorState(False, 0.1, "opens"),
         DoorState(False, 1.0),
     ):
-        mission.follow_doors(DoorStates({"gate": state}))
-        epochs.append(mission.status.task.epoch)
-    events = mission.step(STEP_NS, np.array([FAR_M, FAR_M]), (SILENCE,) * 2, network(2), (Decision(),) * 2)
-    told = [event.detail for event in events]
-    assert told[:5] == [
+        told += [event.detail for event in course.step(doors=DoorStates({"gate": state}))]
+        epochs.append(course.mission.status.task.epoch)
+    assert told == [
         "door gate closes, 90% open",
         "door gate is blocked, 42% open",
         "door gate is closed",
@@ -218,13 +239,6 @@ def test_moved_victim_waits_again_and_can_be_saved_again(course):
     course.mission.set_victim("ann", (2.0, 8.0))
     assert course.mission.status.victims == ("waiting", "waiting")
     assert course.kinds(positions=[(2.0, 8.0)]) == ["victim", "victim_saved"]
-
-
-def test_note_becomes_an_event_of_the_next_step(course):
-    course.step()
-    course.mission.note("operator", "camera", "somebody looks")
-    (event,) = course.step()
-    assert (event.kind, event.subject, event.robot_id, event.detail) == ("operator", "camera", -1, "somebody looks")
 
 
 def test_endangered_links_are_counted_each_time_they_become_endangered(course):
@@ -271,7 +285,7 @@ def test_mission_ends_when_all_areas_are_explored(course):
 
 def test_mission_ends_at_the_time_limit(hall_scenario):
     scenario = hall_scenario(mission=sections.Mission(time_limit_s=0.3))
-    course = Course(Mission(scenario))
+    course = Course(Mission(resolve(scenario)))
     for _ in range(3):
         course.step()
     assert course.mission.status.state == "running"
@@ -288,7 +302,7 @@ def test_mission_ends_when_all_robots_are_excluded(course):
 
 def test_exploring_the_last_area_in_the_last_moment_is_success(hall_scenario):
     area = sections.Area(name="only", center=AREA_EAST_M)
-    course = Course(Mission(hall_scenario(mission=sections.Mission(areas=(area,), time_limit_s=0.1))))
+    course = Course(Mission(resolve(hall_scenario(mission=sections.Mission(areas=(area,), time_limit_s=0.1)))))
     course.step()
     course.step(positions=[AREA_EAST_M], excluded=[0, 1])
     assert course.mission.status.end == "areas_explored"
@@ -302,7 +316,7 @@ def test_abort_ends_the_mission_once(course):
     assert course.mission.status.end == "aborted"
 
 
-def test_time_stands_still_while_paused(course):
+def test_time_does_not_advance_while_paused(course):
     course.step()
     course.step()
     course.mission.pause()
@@ -332,23 +346,32 @@ def test_nothing_happens_after_the_end(course):
     assert course.mission.status == status
 
 
-def test_two_missions_with_equal_inputs_tell_equal_events(hall_scenario):
+def test_two_missions_with_equal_inputs_have_equal_events(hall_scenario):
     def events() -> list:
-        course = Course(Mission(hall_scenario()))
+        course = Course(Mission(resolve(hall_scenario())))
         walk = [FAR_M, ANN_M, BOB_M, AREA_EAST_M, AREA_WEST_M]
         return [event for place in walk for event in course.step(positions=[place])]
 
     assert events() == events()
 
 
-def test_a_message_that_is_too_large_is_told_once_with_robot_size_and_limit(mission):
+def test_message_that_is_too_large_is_reported_once_with_robot_size_and_limit(mission):
     course = Course(mission)
     course.step()
     refused = msgspec.structs.replace(network(2), traffic=Traffic(refused=(Refusal(1, 70_000, 65_507),)))
     told = []
     for _ in range(3):
         course.sim_time_ns += STEP_NS
-        told += mission.step(course.sim_time_ns, np.array([FAR_M] * 2), [SILENCE] * 2, refused, [Decision()] * 2)
+        told += mission.step(
+            MissionInput(
+                sim_time_ns=course.sim_time_ns,
+                positions_m=np.array([FAR_M] * 2),
+                voices=[SILENCE] * 2,
+                network=refused,
+                decisions=[Decision()] * 2,
+                present=np.ones(2, dtype=bool),
+            )
+        )
     assert [(e.kind, e.robot_id, e.detail) for e in told] == [
         ("message_too_large", 1, "robot 1 cannot send 70000 bytes, the limit is 65507")
     ]
@@ -366,7 +389,7 @@ def test_places_are_reached_by_the_nearest_robot_within_reach_the_first_of_equal
         assert places.reached(np.asfortranarray(points_m)) == expected
 
 
-def test_places_that_are_no_numbers_are_refused():
+def test_places_of_wrong_type_or_length_are_rejected():
     with pytest.raises(TypeError, match="incompatible function arguments"):
         _core.base.Places([("here", "there")], [0.0])
     with pytest.raises(TypeError, match="incompatible function arguments"):
@@ -402,9 +425,9 @@ def test_mission_ends_when_no_robot_is_left(course):
     assert events[-1].detail.startswith("mission ends: no robots left; ")
 
 
-def test_robots_held_back_at_the_start_are_no_event(hall_scenario):
+def test_robots_in_reserve_at_the_start_cause_no_event(hall_scenario):
     loaded = hall_scenario()
     robots = tuple(robot.model_copy(update={"present": i == 0}) for i, robot in enumerate(loaded.robots))
-    course = Course(Mission(loaded.model_copy(update={"robots": robots})))
+    course = Course(Mission(resolve(loaded.model_copy(update={"robots": robots}))))
     assert course.kinds(present=(True, False)) == ["start"]
     assert course.kinds() == ["robot_spawned"]

@@ -6,7 +6,10 @@ import numpy as np
 import pytest
 
 from robotteamsim.interface import OUTSIDE, Decision
+from robotteamsim.mission.events import Happening
 from robotteamsim.mission.team_monitor import TeamMonitor
+
+EVERYBODY = np.ones(4, dtype=bool)
 
 
 def in_swarms(*swarms: int) -> list[Decision]:
@@ -17,12 +20,16 @@ def in_swarms(*swarms: int) -> list[Decision]:
 def monitor() -> TeamMonitor:
     """A monitor that has seen four robots in two swarms."""
     monitor = TeamMonitor()
-    assert monitor.changes(in_swarms(0, 0, 1, 1)) == []
+    assert monitor.changes(in_swarms(0, 0, 1, 1), EVERYBODY) == []
     return monitor
 
 
 def details(monitor: TeamMonitor, *swarms: int) -> list[str]:
-    return [change.detail for change in monitor.changes(in_swarms(*swarms))]
+    return [words(change) for change in monitor.changes(in_swarms(*swarms), EVERYBODY[: len(swarms)])]
+
+
+def words(happening: Happening) -> str:
+    return happening.words("robot {}".format)
 
 
 def test_there_are_no_events_while_nothing_changes(monitor):
@@ -58,16 +65,16 @@ def test_robot_that_is_excluded_from_the_start_counts_as_having_left():
 
 def test_fault_is_one_event_in_any_step(monitor):
     faulty = [*in_swarms(0, 0, 1), Decision(swarm=1, fault="ValueError: no (x.py:3)")]
-    (change,) = monitor.changes(faulty)
+    (change,) = monitor.changes(faulty, np.ones(len(faulty), dtype=bool))
     assert (change.kind, change.robot_id) == ("controller_failed", 3)
-    assert change.detail == "robot 3 is stopped: ValueError: no (x.py:3)"
-    assert monitor.changes(faulty) == []
+    assert words(change) == "robot 3 is stopped: ValueError: no (x.py:3)"
+    assert monitor.changes(faulty, np.ones(len(faulty), dtype=bool)) == []
 
 
 def test_base_belongs_to_no_swarm():
     monitor = TeamMonitor({0})
-    assert monitor.changes(in_swarms(0, 0, 0)) == []
-    changes = monitor.changes(in_swarms(0, OUTSIDE, OUTSIDE))
+    assert monitor.changes(in_swarms(0, 0, 0), EVERYBODY[:3]) == []
+    changes = monitor.changes(in_swarms(0, OUTSIDE, OUTSIDE), EVERYBODY[:3])
     assert [change.kind for change in changes] == ["robot_excluded", "robot_excluded", "swarm_dissolved"]
     assert monitor.all_excluded
 
@@ -80,11 +87,11 @@ def test_robot_that_goes_or_comes_is_neither_excluded_nor_taken_in(monitor):
 
 def test_swarm_of_robots_that_are_gone_is_dissolved(monitor):
     gone = np.array([True, True, False, False])
-    assert [change.detail for change in monitor.changes(in_swarms(0, 0, 1, 1), gone)] == ["swarm 1 is dissolved"]
+    assert [words(change) for change in monitor.changes(in_swarms(0, 0, 1, 1), gone)] == ["swarm 1 is dissolved"]
     assert not monitor.all_excluded
 
 
-def test_all_are_excluded_when_those_who_are_there_are(monitor):
+def test_team_is_excluded_when_all_robots_present_are(monitor):
     gone = np.array([True, True, False, False])
     monitor.changes(in_swarms(OUTSIDE, OUTSIDE, 0, 0), gone)
     assert monitor.all_excluded

@@ -65,7 +65,7 @@ def test_hops_shorter_than_a_step_arrive_with_the_first_step_that_is_late_enough
 
 @pytest.mark.parametrize("seed", range(6))
 @pytest.mark.parametrize("receiver", ["everybody", "one by one"])
-def test_who_is_reached_and_when_follows_from_the_shortest_paths_of_networkx(seed, receiver):
+def test_reached_robots_and_delays_equal_the_shortest_paths_of_networkx(seed, receiver):
     positions_m = _random_positions_m(seed)
     adjacency = _network(14).step(positions_m, _silence(14))[0].adjacency
     lengths = networkx.single_source_shortest_path_length(networkx.from_numpy_array(adjacency), 0)
@@ -94,7 +94,7 @@ def test_next_hops_lead_along_a_shortest_path_of_networkx(seed):
                 assert path == [sender]
 
 
-def test_of_equally_short_ways_the_strongest_link_is_taken_then_the_lowest_id():
+def test_among_equally_short_routes_the_strongest_link_wins_then_the_lowest_id():
     square = np.array([[0, 1, 1, 0], [1, 0, 0, 1], [1, 0, 0, 1], [0, 1, 1, 0]], dtype=bool)
     rssi_dbm = np.where(square, -60.0, 0.0)
     assert next_hop(hop_count(square), rssi_dbm, 0, 3) == 1
@@ -112,7 +112,7 @@ def test_routes_follow_robots_that_move_while_a_message_is_on_its_way():
     assert network.step(after, _silence(5))[1][4] == (Message(0, 4, "x"),)
 
 
-def test_a_path_that_breaks_under_way_loses_the_message():
+def test_message_is_lost_when_its_route_breaks():
     network = _network(5, hop_delay_s=0.1)
     network.step(ROW_M, [(Message(0, 4, "x"),), (), (), (), ()])
     broken = ROW_M + np.array([[0.0, 0.0]] * 3 + [[300.0, 0.0]] * 2)
@@ -121,7 +121,7 @@ def test_a_path_that_breaks_under_way_loses_the_message():
     assert network.step(ROW_M, _silence(5))[0].traffic == Traffic()
 
 
-def test_a_partition_splits_what_is_heard_and_heals():
+def test_a_partition_splits_the_messages_received_and_heals():
     network = _network(4, hop_delay_s=0.1)
     apart = np.array([[0.0, 0.0], [50.0, 0.0], [500.0, 0.0], [550.0, 0.0]])
     together = apart - np.array([[0.0, 0.0], [0.0, 0.0], [400.0, 0.0], [400.0, 0.0]])
@@ -155,6 +155,7 @@ def test_loss_rises_linearly_over_the_band_of_signals():
     assert not loss_probability(rssi_dbm, one).any()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rssi_dbm", [-82.0, -87.0, -92.0])
 @pytest.mark.parametrize("receiver", [1, EVERYBODY])
 def test_share_of_lost_messages_is_that_of_the_signal(rssi_dbm, receiver):
@@ -201,7 +202,7 @@ def test_losses_follow_from_seed_step_and_pair_alone():
     assert alone != heard(2, 0)
 
 
-def test_network_after_reset_repeats_its_losses_and_forgets_what_was_on_its_way():
+def test_network_after_reset_repeats_its_losses_and_drops_messages_in_transit():
     network = _network(5, loss="signal", hop_delay_s=0.1)
 
     def run() -> list[list[tuple[Message, ...]]]:
@@ -237,7 +238,7 @@ def test_without_delay_and_loss_copies_are_counted_too():
 
 
 @pytest.mark.parametrize("keys", [{}, {"loss": "signal", "hop_delay_s": 0.1}])
-def test_a_message_that_is_too_large_is_refused_and_the_others_travel(keys):
+def test_a_message_that_is_too_large_is_rejected_and_the_others_travel(keys):
     network = _network(2, max_message_bytes=10, **keys)
     fits, large, wide = Message(0, 1, "0123456789"), Message(0, 1, "01234567890"), Message(1, EVERYBODY, "ä" * 6)
     state, inboxes = network.step(np.array([[0.0, 0.0], [5.0, 0.0]]), [(large, fits), (wide,)])
@@ -250,15 +251,16 @@ def test_message_that_is_carried_by_a_robot_that_goes_is_cut_off():
     network = _network(5, hop_delay_s=0.1)
     network.step(ROW_M, [(Message(0, 4, "on"),), (), (), (), ()])
     network.step(ROW_M, _silence(5))
-    state, _ = network.step(ROW_M, _silence(5), np.array([True, True, False, True, True]))
+    network.follow_team(np.array([True, True, False, True, True]))
+    state, _ = network.step(ROW_M, _silence(5))
     assert (state.traffic.delivered, state.traffic.lost + state.traffic.cut_off) == (0, 1)
 
 
-def test_flood_with_losses_is_owed_to_those_only_who_are_there():
-    present = np.array([True, True, True, False, True])
+def test_flood_with_losses_is_due_only_to_robots_present():
     network = _network(5, hop_delay_s=0.1)
+    network.follow_team(np.array([True, True, True, False, True]))
     outboxes = [(Message(0, EVERYBODY, "all"),), (), (), (), ()]
-    states = [network.step(ROW_M, outboxes, present)[0]]
-    states += [network.step(ROW_M, _silence(5), present)[0] for _ in range(5)]
+    states = [network.step(ROW_M, outboxes)[0]]
+    states += [network.step(ROW_M, _silence(5))[0] for _ in range(5)]
     assert sum(state.traffic.delivered for state in states) == 2
     assert sum(state.traffic.cut_off for state in states) == 1

@@ -84,6 +84,7 @@ def test_hops_of_larger_teams_are_those_of_networkx(n, degree):
     assert [[lengths[i].get(j, -1) for j in range(n)] for i in range(n)] == hop_count(adjacency).tolist()
 
 
+@pytest.mark.slow
 def test_hops_along_a_row_of_150_robots_are_those_of_the_recurrence():
     path = np.eye(150, k=1, dtype=bool) | np.eye(150, k=-1, dtype=bool)
     assert np.array_equal(hop_count(path), connectivity_matrix(path))
@@ -142,12 +143,12 @@ def test_break_matrix_is_the_link_matrix_where_no_path_exists():
         (np.eye(2), r"adjacency must be 0 on the diagonal, got 1 at \(0, 0\)"),
     ],
 )
-def test_what_is_no_undirected_graph_is_refused(adjacency, message):
+def test_matrix_that_is_not_an_undirected_graph_is_rejected(adjacency, message):
     for function in (hop_count, fiedler_value):
         with pytest.raises(ValueError, match=message):
             function(adjacency)
 
 
-def test_fiedler_value_of_no_robots_is_refused():
+def test_fiedler_value_of_no_robots_is_rejected():
     with pytest.raises(ValueError, match="at least one robot"):
         fiedler_value(np.zeros((0, 0), dtype=bool))

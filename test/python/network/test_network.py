@@ -171,7 +171,7 @@ def test_single_robot_is_a_network():
         (_IN_A_ROW, [(Message(0, 3, ""),), (), ()], r"^outbox of robot 0: receiver 3 does not exist; expected 0..2"),
     ],
 )
-def test_wrong_input_is_refused(positions_m, outboxes, message):
+def test_wrong_input_is_rejected(positions_m, outboxes, message):
     with pytest.raises(ValueError, match=message):
         _network().step(positions_m, outboxes)
 
@@ -221,7 +221,9 @@ def test_links_of_wandering_robots_are_those_of_the_definitions_in_every_step(li
 def test_robot_that_is_not_there_counts_in_no_figure():
     positions_m = np.array([[0.0, 5.0], [np.nan, np.nan], [70.0, 5.0], [140.0, 5.0]])
     present = np.array([True, False, True, True])
-    among, _ = _network(4).step(positions_m, [()] * 4, present)
+    network = _network(4)
+    network.follow_team(present)
+    among, _ = network.step(positions_m, [()] * 4)
     alone, _ = _network(3).step(_IN_A_ROW, _SILENT)
     assert (among.fiedler_value, among.swarm_connectivity) == (alone.fiedler_value, alone.swarm_connectivity)
     for name in ("rssi_dbm", "link", "adjacency", "hop_count", "break_matrix", "endangered"):
@@ -235,29 +237,37 @@ def test_robot_that_is_not_there_counts_in_no_figure():
 
 
 def test_network_of_nobody_has_no_link():
-    state, inboxes = _network().step(np.full((3, 2), np.nan), _SILENT, np.zeros(3, dtype=bool))
+    network = _network()
+    network.follow_team(np.zeros(3, dtype=bool))
+    state, inboxes = network.step(np.full((3, 2), np.nan), _SILENT)
     assert (state.fiedler_value, state.swarm_connectivity, state.num_endangered) == (0.0, 0.0, 0)
     assert not state.adjacency.any()
     assert inboxes == [(), (), ()]
 
 
-def test_links_are_found_anew_when_another_robot_goes():
+def test_links_are_computed_again_when_a_robot_leaves():
     network = _network()
-    split, _ = network.step(_IN_A_ROW, _SILENT, np.array([True, False, True]))
-    near, _ = network.step(_IN_A_ROW, _SILENT, np.array([True, True, False]))
+    network.follow_team(np.array([True, False, True]))
+    split, _ = network.step(_IN_A_ROW, _SILENT)
+    network.follow_team(np.array([True, True, False]))
+    near, _ = network.step(_IN_A_ROW, _SILENT)
     assert (split.fiedler_value, near.fiedler_value) == (0.0, pytest.approx(2.0))
 
 
-def test_what_goes_to_all_counts_as_cut_off_for_those_only_who_are_there():
+def test_broadcasts_count_as_cut_off_only_for_robots_present():
     outboxes = [(Message(0, EVERYBODY, "all"), Message(0, 1, "you")), (), ()]
-    state, inboxes = _network().step(_IN_A_ROW, outboxes, np.array([True, False, True]))
+    network = _network()
+    network.follow_team(np.array([True, False, True]))
+    state, inboxes = network.step(_IN_A_ROW, outboxes)
     assert inboxes == [(), (), ()]
     assert (state.traffic.delivered, state.traffic.cut_off) == (0, 2)
 
 
 def test_last_words_of_a_robot_that_goes_reach_nobody():
     outboxes = [(), (Message(1, EVERYBODY, "help"),), ()]
-    state, inboxes = _network().step(_IN_A_ROW, outboxes, np.array([True, False, True]))
+    network = _network()
+    network.follow_team(np.array([True, False, True]))
+    state, inboxes = network.step(_IN_A_ROW, outboxes)
     assert inboxes == [(), (), ()]
     assert state.traffic.cut_off == 2
 

@@ -35,6 +35,7 @@ def test_a_simulated_mission_is_a_table_with_its_result_and_a_picture(hall_scena
     assert page.count("<title>ann: ") == page.count("<title>bob: ") == 1
 
 
+@pytest.mark.slow
 def test_a_bag_is_the_mission_that_it_recorded(hall_scenario: Callable[..., Scenario], tmp_path: Path) -> None:
     simulation = Simulation(hall_scenario())
     result = simulation.run([BagWriter(tmp_path / "hall.bag")])
@@ -44,6 +45,7 @@ def test_a_bag_is_the_mission_that_it_recorded(hall_scenario: Callable[..., Scen
     assert mission.result is None
 
 
+@pytest.mark.slow
 def test_player_runs_within_the_page_of_a_notebook(
     browser: Browser, hall_scenario: Callable[..., Scenario], tmp_path: Path
 ) -> None:
@@ -109,7 +111,7 @@ def test_without_pandas_one_line_says_how_to_install_it(campaign: Path, monkeypa
     assert str(missing.value).startswith(line)
 
 
-def test_folder_without_campaign_is_refused(tmp_path: Path) -> None:
+def test_folder_without_campaign_is_rejected(tmp_path: Path) -> None:
     with pytest.raises(CampaignError, match="contains no campaign"):
         read_campaign(tmp_path)
 

@@ -66,6 +66,7 @@ def test_ray_along_an_oblique_face_through_a_crossing_pays_that_wall_once_or_not
     assert core.weight_between(start, end) in ((57,) if degrees == 0 else (0, 57))
 
 
+@pytest.mark.slow
 def test_ray_inside_a_wall_pays_nothing_however_near_to_its_face():
     num_rays = 0
     for seed in range(40):
@@ -105,6 +106,7 @@ def test_map_of_oblique_walls_equals_one_ray_per_cell():
         assert value == pytest.approx(Radio().tx_power_dbm - field.path_loss_db(transmitter, cell), abs=1e-4)
 
 
+@pytest.mark.slow
 def test_ray_outside_along_a_thick_wall_pays_each_thin_wall_at_most_as_much_as_the_thick_one():
     generator = np.random.default_rng(5)
     for _ in range(60):

@@ -109,7 +109,7 @@ def test_each_stretch_of_abutting_walls_keeps_its_own_loss(make_plan):
     assert faces.weight_between((6.0, 1.0), (6.0, 3.0)) == 40
 
 
-def test_what_lies_inside_the_union_is_no_face(make_plan):
+def test_edges_inside_the_union_are_not_faces(make_plan):
     walls = (Wall(name="a", start=(2.0, 5.0), end=(8.0, 5.0)), Wall(name="b", start=(5.0, 2.0), end=(5.0, 8.0)))
     faces = radio_faces(make_plan(walls=walls), Radio())
     assert len(faces.weights) == 12  # a cross
@@ -126,7 +126,7 @@ def test_where_outlines_coincide_the_highest_loss_counts(make_plan):
         assert faces.weight_between((8.0, 1.0), (8.0, 3.0)) == 76
 
 
-def test_way_through_overlapping_walls_pays_half_of_each_wall_whose_outline_it_crosses(make_plan):
+def test_ray_through_overlapping_walls_loses_half_of_each_crossed_outline(make_plan):
     walls = (
         Wall(name="thin", start=(2.0, 5.0), end=(8.0, 5.0), thickness_m=0.2),  # 3.8 dB
         Wall(name="thick", start=(2.0, 5.2), end=(8.0, 5.2), thickness_m=0.7),  # 12.4 dB, from 4.85 to 5.55
@@ -147,7 +147,7 @@ def test_solid_wholly_inside_another_adds_nothing(make_plan):
     )
 
 
-def test_crossing_walls_of_two_classes_cost_each_its_own_beside_the_crossing(make_plan):
+def test_crossing_walls_of_two_classes_cost_their_own_loss_next_to_the_crossing(make_plan):
     walls = (
         Wall(name="thin", start=(2.0, 5.0), end=(8.0, 5.0), thickness_m=0.2),
         Wall(name="thick", start=(5.0, 2.0), end=(5.0, 8.0), thickness_m=0.7),
@@ -171,7 +171,7 @@ def test_solid_that_whole_millimetres_leave_without_area_fades_nothing(make_plan
     assert len(radio_faces(make_plan(**elements), Radio()).weights) == 0
 
 
-def test_corner_that_stands_twice_changes_nothing(make_plan):
+def test_duplicate_corner_changes_nothing(make_plan):
     corners = ((1.0, 1.0), (3.0, 1.0), (3.0, 2.0), (1.0, 2.0))
     once, twice = (
         make_plan(blocks=(Block(name="a", polygon=polygon),)) for polygon in (corners, (*corners, corners[0]))
@@ -220,7 +220,7 @@ def test_doors_are_their_centre_segments_at_full_weight(make_plan):
     assert voice_faces(make_plan(doors=doors)).core().weight_between((1.5, 0.0), (1.5, 2.0)) == 2
 
 
-def test_unknown_door_is_refused(flat):
+def test_unknown_door_is_rejected(flat):
     with pytest.raises(ValueError, match=r"^unknown door 'fier'; known: glass, fire$"):
         radio_faces(flat, Radio()).door_face("fier")
 
@@ -245,9 +245,10 @@ def _walls(draw) -> tuple[Wall, ...]:
     return tuple(walls)
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(walls=_walls(), points=st.lists(st.tuples(_COORDINATE, _COORDINATE), min_size=2, max_size=8))
-def test_a_way_between_free_points_counts_whole_walls(walls, points):
+def test_ray_between_free_points_counts_whole_walls(walls, points):
     plan = FloorPlan(name="random", bounds=Bounds(max=(20.0, 20.0)), walls=walls)
     faces = voice_faces(plan).core()
     union = shapely.union_all([solid.polygon for solid in solids(plan)])

@@ -50,7 +50,7 @@ def test_every_wall_and_closed_door_costs_the_same(make_plan, thickness_m):
 
 @pytest.mark.parametrize(("thickness_m", "loss_db"), [(0.1, 0.9989), (0.2, 1.9978), (0.4, 3.9955), (0.8, 7.9910)])
 @pytest.mark.parametrize("angle_deg", [0, 60])
-def test_wall_by_thickness_costs_what_equation_5_says_at_any_angle(make_plan, thickness_m, loss_db, angle_deg):
+def test_loss_of_a_wall_by_thickness_equals_equation_5_at_any_angle(make_plan, thickness_m, loss_db, angle_deg):
     # A = A0 exp(-mu d): 20 cm at mu = 0.0115 per cm leave exp(-0.23) of the amplitude, 1.998 dB.
     wall = Wall(name="a", start=(10.0, 0.0), end=(10.0, 20.0), thickness_m=thickness_m)
     dx, dy = 4.0 * math.cos(math.radians(angle_deg)), 4.0 * math.sin(math.radians(angle_deg))
@@ -141,7 +141,7 @@ def test_door_opened_and_closed_restores_the_voice_map_to_the_bit(flat):
     assert field.map_db(sources).values.tobytes() == before.tobytes()
 
 
-def test_position_that_is_not_finite_is_refused(flat):
+def test_position_that_is_not_finite_is_rejected(flat):
     field = VoiceField(flat, Voice())
     with pytest.raises(ValueError, match=r"^position of a voice must be finite"):
         field.map_db([VoiceSource((math.nan, 1.0), -78.0, 5.0)])
@@ -165,6 +165,6 @@ def test_noise_must_be_finite_and_not_negative(flat, noise_db):
         (-78.0, 0.0, "exponent must be finite and > 0, got 0.0"),
     ],
 )
-def test_voice_of_no_finite_level_is_refused(constant_db, exponent, message):
+def test_voice_of_no_finite_level_is_rejected(constant_db, exponent, message):
     with pytest.raises(ValueError, match=f"^{message}$"):
         VoiceSource((1.0, 1.0), constant_db, exponent)

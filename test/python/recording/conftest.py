@@ -9,11 +9,13 @@ import pytest
 
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.interface import Decision, SwarmContext, Task
-from robotteamsim.mission.status import Event, MissionStatus
+from robotteamsim.mission.events import Event, VictimSaved
+from robotteamsim.mission.status import MissionStatus
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings, VoiceReading
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Result, RobotTotals, StepRecord
 
 STEP_NS = 100_000_000
@@ -23,7 +25,7 @@ class Trial:
     """Makes records in which robot i drives east at 0.5 m/s from (3, 4 + 2 i)."""
 
     def __init__(self, scenario: Scenario) -> None:
-        self.scenario = scenario
+        self.scenario, self.setup = scenario, resolve(scenario)
 
     def records(self, steps: int) -> Iterator[StepRecord]:
         for index in range(1, steps + 1):
@@ -42,12 +44,14 @@ class Trial:
             endangered_links=0,
             task=Task(running=True, epoch=int(saved), area_center_m=(16.0, 5.0), area_radius_m=2.0),
         )
-        events = (Event(time_s, "victim_saved", "ann", 1, "robot 1 saves ann (1 of 2)"),) if index == 3 else ()
+        saves = Event(time_s, VictimSaved("ann", 1, 2, robot_id=1), "robot 1 saves ann (1 of 2)")
+        events = (saves,) if index == 3 else ()
         message = Message(sender=0, receiver=EVERYBODY, payload='{"best": 1.5}')
         return StepRecord(
+            present=np.ones(2, dtype=bool),
             step_index=index,
             sim_time_ns=index * STEP_NS,
-            readings=tuple(self.reading(robot_id, time_s) for robot_id in range(2)),
+            readings=TeamReadings.of([self.reading(robot_id, time_s) for robot_id in range(2)]),
             voices=(VoiceReading(21.5, True, (3.5, 4.5), 24.0), VoiceReading(0.0, False, (3.0, 6.0), 0.0)),
             network=self.network(),
             inboxes=((), (message,)),
@@ -72,7 +76,7 @@ class Trial:
             twist_variances=(0.01, 0.0, 0.02),
         )
         ranges_m = np.linspace(0.5, 5.0, 181, dtype=np.float32)
-        return RobotReading.of(truth, Twist(0.5, 0.0, 0.0), odometry, ranges_m, in_contact=False)
+        return RobotReading(truth, Twist(0.5, 0.0, 0.0), odometry, ranges_m, in_contact=False)
 
     @staticmethod
     def network() -> NetworkState:
@@ -109,7 +113,7 @@ class Trial:
 
     def play(self, recorder: object, steps: int) -> None:
         """Let a recorder see a whole trial."""
-        recorder.begin(self.scenario)
+        recorder.begin(self.setup)
         for record in self.records(steps):
             recorder.step(record)
         recorder.end(self.result(steps))

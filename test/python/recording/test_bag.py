@@ -19,6 +19,7 @@ from robotteamsim.errors import RecordingError
 from robotteamsim.recording import BagWriter
 from robotteamsim.recording.bag_types import bag_typestore
 from robotteamsim.scenario import load, load_floor_plan
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation
 
 ROSBAG = shutil.which("rosbag", path="/usr/bin:/opt/ros/noetic/bin")
@@ -176,7 +177,7 @@ def test_bag_of_an_imported_image_has_its_unknown_cells(trial, tmp_path):
     file = tmp_path / "hall.yaml"
     file.write_text("image: hall.png\nresolution: 0.1\norigin: [0, 0, 0]\n", encoding="utf-8")
     scenario = trial.scenario.model_copy(update={"plan": load_floor_plan(file)})
-    trial.scenario = scenario.read_from(scenario.origin, str(file))
+    trial.setup = resolve(scenario.read_from(scenario.origin, str(file)))
     trial.play(BagWriter(tmp_path / "mission.bag"), steps=1)
     ((_, grid),) = messages(tmp_path / "mission.bag", "/map")
     expected = np.select([cells == 0, cells == 205], [100, -1], 0)
@@ -190,7 +191,7 @@ def test_finished_bag_leaves_no_active_file(bag):
 def test_new_bag_replaces_an_old_one_only_when_it_is_complete(trial, bag):
     before = bag.read_bytes()
     writer = BagWriter(bag)
-    writer.begin(trial.scenario)
+    writer.begin(trial.setup)
     writer.step(trial.record(1))
     assert bag.read_bytes() == before
     writer.end(trial.result(1))
@@ -199,7 +200,7 @@ def test_new_bag_replaces_an_old_one_only_when_it_is_complete(trial, bag):
 
 def test_abandoned_bag_is_closed_and_readable(trial, tmp_path):
     writer = BagWriter(tmp_path / "m.bag")
-    writer.begin(trial.scenario)
+    writer.begin(trial.setup)
     writer.step(trial.record(1))
     writer.abandon()
     assert len(messages(tmp_path / "m.bag", "/tf")) == 1
@@ -207,19 +208,20 @@ def test_abandoned_bag_is_closed_and_readable(trial, tmp_path):
 
 def test_bag_abandoned_before_its_first_step_leaves_nothing(trial, tmp_path):
     writer = BagWriter(tmp_path / "m.bag")
-    writer.begin(trial.scenario)
+    writer.begin(trial.setup)
     writer.abandon()
     assert os.listdir(tmp_path) == []
 
 
-def test_bag_that_cannot_be_opened_is_refused(trial, tmp_path):
+def test_unreadable_bag_is_rejected(trial, tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(RecordingError, match=r"file/m\.bag: cannot be written: (Not a directory|File exists)"):
-        BagWriter(tmp_path / "file" / "m.bag").begin(trial.scenario)
+        BagWriter(tmp_path / "file" / "m.bag").begin(trial.setup)
     with pytest.raises(RecordingError, match="is a folder, expected a file name"):
-        BagWriter(tmp_path).begin(trial.scenario)
+        BagWriter(tmp_path).begin(trial.setup)
 
 
+@pytest.mark.slow
 @needs_rosbag
 def test_ros_reads_the_bag(bag):
     info = subprocess.run([ROSBAG, "info", str(bag)], capture_output=True, text=True, check=True).stdout
@@ -247,7 +249,7 @@ _RECORD_FOREVER = textwrap.dedent("""
 
     trial = Trial(scenario.Scenario.model_validate_json(Path(sys.argv[3]).read_text()))
     writer = BagWriter(Path(sys.argv[1]))
-    writer.begin(trial.scenario)
+    writer.begin(trial.setup)
     try:
         for index in itertools.count(1):
             writer.step(trial.record(index))
@@ -275,6 +277,7 @@ def reindexed_steps(path: Path) -> int:
     return len(messages(path, "/robot_1/odom"))
 
 
+@pytest.mark.slow
 @needs_rosbag
 def test_bag_of_a_killed_run_is_readable_after_reindexing(trial, tmp_path):
     process = start_recording(trial, tmp_path / "m.bag")
@@ -285,6 +288,7 @@ def test_bag_of_a_killed_run_is_readable_after_reindexing(trial, tmp_path):
     assert reindexed_steps(tmp_path / "m.bag.active") >= 100
 
 
+@pytest.mark.slow
 @needs_rosbag
 def test_full_disk_ends_a_recording_with_one_line_and_a_bag_to_reindex(trial, tmp_path):
     limit = 1_500_000

@@ -12,7 +12,7 @@ import pytest
 from robotteamsim.recording.idleness import IdlenessLog, patrols
 from robotteamsim.recording.results import ResultWriter
 from robotteamsim.scenario.patrol import Patrol, PatrolGraph, PatrolVertex
-from robotteamsim.scenario.sections import Control, Mission, PlacedRobot
+from robotteamsim.scenario.sections import Mission, PlacedRobot
 from robotteamsim.simulation import Simulation
 
 PLACES = ((3.0, 5.0), (9.0, 5.0), (15.0, 5.0))
@@ -30,8 +30,8 @@ LINE = Patrol(
 def scenario_of(hall_scenario, algorithm: str = "sebs", duration_s: float = 120.0, robots: int = 1):
     return hall_scenario(
         robots=tuple(PlacedRobot(start_pose=(3.0 + i, 5.0, 0.0)) for i in range(robots)),
-        control=Control(algorithm=algorithm, patrol=LINE),
-        mission=Mission(time_limit_s=duration_s),
+        control={"algorithm": algorithm},
+        mission=Mission(time_limit_s=duration_s, patrol=LINE),
     )
 
 
@@ -83,6 +83,7 @@ def test_idleness_is_the_time_since_a_robot_was_there(hall_scenario):
     assert idleness.mean_s == pytest.approx(np.mean([vertex.mean_s for vertex in idleness.vertices]))
 
 
+@pytest.mark.slow
 def test_idleness_on_a_line_is_at_least_that_of_its_shortest_closed_walk(hall_scenario):
     idleness, _ = driven(scenario_of(hall_scenario, duration_s=400.0))
     graph = nx.Graph()

@@ -68,10 +68,10 @@ def test_nothing_but_the_file_remains(mcap):
 
 def test_an_interrupted_trial_leaves_a_file_that_can_be_read(trial, tmp_path):
     writer = McapWriter(tmp_path / "new" / "mission.mcap")
-    writer.begin(trial.scenario)
+    writer.begin(trial.setup)
     writer.abandon()
     assert list(tmp_path.iterdir()) == []
-    writer.begin(trial.scenario)
+    writer.begin(trial.setup)
     writer.step(trial.record(1))
     writer.abandon()
     with BagReader([tmp_path / "new" / "mission.mcap"]) as reader:
@@ -80,7 +80,7 @@ def test_an_interrupted_trial_leaves_a_file_that_can_be_read(trial, tmp_path):
 
 
 @pytest.mark.parametrize("share", [0.001, 0.3, 0.99])
-def test_truncated_file_is_refused_with_its_remedy(mcap, share):
+def test_truncated_file_is_rejected_with_its_remedy(mcap, share):
     content = mcap.read_bytes()
     mcap.write_bytes(content[: max(round(share * len(content)), 9)])
     line = refusal(mcap)
@@ -88,6 +88,7 @@ def test_truncated_file_is_refused_with_its_remedy(mcap, share):
     assert line.endswith(f"`mcap recover {mcap} -o recovered.mcap` saves what can be read")
 
 
+@pytest.mark.slow
 def test_bytes_changed_anywhere_give_one_line_or_can_be_read(mcap):
     content, refused = mcap.read_bytes(), []
     for place in range(8, len(content) - 8, len(content) // 60):
@@ -101,16 +102,18 @@ def test_bytes_changed_anywhere_give_one_line_or_can_be_read(mcap):
     assert all(line.startswith(f"{mcap}: ") and "\n" not in line for line in refused)
 
 
-def test_file_of_another_program_without_ros_is_refused(tmp_path):
+def test_file_of_another_program_without_ros_is_rejected(tmp_path):
     path = tmp_path / "other.mcap"
     with path.open("wb") as file:
         writer = Writer(file)
         writer.start(profile="", library="another")
         writer.finish()
-    assert refusal(path) == f"{path}: has no ROS 2 messages; expected an MCAP file with the profile ros2"
+    assert refusal(path) == (
+        f"{path}: cannot be read: Profile is not ros2; `mcap recover {path} -o recovered.mcap` saves what can be read"
+    )
 
 
-def test_file_of_another_name_is_refused(mcap):
+def test_file_of_another_name_is_rejected(mcap):
     path = mcap.rename(mcap.with_suffix(".bag"))
     assert refusal(path) == f"{path}: is an MCAP file; expected a name that ends in .mcap"
 

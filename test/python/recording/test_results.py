@@ -25,7 +25,7 @@ def test_mission_json_has_result_events_versions_and_scenario(document):
     assert list(document) == ["result", "events", "versions", "scenario"]
 
 
-def test_result_tells_how_the_trial_went(document, trial):
+def test_result_describes_the_trial(document, trial):
     result = document["result"]
     assert result["trajectory_hash"] == "ab" * 32
     assert (result["end"], result["time_s"], result["seed"]) == ("time_limit", 0.5, 1)
@@ -34,7 +34,7 @@ def test_result_tells_how_the_trial_went(document, trial):
     assert result == result_summary(trial.result(5))
 
 
-def test_every_event_is_told(document):
+def test_every_event_is_reported(document):
     assert document["events"] == [
         {
             "time_s": 0.3,
@@ -57,18 +57,19 @@ def test_scenario_in_mission_json_repeats_the_trial(document, trial):
 
 def test_broken_off_trial_leaves_no_result(trial, tmp_path):
     writer = ResultWriter(tmp_path)
-    writer.begin(trial.scenario)
+    writer.begin(trial.setup)
     writer.step(trial.record(3))
     writer.abandon()
     assert os.listdir(tmp_path) == []
 
 
-def test_folder_that_cannot_be_made_is_refused_at_the_beginning(trial, tmp_path):
+def test_folder_that_cannot_be_created_is_rejected_at_the_beginning(trial, tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(RecordingError, match="file/out: cannot be written: Not a directory"):
-        ResultWriter(tmp_path / "file" / "out").begin(trial.scenario)
+        ResultWriter(tmp_path / "file" / "out").begin(trial.setup)
 
 
+@pytest.mark.slow
 def test_full_disk_keeps_the_old_file_whole(tmp_path):
     path = tmp_path / "mission.json"
     write_atomically(path, "old")

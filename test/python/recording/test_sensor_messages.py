@@ -1,4 +1,4 @@
-"""Further sensors in the bag of a real, short run."""
+"""Additional sensors in the bag of a real, short run."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def recorded(hall_scenario, tmp_path) -> tuple[list[StepRecord], dict[str, list]
     """The records of a run, and the messages of its bag by topic."""
     scenario = hall_scenario(
         robots=(
-            PlacedRobot(start_pose=(3.0, 4.0, 0.0), lasers=(REAR, SLOW), sonars=(SIDE,), gps=GPS),
+            PlacedRobot(start_pose=(3.0, 4.0, 0.0), sensors=(REAR, SLOW, SIDE, GPS)),
             PlacedRobot(start_pose=(3.0, 4.4, 0.0)),
         ),
         mission=Mission(time_limit_s=0.1 * STEPS),
@@ -64,9 +64,9 @@ def stamps_ns(of_topic: list) -> list[int]:
     return [message.header.stamp.sec * 10**9 + message.header.stamp.nanosec for message in of_topic]
 
 
-def test_further_scans_are_in_the_bag_in_the_steps_that_have_them(recorded):
+def test_additional_scans_are_in_the_bag_in_the_steps_that_have_them(recorded):
     records, bag = recorded
-    rear = [record.readings[0].further.scans_m[0] for record in records]
+    rear = [record.readings[0].sensors["rear"] for record in records]
     np.testing.assert_array_equal([message.ranges for message in bag["/robot_0/rear"]], rear)
     assert stamps_ns(bag["/robot_0/rear"]) == [record.sim_time_ns for record in records]
     assert stamps_ns(bag["/robot_0/slow"]) == [record.sim_time_ns for record in records if record.step_index % 3 == 0]
@@ -76,7 +76,7 @@ def test_further_scans_are_in_the_bag_in_the_steps_that_have_them(recorded):
     assert not {"/robot_1/rear", "/robot_1/slow"} & bag.keys()
 
 
-def test_frames_of_further_sensors_are_in_the_bag(recorded):
+def test_frames_of_additional_sensors_are_in_the_bag(recorded):
     _, bag = recorded
     for message in bag["/tf"]:
         children = [link.child_frame_id for link in message.transforms if link.header.frame_id == "robot_0/base_link"]
@@ -86,7 +86,7 @@ def test_frames_of_further_sensors_are_in_the_bag(recorded):
 def test_sonars_are_in_the_bag_as_ranges_of_ultrasound(recorded):
     records, bag = recorded
     of_topic = bag["/robot_0/side"]
-    assert [message.range for message in of_topic] == [record.readings[0].further.sonars_m[0] for record in records]
+    assert [message.range for message in of_topic] == [record.readings[0].sensors["side"] for record in records]
     assert len({message.range for message in of_topic}) == len(records)
     message = of_topic[0]
     assert message.radiation_type == message.ULTRASOUND
@@ -107,7 +107,7 @@ def test_directions_of_contacts_are_in_the_bag(recorded):
 
 def test_fixes_are_in_the_bag_in_the_steps_that_have_them(recorded):
     records, bag = recorded
-    fixes = [record.readings[0].further.fix for record in records if record.step_index % 2 == 0]
+    fixes = [record.readings[0].sensors["fix"] for record in records if record.step_index % 2 == 0]
     messages = bag["/robot_0/fix"]
     assert [(m.latitude, m.longitude, m.altitude) for m in messages] == [
         (fix.latitude_deg, fix.longitude_deg, fix.altitude_m) for fix in fixes

@@ -37,16 +37,16 @@ def test_numbers_read_back_are_the_same_bits(trial, tmp_path):
 
 def test_broken_off_trial_leaves_no_trajectory(trial, tmp_path):
     writer = TumWriter(tmp_path)
-    writer.begin(trial.scenario)
+    writer.begin(trial.setup)
     writer.step(trial.record(1))
     writer.abandon()
     assert os.listdir(tmp_path) == []
 
 
-def test_unwritable_folder_is_refused_at_the_beginning(trial, tmp_path):
+def test_unwritable_folder_is_rejected_at_the_beginning(trial, tmp_path):
     (tmp_path / "file").touch()
     with pytest.raises(RecordingError, match="file/deeper: cannot be written: Not a directory"):
-        TumWriter(tmp_path / "file" / "deeper").begin(trial.scenario)
+        TumWriter(tmp_path / "file" / "deeper").begin(trial.setup)
 
 
 def test_robot_that_is_not_there_has_no_line(tmp_path):

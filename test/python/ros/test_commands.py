@@ -5,7 +5,7 @@ import math
 import pytest
 
 from robotteamsim.geometry import Twist
-from robotteamsim.ros.nodes.commands import STOP, Answers, Commands
+from robotteamsim.ros.commands import STOP, Commands
 
 FORWARD = Twist(0.5, 0.0, 0.1)
 
@@ -47,32 +47,3 @@ def test_stopped_robot_has_no_command():
     commands.put(1, 0, FORWARD)
     commands.stop(0)
     assert (commands.at(0, 1), commands.at(1, 1)) == (STOP, FORWARD)
-    commands.clear()
-    assert commands.at(1, 1) == STOP
-
-
-def test_answers_are_missing_until_all_have_answered_the_step():
-    answers = Answers(("a", "b"))
-    assert answers.missing(0) == ["a", "b"]
-    answers.put("b", 0)
-    assert answers.missing(0) == ["a"]
-    answers.put("a", 100)
-    answers.put("b", 200)
-    assert answers.missing(100) == []
-    assert answers.missing(200) == ["a"]
-
-
-def test_answers_of_excused_nodes_are_not_missing():
-    answers = Answers(("a", "b"))
-    answers.excuse(("a",))
-    assert answers.missing(0) == ["b"]
-    answers.excuse(())
-    assert answers.missing(0) == ["a", "b"]
-
-
-def test_answers_begin_again_but_nodes_have_started_already():
-    answers = Answers(("a",))
-    answers.put("a", 500)
-    answers.clear()
-    assert answers.missing(0) == []
-    assert answers.missing(100) == ["a"]

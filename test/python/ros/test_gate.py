@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from robotteamsim.ros.nodes.gate import REANCHOR_S, Gate, Pacer
+from robotteamsim.ros.gate import REANCHOR_S, Gate, Pacer
 
 
 class World:
@@ -45,7 +45,7 @@ def gate():
     gate.close()
 
 
-def test_pause_returns_when_the_step_under_way_is_done_and_no_other_follows(gate):
+def test_pause_returns_after_the_current_step_and_no_other_follows(gate):
     world = World(gate)
     world.allow(1)
     threading.Timer(0.05, world.allow, [1]).start()
@@ -56,12 +56,12 @@ def test_pause_returns_when_the_step_under_way_is_done_and_no_other_follows(gate
     assert world.steps == steps + 1
 
 
-def test_pause_tells_when_the_step_under_way_takes_longer(gate):
+def test_pause_reports_that_the_current_step_takes_longer(gate):
     World(gate)
     assert not gate.pause(0.01)
 
 
-def test_step_takes_exactly_so_many_steps_while_paused(gate):
+def test_step_service_takes_the_given_number_of_steps_while_paused(gate):
     world = World(gate)
     world.allow(100)
     gate.pause(5.0)
@@ -70,7 +70,7 @@ def test_step_takes_exactly_so_many_steps_while_paused(gate):
     assert world.steps == before + 3
 
 
-def test_step_is_refused_unless_paused(gate):
+def test_step_is_rejected_unless_paused(gate):
     assert not gate.step(1)
 
 
@@ -144,7 +144,7 @@ def test_pacer_takes_another_speed_from_now_on():
 
 
 @pytest.mark.parametrize("speed", [-1.0, math.nan, math.inf])
-def test_pacer_refuses_a_speed_that_is_negative_or_not_finite_and_keeps_its_own(speed):
+def test_pacer_rejects_a_speed_that_is_negative_or_not_finite_and_keeps_its_own(speed):
     pacer = Pacer(2.0, Wall())
     with pytest.raises(ValueError, match=rf"speed must be finite and >= 0, got {speed:g}"):
         pacer.set_speed(speed)

@@ -1,30 +1,26 @@
-import itertools
+"""Areas, victims, headline, legend, and the maps of voice, fire and smoke in the 3D scene."""
+
+import math
 
 import numpy as np
 import pytest
-import shapely
 from geometry_msgs.msg import Point
+from nav_msgs.msg import OccupancyGrid
 
-from robotteamsim import msg
-from robotteamsim.geometry import Pose
-from robotteamsim.ros.nodes.scene import WALL_HEIGHT_M, wall_height
-from robotteamsim.ros.scene.lettering import Lettering
+from robotteamsim import msg, palette
+from robotteamsim.recording.topics.world import BURNING_VALUE, BURNT_OUT_VALUE
+from robotteamsim.ros.scene.maps import LOUDEST_DB, MAX_CELLS, fire_markers, smoke_markers, voice_markers
 from robotteamsim.ros.scene.mission import (
-    EXPLORED_AREA,
-    MAX_VOICE_CELLS,
     VICTIM_COLOURS,
+    VictimPictures,
     area_markers,
-    area_numbers,
     headline_marker,
     headline_words,
-    victim_markers,
-    victim_names,
-    voice_markers,
+    legend_entries,
+    legend_markers,
 )
-from robotteamsim.ros.scene.objects import covered, object_markers
+from robotteamsim.ros.scene.shapes import PITCH_RAD
 from robotteamsim.scenario import load
-from robotteamsim.scenario.floor_plan import Bounds
-from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import solids
 
 VICTIMS = [
@@ -39,11 +35,15 @@ AREAS = [
 ]
 
 
-PLAIN = Lettering(unit=1.0, eye_m=(0.0, -26.0, 51.0), highest_m=WALL_HEIGHT_M)
+TEXT_Z_M = 1.9
 
 
 def drawn(victims):
-    return victim_markers(victims, 1.0, PLAIN, victim_names(victims, 1.0, PLAIN))
+    return list(VictimPictures(load("garage_sar"), TEXT_Z_M).markers(victims))
+
+
+def drawn_areas():
+    return list(area_markers(AREAS, 1.0))
 
 
 def _status(name, state, end, time_s, areas, victims, noise_db):
@@ -63,7 +63,7 @@ def rgb(tint):
     return (tint.r, tint.g, tint.b)
 
 
-@pytest.mark.parametrize("markers", [drawn(VICTIMS), area_markers(AREAS, PLAIN, area_numbers(AREAS, PLAIN))])
+@pytest.mark.parametrize("markers", [drawn(VICTIMS), drawn_areas()])
 def test_ids_are_unique_and_no_frame_has_a_leading_slash(markers):
     assert len({(item.ns, item.id) for item in markers}) == len(markers)
     assert {item.header.frame_id for item in markers} == {"map"}
@@ -99,53 +99,93 @@ def test_victims_name_is_written_without_underscores():
     ]
 
 
-def test_victims_name_stands_wholly_above_the_walls_which_would_hide_a_part_of_it():
-    for name in named(drawn(VICTIMS), "victim_names"):
-        assert name.pose.position.z - name.scale.z / 2.0 > WALL_HEIGHT_M
+def test_victims_name_is_above_the_walls_which_would_hide_it():
+    assert {name.pose.position.z for name in named(drawn(VICTIMS), "victim_names")} == {TEXT_Z_M}
+
+
+def test_name_of_a_victim_is_south_of_the_ring_unless_a_wall_is_there():
+    (solid,) = [solid for solid in solids(load("garage_sar").plan) if solid.name == "core"]
+    min_x, _, max_x, max_y = solid.polygon.bounds
+    (free, beside) = [
+        named(drawn([msg.Victim("ann", Point(0.5 * (min_x + max_x), y, 0.0), "heard")]), "victim_names")[0]
+        for y in (max_y + 6.0, max_y + 1.5)
+    ]
+    seen_m = TEXT_Z_M / math.tan(PITCH_RAD)
+    assert free.pose.position.y + seen_m < max_y + 5.0
+    assert beside.pose.position.y + seen_m > max_y + 2.5
 
 
 def test_areas_are_numbered_in_order_and_look_different_when_explored_target_or_open():
-    markers = area_markers(AREAS, PLAIN, area_numbers(AREAS, PLAIN))
+    markers = drawn_areas()
     assert [item.text for item in named(markers, "area_numbers")] == ["A1", "A2", "A3"]
     explored, target, still_open = named(markers, "areas")
-    assert rgb(explored.colors[-1]) == EXPLORED_AREA[:3]
+    assert rgb(explored.colors[-1]) == palette.rgb(palette.EXPLORED_AREA)
     assert len({rgb(item.colors[-1]) for item in (explored, target, still_open)}) == 3
     assert explored.colors[0].a > still_open.colors[0].a
 
 
-@pytest.mark.parametrize("radius_m", [0.3, 0.5, 2.0])
-def test_number_of_an_area_fits_into_its_circle(radius_m):
-    area = msg.Area("area", Point(2.0, 2.0, 0.0), radius_m, False, False)
-    (number,) = area_numbers([area], PLAIN)
-    assert shapely.Point(2.0, 2.0).buffer(radius_m).contains(number.box)
+def rescue():
+    """Return the markers of a person who lies, one who can walk and one who flees, 5 m apart."""
+    names = {"ann": {}, "bob": {"can_walk": True}, "eve": {"flees": True}}
+    scenario = load("office_fire")
+    model = scenario.mission.victims[0]
+    plain = {"can_walk": False, "flees": False, "walks": ()}
+    of_scenario = tuple(model.model_copy(update=plain | {"name": name} | more) for name, more in names.items())
+    scenario = scenario.model_copy(update={"mission": scenario.mission.model_copy(update={"victims": of_scenario})})
+    victims = VictimPictures(scenario, TEXT_Z_M)
+
+    def markers(*states):
+        found = [msg.Victim(n, Point(5.0 * i, 2.0, 0.0), s) for i, (n, s) in enumerate(zip(names, states, strict=True))]
+        return list(victims.markers(found))
+
+    return markers
 
 
-def test_number_of_an_area_is_beside_a_barrel_that_was_pushed_onto_its_middle():
-    area = msg.Area("area", Point(2.0, 2.0, 0.0), 2.0, False, False)
-    barrel = MovableObject(name="drum", kind="barrel", radius_m=0.3, pose=(0.0, 0.0, 0.0))
-    objects = covered(object_markers([barrel], [Pose(2.0, 2.0, 0.0)]).markers, PLAIN.eye_m)
-    (number,) = area_numbers([area], PLAIN, objects)
-    assert not number.box.intersects(objects)
-    assert shapely.Point(2.0, 2.0).buffer(2.0).contains(number.box)
+def heights_m(markers, x_m):
+    return max(m.pose.position.z for m in markers if m.ns == "victims" and abs(m.pose.position.x - x_m) < 1.5)
 
 
-@pytest.mark.parametrize("name", ["garage_sar", "office_manet", "tutorial_arena", "warehouse_push"])
-def test_no_name_of_a_shipped_scenario_covers_a_wall_another_name_or_an_area(name):
-    scenario = load(name)
-    mission, lettering = scenario.mission, Lettering.of(scenario, wall_height(scenario.plan.bounds))
-    victims = [msg.Victim(victim.name, Point(*victim.position, 0.0), "waiting") for victim in mission.victims]
-    areas = [msg.Area(a.name, Point(*a.center, 0.0), a.radius_m, False, False) for a in mission.areas]
-    numbers = area_numbers(areas, lettering)
-    names = victim_names(victims, mission.save_distance_m, lettering, numbers)
-    boxes = [written.box for written in (*names, *numbers)]
-    walls = shapely.union_all([solid.polygon for solid in solids(scenario.plan)])
-    assert not any(shapely.intersects(walls, written.box) for written in names)
-    assert all(not a.intersects(b) for a, b in itertools.combinations(boxes, 2))
+def test_victim_who_can_walk_stands_until_they_collapse():
+    markers = rescue()
+    at_start = markers("waiting", "waiting", "waiting")
+    assert [heights_m(at_start, x_m) > 1.5 for x_m in (0.0, 5.0, 10.0)] == [False, True, True]
+    for states in (("dead", "collapsed", "collapsed"), ("dead", "located", "located")):
+        assert [heights_m(markers(*states), x_m) > 1.5 for x_m in (0.0, 5.0, 10.0)] == [False, False, False]
+    assert heights_m(markers("waiting", "waiting", "waiting"), 5.0) > 1.5
+
+
+def test_carried_victim_is_at_the_height_of_a_shoulder():
+    assert heights_m(rescue()("carried", "carried", "waiting"), 0.0) > 1.5
+
+
+def test_fleeing_person_is_blue_without_ring_and_name_until_they_need_help():
+    markers = rescue()
+    fleeing, located = markers("waiting", "waiting", "waiting"), markers("waiting", "waiting", "located")
+    assert {m.text for m in fleeing if m.text} == {"ann", "bob"}
+    assert {m.text for m in located if m.text} == {"ann", "bob", "eve"}
+    assert len(named(fleeing, "victim_rings")) == 2
+    blue = palette.rgb(palette.FLEEING)
+    assert {round(m.pose.position.x) for m in named(fleeing, "victims") if rgb(m.color) == blue} == {10}
+
+
+def voice(levels_db, resolution_m=0.5, origin_m=(0.0, 0.0)):
+    rows, columns = levels_db.shape
+    return msg.FloatMap(
+        resolution_m=resolution_m, width=columns, height=rows, origin=Point(*origin_m, 0.0), data=levels_db.ravel()
+    )
 
 
 def test_silence_has_no_voice_layer():
-    assert voice_markers((0.0, 0.0), 0.25, np.zeros((20, 30))) == []
-    assert voice_markers((0.0, 0.0), 0.25, np.full((1, 30), 50.0)) == []  # too small for a contour
+    assert voice_markers(voice(np.zeros((20, 30)))) == []
+    assert voice_markers(voice(np.full((1, 30), 50.0))) == []  # too small for a contour
+
+
+@pytest.mark.parametrize(
+    ("level_db", "resolution_m"), [(np.nan, 0.5), (-1.0, 0.5), (np.inf, 0.5), (2.0 * LOUDEST_DB, 0.5), (50.0, 0.0)]
+)
+def test_impossible_voice_map_is_rejected(level_db, resolution_m):
+    with pytest.raises(ValueError, match="expected cells of at least"):
+        voice_markers(voice(np.full((3, 3), level_db), resolution_m))
 
 
 def fading_voice(rows=20, columns=30, resolution_m=0.5):
@@ -154,33 +194,73 @@ def fading_voice(rows=20, columns=30, resolution_m=0.5):
     return np.where(levels_db > 30.0, levels_db, 0.0)
 
 
-def test_voice_layer_lies_where_it_is_heard():
-    film, contours = voice_markers((10.0, 20.0), 0.5, fading_voice())
-    x = [point.x for point in film.points]
-    y = [point.y for point in film.points]
+def test_voice_layer_is_where_it_is_heard():
+    layer, contours = voice_markers(voice(fading_voice(), origin_m=(10.0, 20.0)))
+    x = [point.x for point in layer.points]
+    y = [point.y for point in layer.points]
     assert 14.0 - 7.5 < min(x) < 14.0 < max(x) < 14.0 + 7.5
     assert min(y) < 25.0 < max(y)
-    assert film.pose.position.z + film.points[0].z == pytest.approx(
+    assert layer.pose.position.z + layer.points[0].z == pytest.approx(
         contours.pose.position.z + contours.points[0].z, abs=0.01
     )
 
 
 def test_voice_is_more_opaque_where_it_is_louder_and_fades_out_at_its_edge():
-    film, _ = voice_markers((0.0, 0.0), 0.5, fading_voice())
-    distance_m = [np.hypot(point.x - 4.0, point.y - 5.0) for point in film.points]
-    opacity = [tint.a for tint in film.colors]
+    layer, _ = voice_markers(voice(fading_voice()))
+    distance_m = [np.hypot(point.x - 4.0, point.y - 5.0) for point in layer.points]
+    opacity = [tint.a for tint in layer.colors]
     assert opacity[int(np.argmin(distance_m))] == max(opacity)
     assert min(opacity) == 0.0
 
 
 def test_fine_voice_map_is_thinned():
-    film, _ = voice_markers((0.0, 0.0), 0.05, fading_voice(400, 600, 0.05))
-    assert len(film.points) <= 6 * MAX_VOICE_CELLS
+    layer, _ = voice_markers(voice(fading_voice(400, 600, 0.05), 0.05))
+    assert len(layer.points) <= 6 * MAX_CELLS
 
 
-def test_headline_tells_time_areas_victims_and_state():
+def test_pillar_tears_no_hole_into_the_voice_layer():
+    whole, torn = fading_voice(), fading_voice()
+    torn[10:12, 12:14] = 0.0
+    (layer, _), (mended, _) = voice_markers(voice(whole)), voice_markers(voice(torn))
+    assert len(mended.points) == len(layer.points)
+    assert [tint.a for tint in mended.colors] == pytest.approx([tint.a for tint in layer.colors], abs=0.15)
+
+
+def grid(cells):
+    result = OccupancyGrid(data=cells.ravel().tolist())
+    result.info.resolution, (result.info.height, result.info.width) = 0.5, cells.shape
+    result.info.origin.position = Point(1.0, 2.0, 0.0)
+    return result
+
+
+def test_fire_has_the_colour_of_flames_where_it_burns_and_of_char_where_it_has_burnt():
+    cells = np.zeros((4, 5), dtype=np.int8)
+    cells[1, 2], cells[2, 4] = BURNING_VALUE, BURNT_OUT_VALUE
+    (fire,) = fire_markers(grid(cells))
+    drawn_at = {(point.x, point.y): tint for point, tint in zip(fire.points, fire.colors, strict=True)}
+    assert rgb(drawn_at[2.25, 2.75]) == palette.rgb(palette.FLAME)
+    assert rgb(drawn_at[3.25, 3.25]) == palette.rgb(palette.CHAR)
+    assert {tint.a for tint in drawn_at.values()} == {0.0, 0.9, 0.95}
+    assert fire_markers(grid(0 * cells)) == []
+
+
+def test_smoke_is_more_opaque_where_one_sees_less_far():
+    cells = np.tile(np.arange(0, 101, 25, dtype=np.int8), (3, 1))
+    (smoke,) = smoke_markers(grid(cells))
+    opacity = {point.x: tint.a for point, tint in zip(smoke.points, smoke.colors, strict=True)}
+    assert [opacity[x] for x in sorted(opacity)] == pytest.approx([0.0, 0.18, 0.36, 0.54, 0.72])
+
+
+def test_grid_with_too_few_cells_is_rejected():
+    message = grid(np.zeros((3, 3), dtype=np.int8))
+    message.info.width = 4
+    with pytest.raises(ValueError, match="reshape"):
+        smoke_markers(message)
+
+
+def test_headline_shows_time_areas_victims_and_state():
     headline = _status("garage_sar", "running", "", 251.34, (3, 5), (2, 4), 10.0)
-    assert headline_words(headline, 0).split("    ") == [
+    assert headline_words(headline).split("    ") == [
         "garage_sar",
         "251.3 s",
         "areas 3/5",
@@ -190,30 +270,38 @@ def test_headline_tells_time_areas_victims_and_state():
     ]
 
 
-def test_headline_tells_why_the_mission_ended_and_that_links_are_endangered():
+def test_headline_shows_why_the_mission_ended():
     headline = _status("garage_sar", "ended", "areas_explored", 400.0, (5, 5), (4, 4), 10.0)
-    assert headline_words(headline, 2).endswith("endangered links 2    areas explored")
+    assert headline_words(headline).endswith("noise 10 dB    areas explored")
 
 
-def test_headline_is_silent_of_what_the_mission_has_none_of():
+def test_headline_omits_areas_and_victims_that_the_mission_lacks():
     headline = _status("patrol", "running", "", 12.0, (0, 0), (0, 0), 30.0)
-    assert headline_words(headline, 0).split("    ") == ["patrol", "12.0 s", "noise 30 dB", "running"]
+    assert headline_words(headline).split("    ") == ["patrol", "12.0 s", "noise 30 dB", "running"]
 
 
-def test_headline_stands_behind_the_building():
-    item = headline_marker("words", Bounds(min=(-5.0, 0.0), max=(25.0, 12.0)), PLAIN)
-    at = np.array([item.pose.position.x, item.pose.position.y, item.pose.position.z])
-    sight = PLAIN.eye_m - at
-    floor = at - sight * at[2] / sight[2]
-    assert floor[0] == pytest.approx(10.0)
-    assert floor[1] > 12.0
+def test_headline_is_north_and_the_legend_south_of_the_building_and_no_wider():
+    for name in ("garage_sar", "office_fire"):
+        scenario = load(name)
+        (min_x, min_y), (max_x, max_y) = scenario.plan.bounds.min, scenario.plan.bounds.max
+        assert headline_marker("words", scenario).pose.position.y > max_y
+        markers = list(legend_markers(scenario))
+        assert max(point.y for item in named(markers, "legend") for point in item.points) < min_y
+        assert min(point.x for item in named(markers, "legend") for point in item.points) >= min_x
+        assert max(word.pose.position.x for word in named(markers, "legend_words")) < max_x
+        assert len({(item.ns, item.id) for item in markers}) == len(markers)
 
 
-def test_pillar_tears_no_hole_into_the_voice_layer():
-    whole, torn = fading_voice(), fading_voice()
-    solid = np.zeros(whole.shape, dtype=bool)
-    solid[10:12, 12:14] = True
-    torn[solid] = 0.0
-    (film, _), (mended, _) = voice_markers((0.0, 0.0), 0.5, whole), voice_markers((0.0, 0.0), 0.5, torn, solid)
-    assert len(mended.points) == len(film.points)
-    assert [tint.a for tint in mended.colors] == pytest.approx([tint.a for tint in film.colors], abs=0.1)
+def test_legend_names_only_objects_of_the_scenario():
+    assert [words for words, _, _ in legend_entries(load("garage_sar"))] == [
+        "waiting",
+        "heard",
+        "saved",
+        "target area",
+        "explored",
+        "link",
+        "endangered link",
+    ]
+    words = {words for words, _, _ in legend_entries(load("office_fire"))}
+    assert words >= {"carried", "safe", "fleeing", "collapsed or dead", "firefighter", "centre", "fire", "smoke"}
+    assert "base" not in words

@@ -1,37 +1,30 @@
 import math
+from pathlib import Path
 
 import pytest
 import shapely
+import yaml
 from visualization_msgs.msg import Marker
 
 from robotteamsim.ros.scene.shapes import (
+    PITCH_RAD,
     Mesh,
-    Shown,
     circle_points,
     colour,
     drawn_below,
-    gradient,
     label,
     lines,
     marker,
+    unit,
 )
+from robotteamsim.scenario import Bounds
 
+ROOT = Path(__file__).resolve().parents[3]
 RED, BLUE = colour("#ff0000"), colour("#0000ff")
-
-
-def keys(markers):
-    return [(item.ns, item.id, item.action) for item in markers]
 
 
 def test_colour_code_is_read_as_red_green_blue_and_opacity():
     assert colour("#0080ff", 0.5) == (0.0, 128 / 255, 1.0, 0.5)
-
-
-def test_gradient_blends_between_stops_and_is_clamped_at_both_ends():
-    stops = ((-80.0, RED), (-60.0, BLUE))
-    assert gradient(stops, -70.0) == (0.5, 0.0, 0.5, 1.0)
-    assert gradient(stops, -200.0) == RED
-    assert gradient(stops, 0.0) == BLUE
 
 
 def test_marker_has_a_frame_without_slash_stamp_0_and_a_unit_quaternion():
@@ -70,8 +63,24 @@ def test_sunken_origin_leaves_the_points_where_they_were():
     assert [item.pose.position.z + point.z for point in item.points] == [0.5, 0.5]
 
 
-def test_circle_has_its_corners_at_the_radius_and_returns_to_the_first_when_closed():
-    corners = circle_points(2.0, 12, closed=True)
+def test_label_is_on_the_line_of_sight_of_the_default_view_to_its_place_on_the_floor():
+    at = label("names", 0, "ann", RED, (3.0, 4.0, 2.0), 0.8).pose.position
+    assert (at.x, at.z) == (3.0, 2.0)
+    assert math.atan2(at.z, 4.0 - at.y) == pytest.approx(PITCH_RAD)
+
+
+def test_default_view_is_that_of_the_file_of_rviz():
+    config = yaml.safe_load((ROOT / "rviz" / "robotteamsim.rviz").read_text(encoding="utf-8"))
+    assert config["Visualization Manager"]["Views"]["Current"]["Pitch"] == PITCH_RAD
+
+
+def test_sizes_are_equal_on_the_screen_in_every_building():
+    assert unit(Bounds(max=(60.0, 40.0))) == 1.0
+    assert unit(Bounds(max=(6.0, 4.0))) == pytest.approx(0.1)
+
+
+def test_circle_has_its_corners_at_the_radius_and_returns_to_the_first():
+    corners = circle_points(2.0, 12)
     assert len(corners) == 13
     assert [math.hypot(*corner) for corner in corners] == pytest.approx([2.0] * 13)
     assert corners[12] == pytest.approx(corners[0])
@@ -87,7 +96,7 @@ def test_polygon_with_a_hole_is_covered_by_triangles_exactly():
     mesh.polygon(shapely.box(0, 0, 10, 10) - shapely.box(4, 4, 6, 6), 0.5, RED)
     item = mesh.marker("floor", 0)
     assert area_m2(item) == pytest.approx(96.0)
-    assert len(item.colors) == len(item.points) == 3 * len(mesh)
+    assert len(item.colors) == len(item.points)
     assert {point.z for point in item.points} == {0.5}
 
 
@@ -95,23 +104,3 @@ def test_ring_area_is_that_of_the_disc_without_the_hole():
     mesh = Mesh()
     mesh.ring((5.0, 5.0), 1.0, 2.0, 0.0, RED)
     assert area_m2(mesh.marker("areas", 0)) == pytest.approx(3.0 * math.pi, rel=0.01)
-
-
-def test_first_update_clears_what_an_earlier_run_left():
-    shown = Shown()
-    assert keys(shown.update([marker("a", 0, Marker.CUBE, RED)])) == [
-        ("", 0, Marker.DELETEALL),
-        ("a", 0, Marker.ADD),
-    ]
-
-
-def test_marker_that_is_wanted_no_more_is_deleted_once():
-    shown = Shown()
-    shown.update([marker("a", i, Marker.CUBE, RED) for i in range(3)])
-    assert keys(shown.update([marker("a", 1, Marker.CUBE, RED)])) == [
-        ("a", 0, Marker.DELETE),
-        ("a", 2, Marker.DELETE),
-        ("a", 1, Marker.ADD),
-    ]
-    assert keys(shown.update([])) == [("a", 1, Marker.DELETE)]
-    assert shown.update([]) == []

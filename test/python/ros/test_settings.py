@@ -4,20 +4,21 @@ import re
 from typing import Any
 
 import pytest
+import rospy
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.ros.transport import node, settings
-from robotteamsim.ros.transport.node import ParameterError, parameter
-from robotteamsim.ros.transport.settings import read_seed, read_settings
+from robotteamsim.ros import settings
+from robotteamsim.ros.node import ParameterError, parameter
+from robotteamsim.ros.settings import read_seed, read_settings
 
 
 @pytest.fixture
 def parameters(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     """The parameter server."""
     values: dict[str, Any] = {"/robotteamsim/scenario": "garage_sar"}
-    monkeypatch.setattr(node, "read_parameter", values.get)
-    monkeypatch.setattr(node.roscpp, "resolved_name", lambda name: name.replace("~", "/node/"))
-    monkeypatch.setattr(settings, "node_name", lambda: "/world")
+    monkeypatch.setattr(rospy, "get_param", values.get)
+    monkeypatch.setattr(rospy, "resolve_name", lambda name: name.replace("~", "/node/"))
+    monkeypatch.setattr(settings, "wait_for_shutdown", lambda _: True)
     return values
 
 
@@ -38,7 +39,7 @@ def test_parameter_takes_the_type_of_its_default(parameters, value, default, exp
         ([1], "x", "text"),
     ],
 )
-def test_parameter_of_another_type_is_refused_by_its_full_name(parameters, value, default, expected):
+def test_parameter_of_another_type_is_rejected_by_its_full_name(parameters, value, default, expected):
     parameters["~p"] = value
     with pytest.raises(ParameterError, match=rf"^/node/p: {re.escape(repr(value))}; expected {expected}$"):
         parameter("~p", default)
@@ -54,7 +55,7 @@ def test_settings_follow_the_parameters(parameters):
     read = read_settings()
     assert (read.scenario.run.seed, read.scenario.voice.noise_db) == (7, 20.0)
     assert (read.num_robots, read.lockstep, read.step_ns) == (5, True, 100_000_000)
-    assert [read.drives(robot_id) for robot_id in range(6)] == [True, False, True, True, True, False]
+    assert [read.is_driven_by_hand(robot_id) for robot_id in range(5)] == [False, True, False, False, False]
 
 
 def test_names_without_a_prefix_are_for_a_single_robot_of_the_world_alone(parameters):
@@ -94,8 +95,45 @@ def test_wrong_seed_is_reported(parameters, seed, line):
 def test_without_controllers_every_robot_is_driven_by_others(parameters):
     parameters["/robotteamsim/controllers"] = False
     read = read_settings()
+    assert read.controllers == "none"
     assert list(read.controlled) == []
-    assert not read.drives(0)
+    assert read.is_driven_by_hand(0)
+
+
+@pytest.mark.parametrize(
+    ("hosted", "nodes"), [("nodes", 3), ("per_robot", 3), ("team", 3), ("inside", 0), ("none", 0), ("false", 0)]
+)
+def test_controllers_are_nodes_or_not(parameters, hosted, nodes):
+    parameters["/robotteamsim/controllers"] = hosted
+    assert len(read_settings().controlled) == nodes
+
+
+def test_unknown_host_of_controllers_is_rejected(parameters):
+    parameters["/robotteamsim/controllers"] = "tema"
+    with pytest.raises(ParameterError, match=r"^/robotteamsim/controllers: tema; expected nodes, team, inside, none$"):
+        read_settings()
+
+
+@pytest.mark.parametrize(("text", "ids"), [("", ()), ("all", (0, 1, 2)), ("2 0", (0, 2))])
+def test_robots_elsewhere_are_all_or_listed(parameters, text, ids):
+    parameters["/robotteamsim/elsewhere"] = text
+    read = read_settings()
+    assert (read.elsewhere, read.is_another_world) == (ids, text == "all")
+
+
+@pytest.mark.parametrize(
+    ("text", "line"), [("x", "elsewhere: 'x'; expected ids of robots"), ("3", "elsewhere: 3; expected 0 to 2")]
+)
+def test_wrong_list_of_robots_elsewhere_is_rejected(parameters, text, line):
+    parameters["/robotteamsim/elsewhere"] = text
+    with pytest.raises(ParameterError, match=f"^/robotteamsim/{line}"):
+        read_settings()
+
+
+def test_robots_elsewhere_do_not_go_with_lockstep(parameters):
+    parameters |= {"/robotteamsim/elsewhere": "1", "/robotteamsim/lockstep": True}
+    with pytest.raises(ParameterError, match=r"^/robotteamsim/lockstep: true; expected false with robots in another"):
+        read_settings()
 
 
 def test_robot_driven_by_hand_must_be_one_of_the_team(parameters):
@@ -104,7 +142,7 @@ def test_robot_driven_by_hand_must_be_one_of_the_team(parameters):
         read_settings()
 
 
-def test_team_of_none_is_refused(parameters):
+def test_team_of_none_is_rejected(parameters):
     parameters["/robotteamsim/robots"] = 0
     with pytest.raises(ScenarioError, match=r"--set: robots.count: 0 is below 1"):
         read_settings()
@@ -122,15 +160,13 @@ def test_wrong_override_is_reported(parameters):
         read_settings()
 
 
-def test_other_nodes_leave_a_mistake_to_the_world_or_else_to_the_environment(parameters, monkeypatch):
+def test_other_nodes_leave_a_mistake_to_the_simulation(parameters, monkeypatch):
     waited_s: list[float] = []
     monkeypatch.setattr(settings, "wait_for_shutdown", waited_s.append)
     parameters["/robotteamsim/set"] = "voice.noise_db=99"
-    for name in ("/world", "/environment", "/robot_0/controller"):
-        monkeypatch.setattr(settings, "node_name", lambda name=name: name)
-        with pytest.raises(ScenarioError, match="99 is above 80"):
-            read_settings()
-    assert waited_s == [5.0, 10.0]
+    with pytest.raises(ScenarioError, match="99 is above 80"):
+        read_settings()
+    assert waited_s == [10.0]
 
 
 def test_poses_from_tf_do_not_go_with_lockstep(parameters):
@@ -169,22 +205,7 @@ def test_number_of_robots_must_fit_a_list_of_robots(parameters, tmp_path):
     assert read_settings().num_robots == 2
 
 
-@pytest.mark.parametrize(
-    ("scenario", "people", "expected"), [("garage_rescue", 2, 4), ("garage_rescue", 0, 4), ("garage_sar", 4, 0)]
-)
-def test_number_of_people_with_a_process_each_must_be_that_of_the_scenario(parameters, scenario, people, expected):
-    parameters |= {"/robotteamsim/scenario": scenario, "/robotteamsim/people": people}
-    line = f"^/robotteamsim/people: {people}; expected {expected}, the firefighters and the centre of {scenario}$"
-    with pytest.raises(ParameterError, match=line):
-        read_settings()
-    for elsewhere in ("team", "false"):
-        parameters["/robotteamsim/controllers"] = elsewhere
-        read_settings()
-    parameters |= {"/robotteamsim/controllers": "per_robot", "/robotteamsim/people": expected}
-    read_settings()
-
-
-def test_code_that_a_scenario_file_names_is_refused_unless_it_is_allowed(parameters, tmp_path):
+def test_code_that_a_scenario_file_names_is_rejected_unless_it_is_allowed(parameters, tmp_path):
     path = tmp_path / "my.yaml"
     robots = "robots: {count: 2, start: [3, 3, 0]}"
     path.write_text(f"name: my\nplan: garage\n{robots}\ncontrol: {{algorithm: 'somewhere:Mine'}}\n", encoding="utf-8")

@@ -1,57 +1,37 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
+import rospy
 
 from robotteamsim.geometry import PoseReading, Twist
-from robotteamsim.recording import ros_messages
-from robotteamsim.ros.nodes import stage
-from robotteamsim.ros.nodes.gate import Pacer
-from robotteamsim.ros.nodes.stage import StageRequests, UnprefixedTypes, robot_topic
-from robotteamsim.ros.transport.serialization import serialized
+from robotteamsim.recording.topics import robots
+from robotteamsim.ros.gate import Pacer
+from robotteamsim.ros.settings import Settings
+from robotteamsim.ros.stage import StageRequests, UnprefixedTypes
+from robotteamsim.scenario import load
 from robotteamsim.sensing.readings import OdometryReading
 
 
-class Queue:
-    """Has these requests, then is closed."""
+@pytest.fixture
+def follow(monkeypatch):
+    """Return a function that follows a request, and sets the speed of a pacer or adds it to a list."""
+    monkeypatch.setattr(rospy, "Subscriber", lambda *_: None)
 
-    def __init__(self, requests: list[str | bytes]) -> None:
-        self._requests = requests
-        self.topics: list[str] = []
-        self.is_closed = False
+    def follow(request, set_speed):
+        StageRequests(set_speed).follow(request)
 
-    def subscribe(self, topic: str, *_: object) -> None:
-        self.topics.append(topic)
-
-    def take(self, timeout_s: float) -> list[tuple[int, int, bytes]]:
-        self.is_closed = True
-        return [
-            (0, 0, request if isinstance(request, bytes) else serialized(stage.String(data=request)))
-            for request in self._requests
-        ]
-
-
-class Thread:
-    """Runs at once."""
-
-    def __init__(self, target, daemon: bool) -> None:
-        self.start = target
+    return follow
 
 
 @pytest.mark.parametrize(
-    ("requests", "speeds"),
-    [
-        (["speedup_4.0"], [4.0]),
-        (["speedup", "speedup_0.5"], [2.0, 0.5]),
-        (["footprints", "screenshot", "", "speed"], []),
-        ([b"\x01", "speedup_4.0"], [4.0]),  # the first one cannot be read
-    ],
+    ("request_", "speeds"),
+    [("speedup_4.0", [4.0]), ("speedup", [2.0]), ("footprints", []), ("screenshot", []), ("", []), ("speed", [])],
 )
-def test_speedup_of_stage_sets_the_speed_and_other_requests_do_nothing(monkeypatch, requests, speeds):
-    queue, given = Queue(requests), []
-    monkeypatch.setattr(stage, "message_queue", lambda: queue)
-    monkeypatch.setattr(stage.threading, "Thread", Thread)
-    StageRequests(given.append)
-    assert queue.topics == ["/stageGUIRequest"]
+def test_speedup_of_stage_sets_the_speed_and_other_requests_do_nothing(follow, request_, speeds):
+    given: list[float] = []
+    follow(request_, given.append)
     assert given == speeds
 
 
@@ -63,20 +43,17 @@ def test_speedup_of_stage_sets_the_speed_and_other_requests_do_nothing(monkeypat
         ("speedup_nan", "speed must be finite and >= 0, got nan"),
     ],
 )
-def test_wrong_speedup_is_ignored_with_one_line(monkeypatch, caplog, request_, reason):
-    monkeypatch.setattr(stage, "message_queue", lambda: Queue([request_]))
-    monkeypatch.setattr(stage.threading, "Thread", Thread)
-    StageRequests(Pacer(1.0).set_speed)
+def test_wrong_speedup_is_ignored_with_one_line(follow, caplog, request_, reason):
+    follow(request_, Pacer(1.0).set_speed)
     assert [record.getMessage() for record in caplog.records] == [f"/stageGUIRequest: ignoring {request_!r}: {reason}"]
 
 
 def test_single_robot_of_stage_has_topics_and_frames_without_a_prefix(hall_scenario):
     make, robot = UnprefixedTypes(), hall_scenario().robots[0]
-    links = ros_messages.transforms(
-        make, 0, [robot], [OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())]
-    ).transforms
+    links = robots.transforms(make, 0, [robot], [OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())]).transforms
     frames = [(link.header.frame_id, link.child_frame_id) for link in links]
     assert frames == [("odom", "base_footprint"), ("base_footprint", "base_link"), ("base_link", "base_laser_link")]
-    assert ros_messages.contact(make, 0, 0, in_contact=False).header.frame_id == "base_link"
-    assert robot_topic(0, "odom", prefix=False) == "/odom"
-    assert robot_topic(0, "odom", prefix=True) == "/robot_0/odom"
+    assert robots.contact(make, 0, 0, in_contact=False).header.frame_id == "base_link"
+    settings = Settings(load("tutorial_arena"))
+    assert replace(settings, prefix=False).robot_topic(0, "odom") == "/odom"
+    assert settings.robot_topic(0, "odom") == "/robot_0/odom"

@@ -6,9 +6,9 @@ import termios
 
 import pytest
 
-from robotteamsim.geometry import Twist
-from robotteamsim.ros.nodes.commands import STOP
 from robotteamsim.ros.nodes.teleop import FIRST_HOLD_S, REPEAT_HOLD_S, Keys, read_keys, unbuffered
+
+STOP = (0.0, 0.0)
 
 
 @pytest.fixture
@@ -42,17 +42,17 @@ def terminal():
 )
 def test_keys_lie_around_k_as_the_robot_drives(keys, key, forward, left):
     keys.press(key, 10.0)
-    assert keys.twist(10.1) == Twist(forward, 0.0, left)
+    assert keys.speeds(10.1) == (forward, left)
 
 
 def test_nothing_pressed_means_stop(keys):
-    assert keys.twist(0.0) == STOP
+    assert keys.speeds(0.0) == STOP
 
 
 def test_pressed_key_holds_until_a_keyboard_would_have_repeated_it(keys):
     keys.press("i", 10.0)
-    assert keys.twist(10.0 + FIRST_HOLD_S - 0.01).linear_x_mps == 0.5
-    assert keys.twist(10.0 + FIRST_HOLD_S + 0.01) == STOP
+    assert keys.speeds(10.0 + FIRST_HOLD_S - 0.01)[0] == 0.5
+    assert keys.speeds(10.0 + FIRST_HOLD_S + 0.01) == STOP
 
 
 def test_key_let_go_after_repeating_stops_soon(keys):
@@ -60,14 +60,14 @@ def test_key_let_go_after_repeating_stops_soon(keys):
     for step in range(20):
         keys.press("i", 10.5 + 0.03 * step)
     last_s = 10.5 + 0.03 * 19
-    assert keys.twist(last_s + REPEAT_HOLD_S - 0.01).linear_x_mps == 0.5
-    assert keys.twist(last_s + REPEAT_HOLD_S + 0.01) == STOP
+    assert keys.speeds(last_s + REPEAT_HOLD_S - 0.01)[0] == 0.5
+    assert keys.speeds(last_s + REPEAT_HOLD_S + 0.01) == STOP
 
 
 def test_another_key_takes_over_at_once(keys):
     keys.press("i", 10.0)
     keys.press("j", 10.1)
-    assert keys.twist(10.2) == Twist(0.0, 0.0, 1.0)
+    assert keys.speeds(10.2) == (0.0, 1.0)
 
 
 def test_speed_keys_change_speeds_and_keep_the_direction(keys):
@@ -79,7 +79,7 @@ def test_speed_keys_change_speeds_and_keep_the_direction(keys):
     for key in "zxc":
         keys.press(key, 10.2)
     assert keys.speed_mps == pytest.approx(0.5 * 1.1 * 1.1 * 0.9 * 0.9)
-    assert keys.twist(10.3).linear_x_mps == keys.speed_mps
+    assert keys.speeds(10.3)[0] == keys.speed_mps
 
 
 def test_terminal_gives_keys_at_once_shows_none_and_is_afterwards_as_it_was(terminal):

@@ -45,20 +45,20 @@ def test_leaf_that_fills_a_gap_is_good(leaf) -> None:
         (((4.5, 6.0), (5.5, 6.0)), 3.1, "pillar"),
     ],
 )
-def test_leaf_that_swings_into_a_solid_is_told(leaf, angle_rad, hit) -> None:
+def test_leaf_that_swings_into_a_solid_is_reported(leaf, angle_rad, hit) -> None:
     door = Door(name="gate", start=leaf[0], end=leaf[1], motion="swing", angle_rad=angle_rad)
     plan = FloorPlan(name="p", bounds=Bounds(max=(10.0, 8.0)), walls=(LEFT, RIGHT), blocks=(PILLAR,), doors=(door,))
     assert [text.partition("swings into ")[2].split("'")[1] for _, text in misplaced_doors(plan)] == [hit] * bool(hit)
 
 
-def test_leaf_off_its_wall_is_told_with_its_place_and_the_way_to_the_nearest_solid() -> None:
+def test_leaf_off_its_wall_is_reported_with_its_distance_to_the_nearest_solid() -> None:
     assert _mistakes(((4.0, 4.0), (6.0, 4.0)), ((4.3, 4.0), (5.8, 4.5))) == [
         (1, "the leaf [4.3, 4] .. [5.8, 4.5] is not at a wall: the nearest is 0.3 m away")
     ]
 
 
 @pytest.mark.parametrize("leaf", [((2.5, 4.0), (3.5, 4.0)), ((2.0, 4.05), (4.5, 4.05))])
-def test_leaf_more_than_half_in_a_wall_is_told_with_the_wall(leaf) -> None:
+def test_leaf_more_than_half_in_a_wall_is_reported_with_the_wall(leaf) -> None:
     ((_, text),) = _mistakes(leaf)
     assert text.endswith("lies in wall 'left'; expected a gap")
 
@@ -75,7 +75,7 @@ doors: [{name: gate, from: [6, 5], to: [6, 6]}]
 """
 
 
-def test_plan_file_with_a_stray_door_is_refused_with_file_key_place_and_name(tmp_path) -> None:
+def test_plan_file_with_a_stray_door_is_rejected_with_file_key_place_and_name(tmp_path) -> None:
     path = tmp_path / "plan.yaml"
     path.write_text(PLAN.replace("[6, 5], to: [6, 6]", "[5, 5], to: [5, 6]"), encoding="utf-8")
     with pytest.raises(PlacementError) as raised:
@@ -84,7 +84,7 @@ def test_plan_file_with_a_stray_door_is_refused_with_file_key_place_and_name(tmp
     assert str(raised.value) == f"{path}: {text}"
 
 
-def test_door_moved_off_its_wall_by_an_override_is_refused(tmp_path) -> None:
+def test_door_moved_off_its_wall_by_an_override_is_rejected(tmp_path) -> None:
     (tmp_path / "plan.yaml").write_text(PLAN, encoding="utf-8")
     path = tmp_path / "room.yaml"
     path.write_text("name: room\nplan: plan.yaml\nrobots: {count: 1, start: [1, 1, 0]}\n", encoding="utf-8")

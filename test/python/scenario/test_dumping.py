@@ -9,20 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from robotteamsim.scenario import FloorPlan, Scenario, dump, load, load_floor_plan, write_floor_plan
+from robotteamsim.scenario.controllers.swarms import RdpsoControl
 from robotteamsim.scenario.door_places import misplaced_doors
 from robotteamsim.scenario.floor_plan import BayRow, Block, Bounds, Door, Wall
-from robotteamsim.scenario.sections import (
-    Area,
-    Control,
-    Laser,
-    Mission,
-    PlacedRobot,
-    Radio,
-    Run,
-    Team,
-    Victim,
-    Voice,
-)
+from robotteamsim.scenario.sections import Area, Laser, Mission, PlacedRobot, Radio, Run, Team, Victim, Voice
 from robotteamsim.scenario.yaml_text import parse
 
 TEXT = st.text(
@@ -75,18 +65,20 @@ def scenarios(draw: st.DrawFn) -> Scenario:
         robots=draw(team | robots.map(tuple)),
         radio=Radio(materials=draw(st.dictionaries(TEXT, TENTHS, max_size=2)) | {"brick": 6.0}),
         voice=Voice(noise_db=draw(st.floats(0.0, 80.0)), constant_db=tuple(sorted(draw(st.tuples(NUMBER, NUMBER))))),
-        control=Control(alpha=draw(st.floats(0.0, 1.0)), memory=draw(MEMORY)),
+        control=RdpsoControl(alpha=draw(st.floats(0.0, 1.0)), memory=draw(MEMORY)),
         mission=Mission(areas=draw(areas), victims=draw(victims), autostart=draw(st.booleans())),
         run=Run(seed=draw(st.integers(0, 2**53))),
     )
 
 
+@pytest.mark.slow
 @settings(max_examples=60, deadline=None)
 @given(scenarios())
 def test_dumped_scenario_validates_to_an_equal_one(scenario: Scenario) -> None:
     assert Scenario.model_validate(parse(dump(scenario), "dump")) == scenario
 
 
+@pytest.mark.slow
 @settings(max_examples=30, deadline=None)
 @given(plan=plans())
 def test_written_floor_plan_is_read_back_equal(plan: FloorPlan, tmp_path_factory: pytest.TempPathFactory) -> None:
@@ -110,7 +102,7 @@ def test_dump_names_another_plan_file_by_its_path(tmp_path: Path) -> None:
     assert f"\nplan: {tmp_path / 'hall.yaml'}\n" in dump(scenario)
 
 
-def test_dump_stands_alone_with_the_plan_inside(tmp_path: Path) -> None:
+def test_dump_contains_the_plan(tmp_path: Path) -> None:
     scenario = load("garage_sar")
     path = tmp_path / "dumped.yaml"
     path.write_text(dump(scenario, inline_plan=True), encoding="utf-8")

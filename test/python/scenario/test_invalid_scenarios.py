@@ -1,28 +1,26 @@
-"""Every file of test/data/invalid is refused with the message that its first line states."""
+"""Every case of test/data/invalid_scenarios.yaml is refused with its exact message."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
 import pytest
+from invalid_scenarios import CASES, text_of
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario import load
-from robotteamsim.world import check_places
-
-INVALID = sorted((Path(__file__).parents[2] / "data" / "invalid").glob("*.yaml"))
+from robotteamsim.setup import resolve
 
 
-def test_there_are_at_least_twenty_invalid_scenarios() -> None:
-    assert len(INVALID) >= 20
-
-
-@pytest.mark.parametrize("path", INVALID, ids=lambda path: path.stem)
-def test_invalid_scenario_is_refused_with_its_exact_message(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(path.parent)
-    expected = path.read_text(encoding="utf-8").splitlines()[0].removeprefix("# expect: ")
-    # A mistake of syntax is told with its line: "name.yaml:4: ...".
-    place = f"{path.name}:{expected[5:]}" if expected.startswith("line ") else f"{path.name}: {expected}"
+@pytest.mark.parametrize("name", CASES)
+def test_invalid_scenario_is_rejected_with_its_exact_message(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path(f"{name}.yaml").write_text(text_of(name), encoding="utf-8")
+    expected = CASES[name]["expect"]
+    # A syntax error names its line: "name.yaml:4: ...".
+    place = f"{name}.yaml:{expected[5:]}" if expected.startswith("line ") else f"{name}.yaml: {expected}"
     with pytest.raises(ScenarioError) as raised:
-        check_places(load(path.name))
+        resolve(load(f"{name}.yaml"))
     assert str(raised.value) == place

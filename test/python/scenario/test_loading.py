@@ -53,6 +53,28 @@ def test_published_garage_is_the_garage_with_every_addition_switched_off():
     assert {"garage", "tutorial_arena"} <= set(map_names())
 
 
+def test_override_of_the_algorithm_drops_the_keys_of_the_file_that_it_lacks(caplog) -> None:
+    published = load("garage_sar_published", ["control.algorithm=greedy"]).control
+    assert (published.algorithm, published.navigation, published.rule_out_places) == ("greedy", "straight", False)
+    assert caplog.messages == [
+        "garage_sar_published.yaml: control.communication, control.memory_of: dropped, not keys of 'greedy' (--set)"
+    ]
+
+
+def test_override_of_the_algorithm_keeps_overridden_keys_that_are_then_rejected() -> None:
+    line = "--set: control.memory_of: unknown key of greedy; known to rdpso, pso, dpso, rpso"
+    with pytest.raises(ScenarioError, match=f"^{line}$"):
+        load("garage_sar_published", ["control.algorithm=greedy", "control.memory_of=motion"])
+
+
+def test_override_of_the_algorithm_drops_no_key_that_was_never_one(tmp_path) -> None:
+    path = tmp_path / "my.yaml"
+    path.write_text("name: my\nplan: garage\nrobots: {start: [3, 3, 0]}\ncontrol: {alfa: 0.5, alpha: 0.5}\n")
+    with pytest.raises(ScenarioError, match=r"my.yaml: control.alfa: unknown key"):
+        load(path, ["control.algorithm=greedy"])
+    assert load("garage_sar", ["control={algorithm: greedy}"]).control.algorithm == "greedy"
+
+
 def test_misspelt_name_gets_a_suggestion() -> None:
     assert _message("garage_sra") == "garage_sra: no shipped scenario of this name; did you mean 'garage_sar'?"
 
@@ -61,11 +83,11 @@ def test_missing_file_is_named() -> None:
     assert _message("nowhere/room.yaml") == "nowhere/room.yaml: there is no such file"
 
 
-def test_folder_is_no_scenario(tmp_path: Path) -> None:
+def test_folder_is_rejected_as_a_scenario(tmp_path: Path) -> None:
     assert _message(f"{tmp_path}/") == f"{tmp_path}/: Is a directory"
 
 
-def test_binary_file_is_no_scenario(room: str) -> None:
+def test_binary_file_is_rejected_as_a_scenario(room: str) -> None:
     Path(room).write_bytes(b"\xff\xfe\x00")
     assert _message(room) == "room.yaml: not a text file in UTF-8"
 
@@ -103,6 +125,9 @@ def test_plan_given_as_override_is_relative_to_the_current_folder(room: str) -> 
         ("voice.nois_db=20", "--set: voice.nois_db: unknown key; did you mean 'noise_db'?"),
         ("things=[]", "--set: things: renamed; use 'objects'"),
         ("things.0.pose=[1, 2, 0]", "--set: things: renamed; use 'objects'"),
+        ("control.search.cell_m=2", "--set: control.search.cell_m: renamed; use 'control.cell_m'"),
+        ("control.patrol.graph=a", "--set: control.patrol.graph: renamed; use 'mission.patrol.graph'"),
+        ("control.patrol.g1=0.2", "--set: control.patrol.g1: renamed; use 'control.g1'"),
         ("voice.noise_db=99", "--set: voice.noise_db: 99 is above 80"),
         ("voice.noise_db=", "--set: voice.noise_db: null is not a number"),
         ("run.seed=1.5", "--set: run.seed: 1.5 is not a whole number"),
@@ -124,7 +149,7 @@ def test_plan_given_as_override_is_relative_to_the_current_folder(room: str) -> 
         ("plan.bounds.max=[-1, 2]", "--set: plan.bounds.max: x -1 is not above min, 0"),
     ],
 )
-def test_wrong_override_is_refused_with_its_exact_message(room: str, override: str, message: str) -> None:
+def test_wrong_override_is_rejected_with_its_exact_message(room: str, override: str, message: str) -> None:
     assert _message(room, override) == message
 
 
@@ -133,7 +158,7 @@ def test_mistake_in_the_file_is_not_blamed_on_an_override(room: str) -> None:
     assert _message(room, "run.seed=3") == "room.yaml: voice.noise_db: 99 is above 80"
 
 
-def test_further_mistakes_stand_in_the_notes(room: str) -> None:
+def test_further_errors_are_in_the_notes(room: str) -> None:
     Path(room).write_text(SCENARIO + "voice: {noise_db: 99, nois: 1}\nrun: {seed: -1}\n", encoding="utf-8")
     with pytest.raises(ScenarioError) as raised:
         load(room)

@@ -14,7 +14,7 @@ from robotteamsim.scenario.plan import FREE
 from robotteamsim.scenario.plan_export import export_map
 from robotteamsim.scenario.plan_import import import_map
 from robotteamsim.scenario.shipped import shipped_plan
-from robotteamsim.world.placement import placed_robots
+from robotteamsim.setup import resolve
 
 BUILDINGS = sorted((Path(__file__).parents[2] / "data" / "scenarios").glob("*.yaml"))
 SCENARIOS = [*scenario_names(), *BUILDINGS]
@@ -26,7 +26,7 @@ def _name(scenario: str | Path) -> str:
 
 
 @pytest.mark.parametrize("name", map_names())
-def test_shipped_image_is_what_the_plan_gives(name: str, tmp_path: Path) -> None:
+def test_shipped_image_equals_the_export_of_the_plan(name: str, tmp_path: Path) -> None:
     export_map(load_floor_plan(name), tmp_path)
     folder = shipped_plan(name).parent
     assert (folder / "map.yaml").read_bytes() == (tmp_path / "map.yaml").read_bytes()
@@ -50,6 +50,7 @@ def test_exported_image_is_read_by_others_as_the_grid(tmp_path: Path) -> None:
     np.testing.assert_array_equal(np.flipud(image) == 254, occupancy_grid(plan, 0.05).cells == FREE)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", map_names())
 def test_exported_image_is_imported_with_the_same_cells(name: str) -> None:
     plan = load_floor_plan(name)
@@ -59,12 +60,13 @@ def test_exported_image_is_imported_with_the_same_cells(name: str) -> None:
     assert np.count_nonzero(differ) == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scenario", SCENARIOS, ids=_name)
 def test_robots_can_reach_every_area_and_victim(scenario: str | Path) -> None:
     """By a flood fill from robot 0 where it keeps a margin from solids; all others start in that region too."""
     loaded = load(scenario)
     grid = occupancy_grid(loaded.plan, 0.05)
-    robots = placed_robots(loaded)
+    robots = resolve(loaded).robots
     clearance_m = 0.05 * ndimage.distance_transform_edt(grid.cells == FREE)
     labels, _ = ndimage.label(clearance_m > robots[0].radius_m + MARGIN_M)
     starts = {int(labels[grid.cell_at(*robot.start_pose[:2])]) for robot in robots}
@@ -88,4 +90,4 @@ def test_garage_keeps_the_route_and_the_victims_of_the_study() -> None:
         (29.0, 4.5), (56.5, 22.0), (35.0, 22.7), (20.5, 23.7),
     ]  # fmt: skip
     assert {area.radius_m for area in scenario.mission.areas} == {2.0}
-    assert len(placed_robots(scenario)) == 3
+    assert len(resolve(scenario).robots) == 3

@@ -15,7 +15,9 @@ from hypothesis import strategies as st
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario import dump, load
 from robotteamsim.scenario.yaml_text import parse, write
-from robotteamsim.world import check_places
+from robotteamsim.setup import resolve
+
+pytestmark = pytest.mark.slow
 
 ROOM = parse(
     """\
@@ -59,7 +61,7 @@ def _places(data: Any) -> list[tuple[Any, Any]]:
 def _told(path: Path, overrides: Sequence[str] = ()) -> list[str]:
     """Return what loading tells the user: nothing, or a line for each mistake."""
     try:
-        check_places(load(path, overrides))
+        resolve(load(path, overrides))
     except ScenarioError as error:
         return [str(error), *getattr(error, "__notes__", [])]
     return []
@@ -67,7 +69,7 @@ def _told(path: Path, overrides: Sequence[str] = ()) -> list[str]:
 
 @settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(choice=st.data(), junk=JUNK)
-def test_any_value_in_any_place_loads_or_is_refused_in_one_line(
+def test_any_value_in_any_place_loads_or_is_rejected_in_one_line(
     full_data: Any, tmp_path: Path, choice: st.DataObject, junk: Any
 ) -> None:
     data = copy.deepcopy(full_data)
@@ -83,7 +85,7 @@ def test_any_value_in_any_place_loads_or_is_refused_in_one_line(
 
 @settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(choice=st.data(), junk=JUNK)
-def test_any_override_of_any_key_loads_or_is_refused_in_one_line(
+def test_any_override_of_any_key_loads_or_is_rejected_in_one_line(
     full_data: Any, tmp_path: Path, choice: st.DataObject, junk: Any
 ) -> None:
     path = tmp_path / "room.yaml"
@@ -111,7 +113,7 @@ def test_any_override_of_any_key_loads_or_is_refused_in_one_line(
         ("radio: {materials: [wood]}", "radio.materials: [wood] is not a section"),
     ],
 )
-def test_odd_value_is_refused_with_its_exact_message(tmp_path: Path, text: str, message: str) -> None:
+def test_odd_value_is_rejected_with_its_exact_message(tmp_path: Path, text: str, message: str) -> None:
     path = tmp_path / "odd.yaml"
     section = text.partition(":")[0]
     rest = {key: value for key, value in ROOM.items() if key != section}

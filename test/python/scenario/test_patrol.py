@@ -27,8 +27,8 @@ def test_pixels_become_metres_in_the_map_frame():
 
 
 def test_scenario_names_the_file_and_holds_the_graph():
-    scenario = load("garage_sar", [f"control.patrol.graph={THREE}", "control.algorithm=sebs"])
-    assert len(scenario.control.patrol.graph.vertices) == 3
+    scenario = load("garage_sar", [f"mission.patrol.graph={THREE}", "control.algorithm=sebs"])
+    assert len(scenario.mission.patrol.graph.vertices) == 3
 
 
 @pytest.mark.parametrize(
@@ -44,7 +44,7 @@ def test_scenario_names_the_file_and_holds_the_graph():
         ("S\n40\n", "S\n40\n9\n", "x.graph:34: '9' follows the last vertex; expected the end of the file"),
     ],
 )
-def test_mistake_in_a_graph_file_is_told_with_its_line(old, new, line, tmp_path):
+def test_error_in_a_graph_file_names_its_line(old, new, line, tmp_path):
     text = THREE.read_text()
     assert text.count(old) >= 1
     with pytest.raises(ScenarioError) as raised:
@@ -55,24 +55,24 @@ def test_mistake_in_a_graph_file_is_told_with_its_line(old, new, line, tmp_path)
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [
-        ("1\nE", "5\nE", "control.patrol.graph.vertices.0.neighbours.0: 5 is not another vertex; expected 0 to 2"),
-        ("1\nE", "0\nE", "control.patrol.graph.vertices.0.neighbours.0: 0 is not another vertex; expected 0 to 2"),
-        ("E\n60", "E\n0", "control.patrol.graph.vertices.0.lengths_m.0: 0 is not above 0"),
+        ("1\nE", "5\nE", "mission.patrol.graph.vertices.0.neighbours.0: 5 is not another vertex; expected 0 to 2"),
+        ("1\nE", "0\nE", "mission.patrol.graph.vertices.0.neighbours.0: 0 is not another vertex; expected 0 to 2"),
+        ("E\n60", "E\n0", "mission.patrol.graph.vertices.0.lengths_m.0: 0 is not above 0"),
         (
             "1\n1\nE\n60\n",
             "0\n",
-            "control.patrol.graph.vertices.0.neighbours: a robot could never leave a vertex without neighbours",
+            "mission.patrol.graph.vertices.0.neighbours: a robot could never leave a vertex without neighbours",
         ),
     ],
 )
-def test_graph_that_cannot_be_patrolled_is_refused(old, new, line, tmp_path):
+def test_graph_that_cannot_be_patrolled_is_rejected(old, new, line, tmp_path):
     path = tmp_path / "x.graph"
     path.write_text(THREE.read_text().replace(old, new, 1))
     with pytest.raises(ScenarioError) as raised:
-        load("garage_sar", [f"control.patrol.graph={path}"])
+        load("garage_sar", [f"mission.patrol.graph={path}"])
     assert str(raised.value) == f"--set: {line}"
 
 
-def test_file_that_is_not_there_is_refused():
-    with pytest.raises(ScenarioError, match=r"--set: control.patrol.graph: there is no file '?no.graph"):
-        load("garage_sar", ["control.patrol.graph=no.graph"])
+def test_file_that_is_not_there_is_rejected():
+    with pytest.raises(ScenarioError, match=r"--set: mission.patrol.graph: there is no file '?no.graph"):
+        load("garage_sar", ["mission.patrol.graph=no.graph"])

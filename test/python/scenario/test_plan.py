@@ -28,7 +28,7 @@ def _plan(**elements: tuple) -> FloorPlan:
     return FloorPlan(name="room", bounds=Bounds(min=(-1.0, -2.0), max=(9.0, 5.0)), **elements)
 
 
-def test_wall_corners_stand_half_a_thickness_beside_its_line_counter_clockwise() -> None:
+def test_wall_corners_are_half_a_thickness_from_its_line_counter_clockwise() -> None:
     wall = Wall(name="w", start=(1.0, 2.0), end=(4.0, 2.0), thickness_m=0.5)
     assert wall_corners(wall) == ((1.0, 1.75), (4.0, 1.75), (4.0, 2.25), (1.0, 2.25))
 
@@ -54,13 +54,13 @@ def test_clockwise_block_comes_out_counter_clockwise() -> None:
     assert solid.element is block
 
 
-def test_open_door_is_no_solid_until_closed() -> None:
+def test_open_door_is_solid_only_when_closed() -> None:
     plan = _plan(doors=(Door(name="gate", start=(0.0, 0.0), end=(0.0, 1.0)),))
     assert solids(plan) == ()
     assert [solid.name for solid in solids(plan, {"gate": True})] == ["gate"]
 
 
-def test_unknown_door_is_refused_by_name() -> None:
+def test_unknown_door_is_rejected_by_name() -> None:
     with pytest.raises(ScenarioError, match="room: unknown door 'gate'; known: none"):
         solids(_plan(), {"gate": True})
 
@@ -86,7 +86,7 @@ def test_closed_door_is_occupied_and_open_door_is_free() -> None:
     assert opened.cells[opened.cell_at(0.0, 0.5)] == FREE
 
 
-def test_grid_covers_bounds_that_are_no_multiple_of_the_resolution() -> None:
+def test_grid_covers_bounds_that_are_not_a_multiple_of_the_resolution() -> None:
     grid = occupancy_grid(FloorPlan(name="p", bounds=Bounds(max=(1.0, 1.01))), 0.1)
     assert grid.cells.shape == (11, 10)
 
@@ -104,6 +104,7 @@ def test_resolution_must_be_above_zero(resolution_m: float) -> None:
         occupancy_grid(_plan(), resolution_m)
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None)
 @given(
     radii_m=st.lists(st.floats(0.3, 3.0), min_size=3, max_size=9),
@@ -132,7 +133,7 @@ def test_grid_equals_a_polygon_test_of_every_cell(
     assert np.all(occupied[well_inside])
 
 
-def test_bay_lines_stand_to_the_left_of_the_row() -> None:
+def test_bay_lines_are_to_the_left_of_the_row() -> None:
     plan = _plan(bays=(BayRow(start=(0.0, 0.0), end=(5.0, 0.0), count=2, depth_m=4.0),))
     assert bay_lines(plan) == (
         ((0.0, 0.0), (0.0, 4.0)),

@@ -45,6 +45,7 @@ def _room(rows: int = 40, columns: int = 60) -> np.ndarray:
     return image
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "size_m"), BUILDINGS.items())
 def test_real_building_is_imported_within_a_cell_of_its_image(name: str, size_m: tuple[float, float]) -> None:
     plan = import_map(MAPS / f"{name}.yaml")
@@ -61,6 +62,7 @@ def test_real_building_is_imported_within_a_cell_of_its_image(name: str, size_m:
     assert np.count_nonzero(deep & (image > 240)) * resolution_m**2 < 2.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("angle_deg", "mean_db"), [(0.0, 0.1), (7.0, 0.15), (30.0, 0.15), (45.0, 0.15)])
 def test_import_of_a_turned_plan_has_its_wall_losses(angle_deg: float, mean_db: float) -> None:
     result = BENCH["accuracy"](load_floor_plan("garage"), 0.05, angle_deg, num_points=60)
@@ -69,6 +71,7 @@ def test_import_of_a_turned_plan_has_its_wall_losses(angle_deg: float, mean_db: 
     assert result.max_db <= 12.4  # one wall of the heaviest class
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("resolution_m", [0.05, 0.1])
 def test_import_of_a_real_building_turned_has_its_wall_losses(resolution_m: float) -> None:
     result = BENCH["accuracy"](import_map(MAPS / "one_r5.yaml"), resolution_m, 30.0, num_points=40)
@@ -107,7 +110,7 @@ def test_imported_wall_is_of_the_class_that_was_drawn(
 
 
 @pytest.mark.parametrize("angle_deg", [1.0, 3.0, 7.0, 20.0, 45.0, 71.0])
-def test_way_along_an_imported_wall_pays_nothing(tmp_path: Path, angle_deg: float) -> None:
+def test_ray_along_an_imported_wall_has_no_loss(tmp_path: Path, angle_deg: float) -> None:
     plan = _exported_and_imported(_slanted_wall(angle_deg, 0.2), tmp_path)
     along = complex(math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg)))
     for beside_m in (0.18, -0.18):  # 8 cm from the wall
@@ -126,6 +129,7 @@ def test_wall_that_joins_a_thicker_one_keeps_its_own_class(tmp_path: Path) -> No
     assert _wall_loss_db(plan, (5.0, 4.0), (5.0, 9.5)) == 8.1  # in through the thick one, out of the end of the thin
 
 
+@pytest.mark.slow
 def test_import_drawn_again_is_the_image_that_it_came_from(tmp_path: Path) -> None:
     plan = BENCH["turned"](load_floor_plan("garage"), 20.0)
     drawn = occupancy_grid(plan, 0.05).cells == OCCUPIED
@@ -134,6 +138,7 @@ def test_import_drawn_again_is_the_image_that_it_came_from(tmp_path: Path) -> No
     assert np.count_nonzero(drawn != again) < 0.05 * np.count_nonzero(drawn)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BUILDINGS)
 def test_imported_pieces_are_convex_and_do_not_overlap(name: str) -> None:
     polygons = [solid.polygon for solid in solids(import_map(MAPS / f"{name}.yaml"))]
@@ -142,6 +147,7 @@ def test_imported_pieces_are_convex_and_do_not_overlap(name: str) -> None:
     assert shapely.union_all(polygons).area == pytest.approx(sum(polygon.area for polygon in polygons))
 
 
+@pytest.mark.slow
 def test_import_is_the_same_each_time() -> None:
     assert import_map(MAPS / "cumberland.yaml") == import_map(MAPS / "cumberland.yaml")
 
@@ -221,7 +227,7 @@ def test_wide_unknown_region_is_a_void_behind_one_cell_of_wall(tmp_path: Path) -
     np.testing.assert_array_equal(grid.cells[10:30, 10:40], shell)
 
 
-def test_negated_image_is_read_the_other_way_round(tmp_path: Path) -> None:
+def test_negated_image_is_read_inverted(tmp_path: Path) -> None:
     image = _room()
     image[10:13, 20:40] = BLACK
     straight = import_map(_write(tmp_path, image))
@@ -253,7 +259,7 @@ def test_plain_text_image_and_comments_are_read(tmp_path: Path) -> None:
         ("negate: 1", "image: no cell of 'room.png' is free; is negate or free_thresh wrong?"),
     ],
 )
-def test_wrong_map_yaml_is_refused_with_its_exact_message(tmp_path: Path, settings: str, message: str) -> None:
+def test_wrong_map_yaml_is_rejected_with_its_exact_message(tmp_path: Path, settings: str, message: str) -> None:
     image = _room()
     image[image == BLACK] = GREY
     path = _write(tmp_path, image, settings)
@@ -262,7 +268,7 @@ def test_wrong_map_yaml_is_refused_with_its_exact_message(tmp_path: Path, settin
     assert str(raised.value) == f"{path}: {message}"
 
 
-def test_image_that_breaks_off_is_refused_without_further_words(tmp_path: Path, capfd: pytest.CaptureFixture) -> None:
+def test_image_that_breaks_off_is_rejected_without_further_words(tmp_path: Path, capfd: pytest.CaptureFixture) -> None:
     path = _write(tmp_path, _room(), "image: half.pgm")
     (tmp_path / "half.pgm").write_bytes(b"P5\n60 40\n255\n" + bytes(100))
     with pytest.raises(ScenarioError, match=r"image: 'half\.pgm' cannot be read as an image$"):
@@ -271,14 +277,14 @@ def test_image_that_breaks_off_is_refused_without_further_words(tmp_path: Path, 
 
 
 @pytest.mark.parametrize("side", [6_000, 12_000, 40_000])
-def test_image_of_too_many_pixels_is_refused_by_its_header(tmp_path: Path, side: int) -> None:
+def test_image_of_too_many_pixels_is_rejected_by_its_header(tmp_path: Path, side: int) -> None:
     path = _write(tmp_path, _room(), "image: vast.pgm")
     (tmp_path / "vast.pgm").write_bytes(b"P5\n%d %d\n255\n" % (side, side))
     with pytest.raises(ScenarioError, match=r"image: 'vast.pgm' has more than 25 million pixels$"):
         import_map(path)
 
 
-def test_missing_or_empty_map_yaml_is_refused(tmp_path: Path) -> None:
+def test_missing_or_empty_map_yaml_is_rejected(tmp_path: Path) -> None:
     with pytest.raises(ScenarioError, match=r"nowhere.yaml: there is no such file"):
         import_map(tmp_path / "nowhere.yaml")
     (tmp_path / "empty.yaml").write_text("", encoding="utf-8")

@@ -61,6 +61,7 @@ def _image(channels: int, rows: int = 60, columns: int = 70) -> np.ndarray:
     return image
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("channels", "mode"), [*itertools.product([1, 3, 4], ["trinary", "scale", "raw"])])
 def test_map_has_the_values_of_map_server_cell_by_cell(tmp_path: Path, channels: int, mode: str) -> None:
     image = _image(channels)
@@ -108,6 +109,7 @@ def test_import_needs_no_cache_folder(tmp_path: Path, monkeypatch: pytest.Monkey
     assert import_map(_large_map(tmp_path)).walls
 
 
+@pytest.mark.slow
 def test_processes_that_import_one_image_at_once_get_the_same_plan(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -119,6 +121,7 @@ def test_processes_that_import_one_image_at_once_get_the_same_plan(
     assert [file.suffix for file in (tmp_path / "cache").rglob("*") if file.is_file()] == [".json"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["one_r5", "cumberland", "diag_labs"])
 def test_map_of_a_real_building_is_that_of_map_server_cell_by_cell(name: str) -> None:
     settings = yaml.safe_load((DATA / "maps" / f"{name}.yaml").read_text(encoding="utf-8"))

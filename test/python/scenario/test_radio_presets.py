@@ -72,7 +72,7 @@ def test_signal_of_zigbee_is_lost_at_113_m_in_free_space() -> None:
 @pytest.mark.parametrize(
     ("value", "shown"), [("lroa", "'lroa'"), ("3", "3"), ("[zigbee]", "[zigbee]"), ("bluetooth", "'bluetooth'")]
 )
-def test_unknown_preset_is_refused_in_one_line_that_names_the_known_ones(value: str, shown: str) -> None:
+def test_unknown_preset_is_rejected_in_one_line_that_names_the_known_ones(value: str, shown: str) -> None:
     with pytest.raises(ScenarioError) as caught:
         load("garage_sar", [f"radio.preset={value}"])
     known = "none, wifi_2_4_ghz, wifi_5_ghz, zigbee, lora_868_mhz"
@@ -80,6 +80,6 @@ def test_unknown_preset_is_refused_in_one_line_that_names_the_known_ones(value: 
     assert "\n" not in str(caught.value)
 
 
-def test_thresholds_in_the_wrong_order_are_refused_with_a_preset() -> None:
+def test_thresholds_in_the_wrong_order_are_rejected_with_a_preset() -> None:
     with pytest.raises(ScenarioError, match="endangered_below_dbm: -85 is below lost_below_dbm, -80"):
         load("garage_sar", ["radio.preset=zigbee", "network.lost_below_dbm=-80"])

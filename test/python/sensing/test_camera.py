@@ -12,16 +12,17 @@ from scipy.spatial.transform import Rotation
 from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.recording.bag_types import BagTypes, Ros2Types
-from robotteamsim.recording.ros_messages import robot_transforms
-from robotteamsim.recording.sensor_messages import sensor_topics
+from robotteamsim.recording.topics.robots import robot_transforms
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors import Camera
-from robotteamsim.sensing.readings import FurtherReadings, OdometryReading
+from robotteamsim.sensing.readings import OdometryReading
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world.mujoco.world import MujocoWorld
+
+pytestmark = pytest.mark.slow
 
 PLAN = FloorPlan(name="field", bounds=Bounds(max=(20.0, 10.0)))
 BOX = MovableObject(name="box", size_m=(0.4, 0.4), height_m=0.5, pose=(5.0, 5.0, 0.0))
@@ -30,11 +31,11 @@ COLOUR, DEPTH = Camera(name="colour", every_steps=1), Camera(name="depth", image
 
 def images_of(robot: PlacedRobot, *objects: MovableObject) -> tuple[np.ndarray, ...]:
     world = MujocoWorld(PLAN, [robot], Run(world="mujoco"), objects=objects)
-    return RobotSensors(world, [robot], 1).read()[0].further.images
+    return tuple(RobotSensors(world, [robot], 1).read()[0].sensors.values())
 
 
 def test_depth_is_the_distance_along_the_axis():
-    robot = PlacedRobot(start_pose=(2.0, 5.0, 0.0), cameras=(DEPTH,))
+    robot = PlacedRobot(start_pose=(2.0, 5.0, 0.0), sensors=(DEPTH,))
     (depth_m,) = images_of(robot, BOX)
     assert (depth_m.shape, depth_m.dtype) == ((240, 320), np.float32)
     # The near side of the box, seen from 0.1 m ahead of base_link, in the column of its centre and its edge.
@@ -45,10 +46,10 @@ def test_depth_is_the_distance_along_the_axis():
     assert depth_m[200, 20] == pytest.approx(0.25 * DEPTH.focal_px / 80.5, rel=0.01)
 
 
-def test_what_is_on_the_left_is_on_the_left_of_the_image_and_a_turned_camera_looks_there():
+def test_left_of_the_camera_is_left_in_the_image_and_a_turned_camera_looks_there():
     left = BOX.model_copy(update={"pose": (5.0, 6.0, 0.0)})
     turned = DEPTH.model_copy(update={"name": "turned", "yaw_rad": math.atan2(1.0, 2.9)})
-    robot = PlacedRobot(start_pose=(2.0, 5.0, 0.0), cameras=(COLOUR, turned))
+    robot = PlacedRobot(start_pose=(2.0, 5.0, 0.0), sensors=(COLOUR, turned))
     empty, with_box = images_of(robot), images_of(robot, left)
     assert with_box[0].dtype == np.uint8
     empty, with_box = [(colour, depth[..., None]) for colour, depth in (empty, with_box)]
@@ -58,33 +59,35 @@ def test_what_is_on_the_left_is_on_the_left_of_the_image_and_a_turned_camera_loo
 
 
 def test_images_are_the_same_again():
-    robot = PlacedRobot(start_pose=(2.0, 5.0, 0.3), cameras=(COLOUR, DEPTH))
+    robot = PlacedRobot(start_pose=(2.0, 5.0, 0.3), sensors=(COLOUR, DEPTH))
     first, second = images_of(robot, BOX), images_of(robot, BOX)
     assert [image.tobytes() for image in first] == [image.tobytes() for image in second]
 
 
 def test_camera_takes_every_nth_image():
-    robot = PlacedRobot(start_pose=(2.0, 5.0, 0.0), cameras=(COLOUR.model_copy(update={"every_steps": 3}),))
+    robot = PlacedRobot(start_pose=(2.0, 5.0, 0.0), sensors=(COLOUR.model_copy(update={"every_steps": 3}),))
     world = MujocoWorld(PLAN, [robot], Run(world="mujoco"))
     sensors, taken = RobotSensors(world, [robot], 1), []
     for _ in range(6):
         world.step(np.zeros((1, 3)))
-        taken.append(sensors.read()[0].further.images[0] is not None)
+        taken.append(COLOUR.name in sensors.read()[0].sensors)
     assert taken == [False, False, True] * 2
 
 
 @pytest.mark.parametrize("make", [BagTypes(), Ros2Types()], ids=["ROS 1", "ROS 2"])
 def test_messages_have_the_image_and_the_calibration(make):
-    robot = PlacedRobot(start_pose=(2.0, 5.0, 0.0), cameras=(COLOUR, DEPTH))
+    robot = PlacedRobot(start_pose=(2.0, 5.0, 0.0), sensors=(COLOUR, DEPTH))
     world = MujocoWorld(PLAN, [robot], Run(world="mujoco"), objects=(BOX,))
-    further = RobotSensors(world, [robot], 1).read()[0].further
-    topics = {topic.name: topic.message(make, 5, 0, further) for topic in sensor_topics(robot)}
+    readings = RobotSensors(world, [robot], 1).read()[0].sensors
+    topics = {}
+    for camera in robot.sensors:
+        topics |= camera.messages(make, 5, 0, readings[camera.name])
     assert list(topics) == ["colour/image", "colour/camera_info", "depth/image", "depth/camera_info"]
     image, depth, info = topics["colour/image"], topics["depth/image"], topics["colour/camera_info"]
     assert (image.encoding, image.step, image.header.frame_id) == ("rgb8", 960, "robot_0/colour_optical_frame")
-    assert bytes(image.data) == further.images[0].tobytes()
+    assert bytes(image.data) == readings["colour"].tobytes()
     assert (depth.encoding, depth.step) == ("32FC1", 1280)
-    assert np.frombuffer(bytes(depth.data), "<f4").tolist() == further.images[1].ravel().tolist()
+    assert np.frombuffer(bytes(depth.data), "<f4").tolist() == readings["depth"].ravel().tolist()
     matrix = info.K if hasattr(info, "K") else info.k
     assert list(matrix) == pytest.approx([160 / math.tan(0.6), 0, 160, 0, 160 / math.tan(0.6), 120, 0, 0, 1])
 
@@ -92,12 +95,11 @@ def test_messages_have_the_image_and_the_calibration(make):
 def test_point_of_known_place_is_projected_to_its_pixel():
     """From `map` by the transforms of tf and the calibration of CameraInfo; the image has the box there."""
     make, camera = BagTypes(), DEPTH.model_copy(update={"yaw_rad": 0.3, "left_m": 0.05, "height_m": 0.6})
-    robot = PlacedRobot(start_pose=(2.0, 4.0, 0.2), cameras=(camera,))
+    robot = PlacedRobot(start_pose=(2.0, 4.0, 0.2), sensors=(camera,))
     (depth_m,), (empty_m,) = images_of(robot, BOX), images_of(robot)
     reading = OdometryReading(PoseReading(2.0, 4.0, math.sin(0.1), math.cos(0.1)), Twist())  # as if `odom` were `map`
     links = {link.child_frame_id: link for link in robot_transforms(make, 0, 0, robot, reading)}
-    topics = {topic.name: topic for topic in sensor_topics(robot)}
-    info = topics["depth/camera_info"].message(make, 0, 0, FurtherReadings(images=(depth_m,)))
+    info = camera.messages(make, 0, 0, depth_m)["depth/camera_info"]
     frame, place_of_camera = info.header.frame_id, np.eye(4)
     while frame in links:
         place_of_camera = matrix_of(links[frame].transform) @ place_of_camera
@@ -127,15 +129,16 @@ def matrix_of(transform) -> np.ndarray:
 def test_computer_that_cannot_draw_is_one_line():
     code = (
         "from robotteamsim.cli import main\n"
-        "main(['run', 'garage_sar', '--set', 'run.world=mujoco', '--set', 'robots.cameras=[{name: front}]'])"
+        "main(['run', 'garage_sar', '--set', 'run.world=mujoco', "
+        "'--set', 'robots.sensors=[{kind: camera, name: front}]'])"
     )
     command = [sys.executable, "-c", code]
     done = subprocess.run(command, capture_output=True, text=True, env=os.environ | {"MUJOCO_GL": "off"}, check=False)
-    assert done.stderr.splitlines()[-1].startswith("robotteamsim: robots.cameras: no image can be drawn")
+    assert done.stderr.splitlines()[-1].startswith("robotteamsim: robots.sensors: no image can be drawn")
     assert "apt-get install libegl1" in done.stderr
     assert "Traceback" not in done.stderr
 
 
 def test_camera_in_the_plane_is_rejected():
-    with pytest.raises(ScenarioError, match=r"robots\.cameras: need run\.world mujoco, not box2d$"):
-        load("garage_sar", ["robots.cameras=[{name: front}]"])
+    with pytest.raises(ScenarioError, match=r"robots\.sensors\.0: camera 'front' needs run\.world mujoco, not box2d"):
+        load("garage_sar", ["robots.sensors=[{kind: camera, name: front}]"])

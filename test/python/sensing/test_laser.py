@@ -51,6 +51,7 @@ def shapely_range(scene: shapely.Geometry, origin: Pose, angle_rad: float, range
     return range_max_m if hit.is_empty else hit.distance(shapely.Point(origin.x_m, origin.y_m))
 
 
+@pytest.mark.slow
 def test_ranges_are_those_that_shapely_finds():
     generator = np.random.default_rng(11)
     model = LaserModel(beams=61, angle_min_rad=-2.5, angle_max_rad=3.0, range_min_m=0.0, forward_m=0.1)
@@ -71,7 +72,7 @@ def test_ranges_are_those_that_shapely_finds():
             np.testing.assert_allclose(scans[robot_id], expected_m, atol=1e-4)
 
 
-def test_no_return_and_too_near_read_as_the_model_says():
+def test_no_return_and_too_near_read_as_in_the_model():
     plan = FloorPlan(
         name="wall", bounds=Bounds(max=(20.0, 10.0)), walls=(Wall(name="w", start=(4.1, 1.0), end=(4.1, 9.0)),)
     )

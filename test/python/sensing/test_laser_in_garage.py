@@ -16,6 +16,8 @@ from robotteamsim.sensing.laser import Laser
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
 
+pytestmark = pytest.mark.slow
+
 WALL_AHEAD = FloorPlan(
     name="wall ahead", bounds=Bounds(max=(20.0, 20.0)), walls=(Wall(name="w", start=(6.0, 0.0), end=(6.0, 20.0)),)
 )
@@ -69,7 +71,7 @@ def test_ranges_in_the_garage_are_those_of_exact_intersections(scattered_robots,
     assert returns > 25 * model.beams / 10
 
 
-def test_robots_see_each_other_at_hand_worked_ranges():
+def test_ranges_between_robots_equal_the_hand_calculation():
     # Face to face, 3 m apart: 3 m less a laser 0.1 m ahead of the middle and a radius of 0.2 m.
     robots = [PlacedRobot(start_pose=(1.0, 5.0, 0.0)), PlacedRobot(start_pose=(4.0, 5.0, math.pi))]
     world = World(WALL_AHEAD, robots, Run())
@@ -91,7 +93,7 @@ def test_wall_ahead_returns_its_distance_over_the_cosine_until_range_max():
     assert (ranges_m[151:] == 5.0).all()
 
 
-def test_robot_that_moves_on_sees_what_is_there_now():
+def test_moved_robot_senses_its_new_place():
     world = World(WALL_AHEAD, [PlacedRobot(start_pose=(3.3, 10.0, 0.0))], Run())
     laser, generator = Laser(LaserModel(), world), np.random.default_rng(1)
     laser.scan([0], [generator])

@@ -9,8 +9,7 @@ from scipy.spatial.transform import Rotation
 from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.recording.bag_types import BagTypes
-from robotteamsim.recording.ros_messages import robot_transforms
-from robotteamsim.recording.sensor_messages import sensor_topics
+from robotteamsim.recording.topics.robots import robot_transforms
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan
 from robotteamsim.scenario.mujoco import Light, Mujoco
@@ -20,6 +19,7 @@ from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors import Camera, LightSensor
 from robotteamsim.sensing.readings import OdometryReading
 from robotteamsim.sensing.robots import RobotSensors
+from robotteamsim.simulation.stages import ScheduleStage
 from robotteamsim.world import World
 from robotteamsim.world.mujoco.world import MujocoWorld
 
@@ -27,7 +27,7 @@ SCREEN = Door(name="screen", start=(5.0, 0.0), end=(5.0, 10.0))
 PLAN = FloorPlan(name="field", bounds=Bounds(max=(20.0, 10.0)), doors=(SCREEN,))
 UP, AHEAD = LightSensor(name="up", height_m=0.4), LightSensor(name="ahead", height_m=0.4, pitch_rad=0.0)
 LEFT = LightSensor(name="left", height_m=0.4, pitch_rad=0.0, yaw_rad=0.5 * math.pi)
-ROBOT = PlacedRobot(start_pose=(2.0, 5.0, 0.0), light_sensors=(UP, AHEAD, LEFT))
+ROBOT = PlacedRobot(start_pose=(2.0, 5.0, 0.0), sensors=(UP, AHEAD, LEFT))
 LAMP = Light(name="lamp", position=(6.0, 5.0), height_m=3.4, intensity_cd=100.0)
 
 
@@ -36,7 +36,7 @@ def world_of(*lights, **keys):
 
 
 def read_lx(world):
-    return RobotSensors(world, [ROBOT], 1).read()[0].further.lights_lx
+    return tuple(RobotSensors(world, [ROBOT], 1).read()[0].sensors.values())
 
 
 def test_illuminance_follows_the_inverse_square_and_the_cosine():
@@ -75,8 +75,10 @@ def test_closed_door_and_high_object_hide_a_lamp_and_a_low_object_does_not():
 
 def test_schedule_switches_lights():
     off = ScheduledEvent(at_s=0.3, light="lamp", lit=False)
-    world, seen = world_of(LAMP, schedule=(off,)), []
+    world, seen = world_of(LAMP), []
+    schedule = ScheduleStage((off,), world)
     for _ in range(5):
+        schedule.step(world.sim_time_ns)
         world.step([Twist()])
         seen.append(read_lx(world)[1] > 0.0)
     assert seen == [True, True, True, False, False]
@@ -84,9 +86,10 @@ def test_schedule_switches_lights():
 
 def test_message_has_the_axis_as_x_axis_of_its_frame():
     make, world = BagTypes(), world_of(LAMP)
-    further = RobotSensors(world, [ROBOT], 1).read()[0].further
-    message = next(topic for topic in sensor_topics(ROBOT) if topic.name == "left").message(make, 5, 0, further)
-    assert (message.illuminance, message.header.frame_id) == (further.lights_lx[2], "robot_0/left_link")
+    left_lx = read_lx(world)[2]
+    message = LEFT.message(make, 5, 0, left_lx)
+    assert (message.illuminance, message.header.frame_id) == (left_lx, "robot_0/left_link")
+    assert LEFT.reading(message) == pytest.approx(left_lx)
     links = robot_transforms(make, 0, 0, ROBOT, OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist()))
     axes = {}
     for link in links[-3:]:
@@ -97,13 +100,14 @@ def test_message_has_the_axis_as_x_axis_of_its_frame():
     assert axes["robot_0/left_link"] == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)
 
 
+@pytest.mark.slow
 def test_camera_sees_less_in_the_dark():
-    robot = ROBOT.model_copy(update={"cameras": (Camera(name="front", every_steps=1),)})
+    robot = ROBOT.model_copy(update={"sensors": (Camera(name="front", every_steps=1),)})
     world = MujocoWorld(PLAN, [robot], Run(world="mujoco", mujoco=Mujoco(lights=(LAMP,))))
     means = []
     for lit in (True, False, True):
         world.set_light("lamp", lit)
-        means.append(float(np.mean(world.scene.image(0, robot.cameras[0]))))
+        means.append(float(np.mean(world.image(0, robot.sensors[0]))))
     assert means[0] == means[2]
     assert means[1] < 0.9 * means[0]
 
@@ -111,7 +115,10 @@ def test_camera_sees_less_in_the_dark():
 @pytest.mark.parametrize(
     ("keys", "message"),
     [
-        (["robots.light_sensors=[{name: up}]"], "robots.light_sensors: need run.world mujoco, not box2d"),
+        (
+            ["robots.sensors=[{kind: light, name: up}]"],
+            "robots.sensors.0: light 'up' needs run.world mujoco, not box2d",
+        ),
         (["run.mujoco.lights=[{name: a, position: [4, 5]}]"], "run.mujoco.lights: need run.world mujoco, not box2d"),
         (
             ["run.world=mujoco", "run.mujoco.lights=[{name: a, position: [400, 5]}]"],
@@ -126,7 +133,7 @@ def test_camera_sees_less_in_the_dark():
     ],
     ids=["sensor in the plane", "lamp in the plane", "outside", "twice", "unknown", "no state"],
 )
-def test_light_that_cannot_be_is_one_line(keys, message):
+def test_invalid_light_is_one_line(keys, message):
     with pytest.raises(ScenarioError, match=message):
         load("garage_sar", keys)
 

@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+from robotteamsim._core.sensing import OdometryState
 
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.scenario.sections import Odometry as OdometryModel
@@ -9,6 +10,8 @@ from robotteamsim.sensing.odometry import TeamOdometry
 from robotteamsim.sensing.readings import OdometryReading
 
 STEP_S = 0.1
+YAW_YAW = -1
+"""The place of the yaw's variance in a covariance: the last one."""
 EXACT = OdometryModel(alpha1=0.0, alpha2=0.0, alpha3=0.0, alpha4=0.0)
 MODEL = OdometryModel(alpha1=0.04, alpha2=0.01, alpha3=0.02, alpha4=0.03)
 
@@ -22,8 +25,8 @@ class Odometry:
     def step(self, motion: Pose, twist: Twist) -> OdometryReading:
         motions = np.array([[motion.x_m, motion.y_m, motion.yaw_rad]])
         twists = np.array([[twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps]])
-        row = self._team.step(motions, twists)[0].tolist()
-        return OdometryReading(PoseReading(*row[:4]), Twist(*row[4:7]))
+        (reading,) = self._team.step(motions, twists).readings()
+        return reading
 
 
 def arc(speed_mps: float, turn_radps: float) -> tuple[Pose, Twist]:
@@ -42,7 +45,7 @@ def last_pose(motion: Pose, twist: Twist, steps: int, model: OdometryModel = MOD
 
 
 @pytest.mark.parametrize("speed_mps", [0.5, -0.5])
-def test_odometry_without_noise_is_the_true_way(speed_mps):
+def test_odometry_without_noise_is_the_true_path(speed_mps):
     motion, twist = arc(speed_mps, 0.8)
     true = Pose(0.0, 0.0, 0.0)
     robot = Odometry(EXACT)
@@ -60,7 +63,7 @@ def test_odometry_without_noise_follows_a_robot_that_slides_sideways():
     assert (pose.x_m, pose.y_m, pose.yaw_rad) == pytest.approx((0.01, -0.03, 0.1), abs=1e-12)
 
 
-def test_odometry_of_a_robot_that_stands_still_stands_still():
+def test_odometry_of_a_robot_at_rest_does_not_move():
     pose = last_pose(Pose(0.0, 0.0, 0.0), Twist(), steps=500)
     assert pose == Pose(0.0, 0.0, 0.0)
 
@@ -87,22 +90,22 @@ def test_drift_of_a_turn_on_the_spot_has_the_models_variances():
 
 @pytest.mark.parametrize("omni", [False, True])
 @pytest.mark.parametrize(("x_m", "y_m"), [(0.0, -0.0), (-0.0, 0.0), (-0.0, -0.0)])
-def test_turn_on_the_spot_is_charged_once_whatever_the_sign_of_its_zeros(x_m, y_m, omni):
+def test_turn_on_the_spot_adds_noise_once_for_any_sign_of_zero(x_m, y_m, omni):
     # 100 turns of 0.05 rad: the yaw variance is 100 * alpha1 * 0.05^2 = 0.01 rad^2.
     turn = (Pose(x_m, y_m, 0.05), Twist(0.0, 0.0, 0.5))
     usual = (Pose(0.0, 0.0, 0.05), Twist(0.0, 0.0, 0.5))
     readings = drive([turn] * 100, MODEL, robots=3, omni=omni)
-    assert readings[:, 12] == pytest.approx([0.01] * 3, rel=1e-12)
-    assert readings.tolist() == drive([usual] * 100, MODEL, robots=3, omni=omni).tolist()
+    assert [row[YAW_YAW] for row in readings.pose_covariance] == pytest.approx([0.01] * 3, rel=1e-12)
+    assert readings.readings() == drive([usual] * 100, MODEL, robots=3, omni=omni).readings()
 
 
 @pytest.mark.parametrize(("x_m", "y_m"), [(1e-5, 1e-5), (-1e-5, 1e-5), (7e-6, -1e-5)])
 def test_turn_on_the_spot_is_charged_once_however_the_wheels_slip(x_m, y_m):
     readings = drive([(Pose(x_m, y_m, 0.05), Twist(0.0, 0.0, 0.5))] * 100, MODEL)
-    assert readings[0, 12] == pytest.approx(0.01, rel=1e-4)
+    assert readings.pose_covariance[0, YAW_YAW] == pytest.approx(0.01, rel=1e-4)
 
 
-def test_drift_has_no_bias_over_a_long_straight_way():
+def test_drift_has_no_bias_over_a_long_straight_path():
     motion, twist = arc(0.5, 0.0)
     model = OdometryModel(alpha1=0.0, alpha2=0.0, alpha3=0.02, alpha4=0.0)
     ends_m = np.array([last_pose(motion, twist, steps=100, model=model, seed=seed).x_m for seed in range(400)])
@@ -126,8 +129,10 @@ def test_twist_carries_the_noise_of_the_pose():
     assert reading.twist != twist
 
 
-def drive(ways: list[tuple[Pose, Twist]], model: OdometryModel, robots: int = 1, *, omni: bool = False) -> np.ndarray:
-    """Return the last readings of robots that made the same ways, shape (robots, 16)."""
+def drive(
+    ways: list[tuple[Pose, Twist]], model: OdometryModel, robots: int = 1, *, omni: bool = False
+) -> OdometryState:
+    """Return the last readings of robots that made the same ways."""
     generators = [np.random.default_rng([5, seed]) for seed in range(robots)]
     team = TeamOdometry([model] * robots, STEP_S, generators, [omni] * robots)
     for motion, twist in ways:
@@ -145,6 +150,7 @@ SLANTED = [(Pose(-0.03, 0.04, 0.05), Twist(-0.28, 0.41, 0.5))] * 60
 SLOW_DRIFT = OdometryModel(alpha1=0.004, alpha2=0.002, alpha3=0.02, alpha4=0.001)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "ways",
     [
@@ -158,10 +164,11 @@ SLOW_DRIFT = OdometryModel(alpha1=0.004, alpha2=0.002, alpha3=0.02, alpha4=0.001
     ],
     ids=["straight", "back", "corner", "out_and_home", "corner_back", "circle", "pushed_aside"],
 )
-def test_covariance_is_the_scatter_of_many_drifts_of_the_same_way(ways):
+def test_covariance_is_the_scatter_of_many_drifts_along_the_same_path(ways):
     check_scatter(drive(ways, SLOW_DRIFT, robots=8000), ways)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "ways",
     [STRAIGHT, ASIDE, TURN + STRAIGHT + ASIDE, SLANTED, SLANTED + TURN + BACK],
@@ -171,17 +178,16 @@ def test_covariance_of_an_omnidirectional_robot_is_the_scatter_of_its_drifts(way
     check_scatter(drive(ways, SLOW_DRIFT, robots=8000, omni=True), ways)
 
 
-def check_scatter(readings: np.ndarray, ways: list[tuple[Pose, Twist]]) -> None:
-    yaws_rad = 2.0 * np.arctan2(readings[:, 2], readings[:, 3])
+def check_scatter(readings: OdometryState, ways: list[tuple[Pose, Twist]]) -> None:
+    x_m, y_m, qz, qw = readings.pose.T
+    yaws_rad = 2.0 * np.arctan2(qz, qw)
     true = Pose(0.0, 0.0, 0.0)
     for motion, _ in ways:
         true = true @ motion
-    errors = np.column_stack(
-        [readings[:, 0] - true.x_m, readings[:, 1] - true.y_m, np.angle(np.exp(1j * (yaws_rad - true.yaw_rad)))]
-    )
+    errors = np.column_stack([x_m - true.x_m, y_m - true.y_m, np.angle(np.exp(1j * (yaws_rad - true.yaw_rad)))])
     scatter = errors.T @ errors / len(errors)
     published = np.zeros((3, 3))
-    published[np.triu_indices(3)] = readings[:, 7:13].mean(axis=0)
+    published[np.triu_indices(3)] = readings.pose_covariance.mean(axis=0)
     published += np.triu(published, 1).T
     # The entries of a covariance of 8000 samples are known to 1.6 %; the second order leaves some more.
     sigma = np.sqrt(np.diag(scatter))
@@ -189,18 +195,19 @@ def check_scatter(readings: np.ndarray, ways: list[tuple[Pose, Twist]]) -> None:
     np.testing.assert_allclose(published / np.outer(sigma, sigma), scatter / np.outer(sigma, sigma), atol=0.07)
 
 
-def test_covariance_of_one_straight_way_is_that_worked_by_hand():
+def test_covariance_of_one_straight_path_equals_the_hand_calculation():
     # 60 steps of l = 0.06 m; each of its turns has the variance q = alpha2 l^2 and moves the end by its lever.
     exact_distance = OdometryModel(alpha1=0.0, alpha2=1e-6, alpha3=0.0, alpha4=0.0)
     step_m, q = 0.06, 1e-6 * 0.06**2
     lever_m = step_m * np.arange(60, 0, -1)  # of the first turn of each step, to the end
     yy = q * np.sum(lever_m**2) + q * np.sum((lever_m - step_m) ** 2)
     y_yaw = q * np.sum(lever_m) + q * np.sum(lever_m - step_m)
-    covariance = drive(STRAIGHT, exact_distance)[0, 7:13]
+    covariance = drive(STRAIGHT, exact_distance).pose_covariance[0]
     assert covariance[3:] == pytest.approx([yy, y_yaw, 120 * q], rel=1e-3)
     assert np.abs(covariance[:3]).max() < 1e-3 * yy
     along = OdometryModel(alpha1=0.0, alpha2=0.0, alpha3=0.01, alpha4=0.0)
-    assert drive(STRAIGHT, along)[0, 7:13] == pytest.approx([60 * 0.01 * step_m**2, 0, 0, 0, 0, 0], rel=1e-9, abs=1e-15)
+    covariance = drive(STRAIGHT, along).pose_covariance[0]
+    assert covariance == pytest.approx([60 * 0.01 * step_m**2, 0, 0, 0, 0, 0], rel=1e-9, abs=1e-15)
 
 
 def test_covariance_is_symmetric_positive_and_never_shrinks_in_yaw():
@@ -209,50 +216,52 @@ def test_covariance_is_symmetric_positive_and_never_shrinks_in_yaw():
     yaw_variance = 0.0
     for _ in range(500):
         motion, twist = arc(generator.uniform(-0.7, 0.7), generator.uniform(-2.0, 2.0))
-        row = team.step(
+        published = team.step(
             np.array([[motion.x_m, motion.y_m, motion.yaw_rad]]),
             np.array([[twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps]]),
-        )[0]
+        ).pose_covariance[0]
         covariance = np.zeros((3, 3))
-        covariance[np.triu_indices(3)] = row[7:13]
+        covariance[np.triu_indices(3)] = published
         eigenvalues = np.linalg.eigvalsh(covariance, UPLO="U")
         assert eigenvalues.min() > -1e-12 * eigenvalues.max()
-        assert row[12] > yaw_variance
-        yaw_variance = row[12]
+        assert published[YAW_YAW] > yaw_variance
+        yaw_variance = published[YAW_YAW]
 
 
 def test_twist_variances_are_the_scatter_of_the_twist():
     motion, twist = arc(0.5, 0.7)
     readings = drive([(motion, twist)], MODEL, robots=8000)
-    assert np.unique(readings[:, 13:], axis=0).shape == (1, 3)
-    assert readings[:, [4, 6]].var(axis=0) == pytest.approx(readings[0, [13, 15]], rel=0.08)
-    assert readings[:, 5].var() == readings[0, 14] == 0.0
+    assert np.unique(readings.twist_variances, axis=0).shape == (1, 3)
+    of_forward, of_left, of_turn = readings.twist_variances[0]
+    assert readings.twist.var(axis=0) == pytest.approx([of_forward, 0.0, of_turn], rel=0.08, abs=0.0)
+    assert of_left == 0.0
 
 
-def test_exact_odometry_and_a_robot_that_stands_have_no_covariance():
-    assert drive(STRAIGHT + TURN, EXACT)[0, 7:].tolist() == [0.0] * 9
-    assert drive([(Pose(0.0, 0.0, 0.0), Twist())] * 50, MODEL)[0, 7:].tolist() == [0.0] * 9
+def test_exact_odometry_and_a_robot_at_rest_have_zero_covariance():
+    for state in (drive(STRAIGHT + TURN, EXACT), drive([(Pose(0.0, 0.0, 0.0), Twist())] * 50, MODEL)):
+        assert not state.pose_covariance.any()
+        assert not state.twist_variances.any()
 
 
-def test_omnidirectional_robot_errs_to_the_side_as_along_its_way():
+def test_omnidirectional_robot_errs_to_the_side_as_along_its_path():
     # One step: l = 0.06 m to the left while turning by 0.1 rad.
     motion, twist = Pose(0.0, 0.06, 0.1), Twist(0.03, 0.6, 1.0)
     readings = drive([(motion, twist)], MODEL, robots=8000, omni=True)
     way_m2, turn_rad2 = 0.02 * 0.06**2 + 0.03 * 0.1**2, 0.04 * 0.1**2 + 0.01 * 0.06**2
-    assert readings[0, 7:13] == pytest.approx([way_m2, 0.0, 0.0, way_m2, 0.0, turn_rad2], rel=1e-9, abs=1e-15)
-    errors = readings[:, :2] - (0.0, 0.06)
+    assert readings.pose_covariance[0] == pytest.approx([way_m2, 0.0, 0.0, way_m2, 0.0, turn_rad2], rel=1e-9, abs=1e-15)
+    errors = readings.pose[:, :2] - (0.0, 0.06)
     assert np.cov(errors.T) == pytest.approx(np.diag([way_m2, way_m2]), abs=0.05 * way_m2)
     assert errors.mean(axis=0) == pytest.approx([0.0, 0.0], abs=4.0 * math.sqrt(way_m2 / 8000))
-    assert readings[0, 13:] == pytest.approx(np.array([way_m2, way_m2, turn_rad2]) / STEP_S**2)
-    assert readings[:, 4:7].var(axis=0) == pytest.approx(readings[0, 13:], rel=0.08)
-    assert readings[:, 4:7].mean(axis=0) == pytest.approx([0.03, 0.6, 1.0], abs=0.01)
+    assert readings.twist_variances[0] == pytest.approx(np.array([way_m2, way_m2, turn_rad2]) / STEP_S**2)
+    assert readings.twist.var(axis=0) == pytest.approx(readings.twist_variances[0], rel=0.08)
+    assert readings.twist.mean(axis=0) == pytest.approx([0.03, 0.6, 1.0], abs=0.01)
 
 
-def test_omnidirectional_odometry_without_noise_is_the_true_way_and_stands_with_the_robot():
+def test_omnidirectional_odometry_without_noise_is_the_true_path_and_stops_with_the_robot():
     true = Pose(0.0, 0.0, 0.0)
     for motion, _ in SLANTED:
         true = true @ motion
-    x_m, y_m, qz, qw = drive(SLANTED, EXACT, omni=True)[0, :4]
+    x_m, y_m, qz, qw = drive(SLANTED, EXACT, omni=True).pose[0]
     assert (x_m, y_m, 2.0 * math.atan2(qz, qw)) == pytest.approx((true.x_m, true.y_m, true.yaw_rad), abs=1e-9)
-    still = drive([(Pose(0.0, 0.0, 0.0), Twist())] * 50, MODEL, omni=True)[0]
-    assert still.tolist() == [0.0, 0.0, 0.0, 1.0] + [0.0] * 12
+    still = drive([(Pose(0.0, 0.0, 0.0), Twist())] * 50, MODEL, omni=True)
+    assert still.readings() == [OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())]

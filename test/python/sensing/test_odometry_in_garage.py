@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario import Bounds, FloorPlan, Wall, load
 from robotteamsim.scenario.sections import Odometry as OdometryModel
 from robotteamsim.scenario.sections import PlacedRobot, Run
@@ -27,7 +27,7 @@ def random_twists(count: int, generator: np.random.Generator) -> list[Twist]:
     ]
 
 
-def test_without_noise_it_is_the_true_way_to_a_nanometre_over_five_minutes_of_collisions(scattered_robots):
+def test_odometry_without_noise_is_exact_to_a_nanometre_over_five_minutes_of_collisions(scattered_robots):
     plan = load("garage_sar").plan
     generator = np.random.default_rng(31)
     robots = scattered_robots(plan, 20, generator, odometry=EXACT)
@@ -47,13 +47,13 @@ def test_without_noise_it_is_the_true_way_to_a_nanometre_over_five_minutes_of_co
     assert len(touched) >= 10
 
 
-def test_motions_of_another_number_of_robots_are_refused():
+def test_motions_of_another_number_of_robots_are_rejected():
     odometry = TeamOdometry([MODEL] * 2, 0.1, [np.random.default_rng(seed) for seed in range(2)])
     with pytest.raises(ValueError, match="one row of three numbers per robot"):
         odometry.step(np.zeros((1, 3)), np.zeros((1, 3)))
 
 
-def test_robot_that_slides_along_a_wall_reckons_with_the_way_it_really_went():
+def test_odometry_of_a_robot_that_slides_along_a_wall_is_its_true_path():
     robots = [PlacedRobot(start_pose=(5.0, 2.8, 0.5), odometry=EXACT)]
     world = World(CORRIDOR, robots, Run())
     sensors = RobotSensors(world, robots, seed=1)
@@ -94,7 +94,7 @@ def test_drift_along_an_arc_has_the_variances_of_the_formula(speed_mps):
     team = TeamOdometry([MODEL] * samples, 0.1, [np.random.default_rng(seed) for seed in range(samples)])
     motions = np.tile([way.x_m, way.y_m, way.yaw_rad], (samples, 1))
     twists = np.tile([speed_mps, 0.0, 20.0 * half_rad], (samples, 1))
-    ends = [PoseReading(*row[:4]).pose for row in team.step(motions, twists).tolist()]
+    ends = [reading.pose.pose for reading in team.step(motions, twists).readings()]
     expected = {
         "length": MODEL.alpha3 * chord_m**2 + MODEL.alpha4 * 2.0 * half_rad**2,
         "yaw": 2.0 * (MODEL.alpha1 * half_rad**2 + MODEL.alpha2 * chord_m**2),
@@ -112,7 +112,7 @@ def test_drift_along_an_arc_has_the_variances_of_the_formula(speed_mps):
     assert measured["yaw"].mean() == pytest.approx(2.0 * half_rad, abs=5.0 * math.sqrt(expected["yaw"] / samples))
 
 
-def test_drifts_of_two_robots_on_the_same_way_are_not_related():
+def test_drifts_of_two_robots_on_the_same_path_are_independent():
     robots = [PlacedRobot(start_pose=(1.0, 0.5 + i, 0.0), odometry=MODEL) for i in range(2)]
     world = World(CORRIDOR, robots, Run())
     sensors = RobotSensors(world, robots, seed=6)

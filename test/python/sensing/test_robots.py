@@ -46,7 +46,7 @@ def same(first: list[list[RobotReading]], second: list[list[RobotReading]]) -> b
     )
 
 
-def test_reading_carries_what_the_world_knows():
+def test_reading_contains_the_values_of_the_world():
     world, _, record = run(team(), steps=5)
     reading = record[-1][1]
     assert reading.ground_truth == PoseReading.from_pose(world.poses()[1])
@@ -55,7 +55,7 @@ def test_reading_carries_what_the_world_knows():
     assert (reading.ranges_m.dtype, reading.ranges_m.shape) == (np.float32, (181,))
 
 
-def test_odometry_of_a_blocked_robot_stands_still_as_it_does():
+def test_odometry_of_a_blocked_robot_does_not_move():
     robots = [PlacedRobot(start_pose=(5.5, 5.0, 0.0), odometry=DRIFT)]
     world = World(PLAN, robots, Run())
     sensors = RobotSensors(world, robots, 1)

@@ -8,9 +8,8 @@ from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
 from robotteamsim.scenario.plan import obstacles
 from robotteamsim.scenario.sections import PlacedRobot, Run
-from robotteamsim.scenario.sensors import Sonar as SonarModel
+from robotteamsim.scenario.sensors import Sonar
 from robotteamsim.sensing.robots import RobotSensors
-from robotteamsim.sensing.sonar import Sonar
 from robotteamsim.world import World
 
 WALL = FloorPlan(
@@ -31,34 +30,36 @@ def world_of(plan: FloorPlan, *poses: Pose) -> World:
     return World(plan, robots, Run())
 
 
-def read(model: SonarModel, world: World, robot_id: int = 0) -> float:
-    return Sonar(model, world).read(robot_id, np.random.default_rng(1))
+def read(model: Sonar, world: World, robot_id: int = 0) -> float:
+    robots = [PlacedRobot(start_pose=(0.0, 0.0, 0.0), sensors=(model,))] * world.num_robots
+    return float(RobotSensors(world, robots, seed=1).read()[robot_id].sensors[model.name])
 
 
 def test_sonar_that_looks_straight_at_a_wall_reads_its_distance():
-    model = SonarModel(name="s", forward_m=0.2, range_max_m=3.0)
+    model = Sonar(name="s", forward_m=0.2, range_max_m=3.0)
     assert read(model, world_of(WALL, Pose(8.0, 5.0, 0.0))) == pytest.approx(10.0 - 8.2, abs=1e-6)
 
 
 def test_sonar_that_looks_at_a_wall_askew_reads_its_nearest_edge():
     # The cone reaches from 0.6 - 0.25 to 0.6 + 0.25 off the normal.
-    model = SonarModel(name="s", opening_rad=0.5, yaw_rad=0.6)
+    model = Sonar(name="s", opening_rad=0.5, yaw_rad=0.6)
     assert read(model, world_of(WALL, Pose(8.0, 5.0, 0.0))) == pytest.approx(2.0 / math.cos(0.35), abs=1e-6)
     narrow = model.model_copy(update={"opening_rad": 0.02})
     assert read(narrow, world_of(WALL, Pose(8.0, 5.0, 0.0))) == pytest.approx(2.0 / math.cos(0.59), abs=1e-6)
 
 
 def test_sonar_reads_its_limits_beyond_them():
-    model = SonarModel(name="s", range_min_m=0.5, range_max_m=1.5)
+    model = Sonar(name="s", range_min_m=0.5, range_max_m=1.5)
     ranges_m = [read(model, world_of(WALL, Pose(10.0 - distance_m, 5.0, 0.0))) for distance_m in (0.3, 1.0, 1.6)]
     assert ranges_m == pytest.approx([0.5, 1.0, 1.5], abs=1e-6)
 
 
+@pytest.mark.slow
 def test_sonar_reads_the_nearest_point_of_its_cone_that_shapely_finds():
     generator = np.random.default_rng(4)
     plan = boxes(generator)
     solid = obstacles(plan)
-    model = SonarModel(name="s", forward_m=0.1, left_m=-0.1, yaw_rad=2.0, opening_rad=0.6, rays=400, range_max_m=4.0)
+    model = Sonar(name="s", forward_m=0.1, left_m=-0.1, yaw_rad=2.0, opening_rad=0.6, rays=400, range_max_m=4.0)
     checked = 0
     while checked < 60:
         x, y = generator.uniform((0.5, 0.5), (19.5, 9.5))
@@ -79,20 +80,20 @@ def test_sonar_reads_the_nearest_point_of_its_cone_that_shapely_finds():
 def test_sonar_sees_robots_but_not_its_own():
     world = world_of(WALL, Pose(5.0, 5.0, 0.0), Pose(6.5, 5.1, 0.0))
     expected_m = math.hypot(1.5, 0.1) - 0.2
-    assert read(SonarModel(name="s", rays=501), world) == pytest.approx(expected_m, abs=1e-4)
+    assert read(Sonar(name="s", rays=501), world) == pytest.approx(expected_m, abs=1e-4)
 
 
 def test_noise_of_a_sonar_has_its_deviation_and_a_stream_of_its_own():
-    ring = tuple(SonarModel(name=f"s{i}", noise_m=0.02, yaw_rad=0.1 * i) for i in range(2))
+    ring = tuple(Sonar(name=f"s{i}", noise_m=0.02, yaw_rad=0.1 * i) for i in range(2))
 
-    def run(*sonars: SonarModel) -> np.ndarray:
-        robots = [PlacedRobot(start_pose=(8.0, 5.0, 0.0), sonars=sonars)]
+    def run(*sonars: Sonar) -> np.ndarray:
+        robots = [PlacedRobot(start_pose=(8.0, 5.0, 0.0), sensors=sonars)]
         world = World(WALL, robots, Run())
         sensors = RobotSensors(world, robots, seed=2)
         record = []
         for _ in range(2000):
             world.step([Twist()])
-            record.append(sensors.read()[0].further.sonars_m)
+            record.append(list(sensors.read()[0].sensors.values()))
         return np.array(record)
 
     both = run(*ring)

@@ -78,19 +78,19 @@ def test_silenced_victim_leaves_the_map_and_calls_again_when_set(plan):
 
 def test_changes_count_what_changes_the_map_and_nothing_else(plan):
     sensor = VoiceSensor(plan, Voice(), [_ANN, _BOB], seed=1)
-    start = sensor.changes
+    start = sensor.version
     sensor.set_silenced([])
     sensor.set_noise_db(10.0)
     sensor.set_door("gate", False)
     sensor.set_victim("ann", (3.0, 3.0))
-    assert sensor.changes == start
+    assert sensor.version == start
     sensor.set_silenced(["bob", "ann"])
     sensor.set_silenced(["ann", "bob"])
-    assert sensor.changes == start + 1
+    assert sensor.version == start + 1
     sensor.set_noise_db(20.0)
     sensor.set_door("gate", True)
     sensor.set_victim("cleo", (5.0, 5.0))
-    assert sensor.changes == start + 4
+    assert sensor.version == start + 4
 
 
 def test_map_is_kept_until_a_change(plan):
@@ -109,7 +109,7 @@ def test_moved_victim_calls_from_the_new_place_as_loud_as_before(plan):
     assert sensor.read((5.125, 5.125)).level_db == pytest.approx(level_db)
 
 
-def test_wrong_names_and_values_are_refused(plan):
+def test_wrong_names_and_values_are_rejected(plan):
     sensor = VoiceSensor(plan, Voice(), [_ANN, _BOB], seed=1)
     with pytest.raises(ValueError, match=r"^there is no victim 'eve', only ann, bob$"):
         sensor.silence("eve")

@@ -11,7 +11,7 @@ from robotteamsim.simulation.team_totals import TeamTotals
 
 def update(figures, positions_m, in_contact, excluded, running):
     """Take in one step."""
-    figures.update(np.array([positions_m]), np.array([in_contact]), np.array([excluded]), np.array([running]))
+    figures.update(np.array(positions_m), np.array(in_contact), excluded, running)
 
 
 def walk_along_x(figures, xs_m, running=True):
@@ -36,7 +36,7 @@ def test_longest_stay_is_the_longest_time_within_half_a_metre_while_the_mission_
     assert figures.result()[0].longest_stay_s == 3.0
 
 
-def test_robot_that_comes_elsewhere_has_no_way_between():
+def test_robot_that_comes_elsewhere_has_no_path_between():
     figures = TeamTotals(1, step_s=1.0)
     walk_along_x(figures, (0.0, 3.0, math.nan, 10.0, 11.0))
     assert figures.result()[0].distance_m == 4.0
@@ -68,20 +68,17 @@ def by_hand(path_m, in_contact, excluded, running):
     return distance_m, int(np.sum(in_contact & there)), int(np.sum(excluded & there)), max(stays)
 
 
-def test_figures_of_random_walks_are_those_added_up_by_hand_in_one_go_and_in_parts():
+def test_totals_of_random_walks_equal_the_sums_over_all_steps():
     generator = stream(3, "figures")
     steps, robots = 500, 4
     paths_m = np.cumsum(generator.normal(0.0, 0.15, (steps, robots, 2)), axis=0)
     paths_m[generator.random((steps, robots)) < 0.02] = math.nan
     in_contact, excluded = generator.random((2, steps, robots)) < 0.3
     running = generator.random(steps) < 0.9
-    whole, parts = TeamTotals(robots, step_s=1.0), TeamTotals(robots, step_s=1.0)
-    whole.update(paths_m, in_contact, excluded, running)
-    for begin in range(0, steps, 64):
-        part = slice(begin, begin + 64)
-        parts.update(paths_m[part], in_contact[part], excluded[part], running[part])
-    assert whole.result() == parts.result()
-    for robot_id, figures in enumerate(whole.result()):
+    totals = TeamTotals(robots, step_s=1.0)
+    for step in range(steps):
+        update(totals, paths_m[step], in_contact[step], excluded[step].tolist(), bool(running[step]))
+    for robot_id, figures in enumerate(totals.result()):
         distance_m, *counts = by_hand(
             paths_m[:, robot_id].tolist(), in_contact[:, robot_id], excluded[:, robot_id], running
         )
@@ -89,7 +86,6 @@ def test_figures_of_random_walks_are_those_added_up_by_hand_in_one_go_and_in_par
         assert [figures.contact_s, figures.excluded_s, figures.longest_stay_s] == counts
 
 
-def test_rows_that_do_not_fit_the_team_are_refused():
-    flags = np.zeros((1, 2), dtype=bool)
-    with pytest.raises(ValueError, match="one row per step and one column per robot"):
-        TeamTotals(2, step_s=1.0).update(np.zeros((1, 3, 2)), flags, flags, np.array([True]))
+def test_rows_that_do_not_fit_the_team_are_rejected():
+    with pytest.raises(ValueError, match="one row per robot"):
+        TeamTotals(2, step_s=1.0).update(np.zeros((3, 2)), np.zeros(2, dtype=bool), [False, False], True)

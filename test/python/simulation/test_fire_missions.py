@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from robotteamsim.errors import ScenarioError
+from robotteamsim.hazards import BURNING
 from robotteamsim.scenario import from_mapping, load
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Simulation, StepRecord
@@ -28,7 +29,7 @@ def mission(fire: dict[str, object], **sections: object) -> Scenario:
     base = {
         "name": "fire",
         "plan": CORRIDOR,
-        "robots": [{"start_pose": [2.0, 3.0, 0.0], "heat": {"range_m": 5.0}}],
+        "robots": [{"start_pose": [2.0, 3.0, 0.0], "sensors": [{"kind": "heat", "range_m": 5.0}]}],
         "fire": {"fuel": [FUEL], "ignitions": [IGNITION], **fire},
         "mission": {"time_limit_s": 600.0},
         "control": {"algorithm": "random_walk"},
@@ -77,7 +78,7 @@ def test_smoke_takes_the_far_returns_of_a_laser():
     )
     clear = simulation.step().readings[0].ranges_m.copy()
     place = np.array([[5.1, 1.5]])
-    while simulation.fire.field.extinction_per_m(place)[0] < 0.7:
+    while simulation.hazards.field.extinction_per_m(place)[0] < 0.7:
         record = simulation.step()
     # Sight along each beam, by adding up extinction in steps of 1 cm, from the laser 0.1 m ahead of the robot.
     depths = np.arange(0.005, 5.0, 0.01)
@@ -85,7 +86,7 @@ def test_smoke_takes_the_far_returns_of_a_laser():
     for angle in 0.3 + np.linspace(-math.pi / 2, math.pi / 2, 181):
         along = np.stack([depths * math.cos(angle), depths * math.sin(angle)], axis=1)
         laser = np.array([5.0 + 0.1 * math.cos(0.3), 1.5 + 0.1 * math.sin(0.3)])
-        depth = np.cumsum(simulation.fire.field.extinction_per_m(laser + along)) * 0.01
+        depth = np.cumsum(simulation.hazards.field.extinction_per_m(laser + along)) * 0.01
         sights_m.append(depths[np.argmax(depth >= 1.5)] if (depth >= 1.5).any() else 5.0)
     smoky, sights_m = record.readings[0].ranges_m, np.array(sights_m)
     is_hidden, is_seen = clear > sights_m + 0.2, clear < sights_m - 0.2
@@ -97,7 +98,7 @@ def test_smoke_takes_the_far_returns_of_a_laser():
 
 def test_robots_keep_away_from_heat_that_they_see():
     def closest_m(sees: bool) -> float:
-        robot = {"start_pose": [2.0, 3.0, 0.0], **({"heat": {"range_m": 5.0}} if sees else {})}
+        robot = {"start_pose": [2.0, 3.0, 0.0], **({"sensors": [{"kind": "heat", "range_m": 5.0}]} if sees else {})}
         scenario = mission(
             {"fuel": [{**FUEL, "polygon": [[9, 1.5], [11, 1.5], [11, 3.5], [9, 3.5]]}]},
             robots=[robot],
@@ -116,7 +117,7 @@ def test_robots_keep_away_from_heat_that_they_see():
             record = simulation.step()
             if record.is_there(0):
                 pose = record.readings[0].ground_truth
-                burning = np.argwhere(simulation.fire.field.burning)
+                burning = np.argwhere(simulation.hazards.field.states == BURNING)
                 places = (burning[:, ::-1] + 0.5) * 0.5
                 nearest_m = min(nearest_m, *np.hypot(places[:, 0] - pose.x_m, places[:, 1] - pose.y_m))
             if record.mission.state == "ended":
@@ -131,18 +132,18 @@ def test_robots_keep_away_from_heat_that_they_see():
 def test_robots_that_heat_surrounds_leave_it(algorithm: str):
     scenario = mission(
         {"heat": {"robot_limit_c": 1000.0}},
-        robots=[{"start_pose": [10.2, 3.2, 0.0], "heat": {"range_m": 5.0}}],
+        robots=[{"start_pose": [10.2, 3.2, 0.0], "sensors": [{"kind": "heat", "range_m": 5.0}]}],
         mission={"areas": [{"name": "end", "center": [18, 3], "radius_m": 1.0}], "autostart": False},
         control={"algorithm": algorithm},
     )
     simulation = Simulation(scenario)
     steps(simulation, 600)
-    place = simulation.fire.field.temperature_c(np.array([[10.2, 3.2]]))
-    assert place[0] > simulation.fire.field.fire.heat.block_c
+    place = simulation.hazards.field.temperature_c(np.array([[10.2, 3.2]]))
+    assert place[0] > simulation.hazards.field.fire.heat.block_c
     simulation.mission.start()
     pose = steps(simulation, 200)[-1].readings[0].ground_truth
     assert abs(pose.x_m - 10.0) > 1.2
-    assert simulation.fire.field.temperature_c(np.array([[pose.x_m, pose.y_m]]))[0] < scenario.fire.heat.block_c
+    assert simulation.hazards.field.temperature_c(np.array([[pose.x_m, pose.y_m]]))[0] < scenario.fire.heat.block_c
 
 
 def test_victims_collapse_and_die_and_fall_silent():
@@ -172,7 +173,7 @@ def test_burnt_door_is_open_in_the_world():
     fuel = {**FUEL, "polygon": [[9, 0], [12, 0], [12, 6], [9, 6]]}
     simulation = Simulation(mission({"fuel": [fuel], "heat": {"door_endures_s": 30.0}}, plan=plan))
     records = []
-    while not simulation.fire.hazards.burnt_doors():
+    while not simulation.hazards.source.burnt_doors():
         records.append(simulation.step())
     assert not records[-1].doors["door"].closed
     assert [detail for _, detail in events(records, "door")] == ["door door is opened"]
@@ -189,7 +190,7 @@ def test_mission_with_a_fire_is_the_same_to_the_bit_and_depends_on_the_seed():
     fires = [other, Simulation(load("garage_fire", ["run.seed=8"]))]
     for simulation in fires:
         steps(simulation, 1200)
-    assert not np.array_equal(*(simulation.fire.field.states for simulation in fires))
+    assert not np.array_equal(*(simulation.hazards.field.states for simulation in fires))
 
 
 def test_fire_that_has_not_begun_changes_no_trajectory():
@@ -198,7 +199,7 @@ def test_fire_that_has_not_begun_changes_no_trajectory():
     assert Simulation(unlit).run().trajectory_hash == Simulation(without).run().trajectory_hash
 
 
-def test_ignition_without_a_fire_section_is_refused():
+def test_ignition_without_a_fire_section_is_rejected():
     with pytest.raises(ScenarioError, match=r"schedule\.0\.ignite: there is no section 'fire'"):
         load("garage_sar", ["schedule=[{at_s: 1, ignite: [5, 5]}]"])
     with pytest.raises(ValueError, match="ignite: the scenario has no section 'fire'"):

@@ -19,6 +19,8 @@ from robotteamsim.geometry import Twist
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
 
+pytestmark = pytest.mark.slow
+
 WITHOUT_FMA = "glibc.cpu.hwcaps=-AVX2_Usable,-FMA_Usable,-FMA4_Usable,-AVX2,-FMA,-FMA4,-AVX512F"
 """Lets the C library go by the older instructions."""
 
@@ -34,10 +36,10 @@ CROWD = """
 import hashlib, numpy as np
 from robotteamsim.scenario import load
 from robotteamsim.sensing.robots import RobotSensors
+from robotteamsim.setup import resolve
 from robotteamsim.world import World
-from robotteamsim.world.placement import placed_robots
 loaded = load("garage_sar", ["robots.count=24", "robots.spacing_m=0.45"])
-robots = placed_robots(loaded)
+robots = resolve(loaded).robots
 world = World(loaded.plan, robots, loaded.run)
 sensors = RobotSensors(world, robots, 5)
 generator, digest, touched = np.random.default_rng(5), hashlib.sha256(), np.zeros(24, bool)
@@ -46,8 +48,9 @@ for step in range(300):
         twists = generator.uniform((-0.7, 0.0, -2.0), (0.7, 0.0, 2.0), (24, 3))
     world.step(twists)
     readings = sensors.read()
-    touched |= readings.in_contact
-    for part in (readings.ground_truth, readings.odometry[:, :7], *readings.ranges_m):
+    state = readings.state
+    touched |= state.contact
+    for part in (state.true_pose, np.hstack((state.odometry.pose, state.odometry.twist)), *readings.ranges_m):
         digest.update(part.tobytes())
 assert touched.sum() > 12, "the crowd must push and shove"
 print(digest.hexdigest())
@@ -126,7 +129,8 @@ def test_world_and_sensors_begin_the_same_again_after_a_reset():
         for step in range(200):
             simulation.world.step([Twist(0.6, 0.0, math.sin(0.1 * step))] * simulation.world.num_robots)
             readings = simulation.sensors.read()
-            for part in (readings.ground_truth, readings.odometry[:, :7], *readings.ranges_m):
+            state = readings.state
+            for part in (state.true_pose, state.odometry.pose, state.odometry.twist, *readings.ranges_m):
                 digest.update(part.tobytes())
         return digest.hexdigest()
 

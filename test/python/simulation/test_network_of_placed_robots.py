@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
+import pytest
 
 from robotteamsim.control import Guard
 from robotteamsim.interface import Decision, Observation, Task
@@ -46,10 +47,7 @@ class Talker:
     def __init__(self, robot_id: int) -> None:
         self._outbox = (Message(0, EVERYBODY, "hello"),) if robot_id == 0 else ()
 
-    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        pass
-
-    def decide(self) -> Decision:
+    def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         outbox, self._outbox = self._outbox, ()
         return Decision(outbox=outbox)
 
@@ -67,10 +65,11 @@ def _simulation(**keys) -> Simulation:
         mission=Mission(time_limit_s=60.0),
     )
     simulation = Simulation(scenario)
-    simulation.controllers = [Guard(robot_id, 8, partial(Talker, robot_id)) for robot_id in range(8)]
+    simulation.controllers.guards = [Guard(robot_id, 8, partial(Talker, robot_id)) for robot_id in range(8)]
     return simulation
 
 
+@pytest.mark.slow
 def test_tables_4_and_5_come_out_of_the_running_network_of_8_placed_robots():
     simulation = _simulation()
     for _ in range(3):

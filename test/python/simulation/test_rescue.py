@@ -97,9 +97,7 @@ def test_each_of_two_firefighters_is_sent_to_another_victim():
 
 
 def test_both_methods_of_dispatch_save_everybody():
-    assert (
-        run(rescue(control={"algorithm": "cover", "dispatch": {"method": "hungarian"}}))[-1].mission.victims_saved == 2
-    )
+    assert run(rescue(firefighters={"dispatch": {"method": "hungarian"}}))[-1].mission.victims_saved == 2
 
 
 def test_firefighter_out_of_contact_finishes_the_last_order_and_returns():
@@ -233,7 +231,7 @@ def test_smoke_slows_firefighters():
     soot = {"yield_g_g": 0.3}
     simulation = near_the_pile(fire={**PILE, "soot": soot}, robots={"count": 0}, firefighters={"searches": True})
     for _ in range(900):
-        field = simulation.step().hazards or simulation.fire.field
+        field = simulation.step().hazards or simulation.hazards.field
     simulation.mission.start()
     fastest, share = 0.0, walking_speed_share(field.extinction_per_m(np.array([[10.0, 8.0]])))[0]
     for _ in range(5):
@@ -245,14 +243,15 @@ def test_smoke_slows_firefighters():
     assert 0.5 * 1.3 * share < fastest <= 1.3 * share + 1e-6
 
 
-def test_firefighter_stays_out_of_a_fire_that_fills_the_way_to_the_victim():
+@pytest.mark.slow
+def test_firefighter_stays_out_of_a_fire_that_fills_the_path_to_the_victim():
     barrier = {"name": "barrier", "polygon": [[13.0, 0.3], [17.0, 0.3], [17.0, 9.7], [13.0, 9.7]]}
     fire = {**PILE, "fuel": [{**barrier, "growth": "ultra_fast", "load_mj_m2": 4000.0}]}
     simulation = Simulation(
         rescue(
             fire=fire,
             robots={"count": 0},
-            firefighters={"count": 1, "start": [4.0, 8.0, 0.0], "heat": {"range_m": 12.0}},
+            firefighters={"count": 1, "start": [4.0, 8.0, 0.0], "sensors": [{"kind": "heat", "range_m": 12.0}]},
             mission={"victims": [{"name": "ann", "position": [26.0, 2.0]}], "autostart": False},
         )
     )
@@ -317,17 +316,17 @@ def test_firefighter_without_an_order_leaves_a_place_that_becomes_hot():
     simulation = near_the_pile(
         fire={**PILE, "casualties": {"collapse_dose": 100.0, "lethal_dose": 100.0}},
         robots={"count": 0},
-        firefighters={"start": [12.0, 4.6, 0.0], "heat": {"range_m": 8.0}},
+        firefighters={"start": [12.0, 4.6, 0.0], "sensors": [{"kind": "heat", "range_m": 8.0}]},
     )
     for _ in range(1200):
         simulation.step()
     before = simulation.world.poses()[0]
-    assert simulation.fire.field.temperature_c(np.array([[before.x_m, before.y_m]]))[0] > 100.0
+    assert simulation.hazards.field.temperature_c(np.array([[before.x_m, before.y_m]]))[0] > 100.0
     simulation.mission.start()
     for _ in range(300):
         simulation.step()
     after = simulation.world.poses()[0]
-    assert simulation.fire.field.temperature_c(np.array([[after.x_m, after.y_m]]))[0] < 60.0
+    assert simulation.hazards.field.temperature_c(np.array([[after.x_m, after.y_m]]))[0] < 60.0
 
 
 @pytest.mark.parametrize(
@@ -344,7 +343,7 @@ def test_firefighter_without_an_order_leaves_a_place_that_becomes_hot():
             {"mission": {"saved_by": "robot"}},
             "mission.saved_by: 'robot' is not allowed with firefighters; expected 'firefighter'",
         ),
-        ({"control": {"relays": 2}}, "control.relays: 2 is above the number of robots, 1"),
+        ({"relays": {"count": 2}}, "relays.count: 2 is above the number of robots, 1"),
         ({"mission": {"victims": [{"name": "ann", "position": [12, 2], "flees": True}]}}, "there is no exit"),
         (
             {"mission": {"victims": [{"name": n, "position": [12, 2], "can_walk": True} for n in ("ann", "bob")]}},

@@ -1,18 +1,17 @@
 from __future__ import annotations
 
 import dataclasses
-import types
 
 import numpy as np
 import pytest
 
 from robotteamsim import scenario
 from robotteamsim.errors import PlacementError, RecordingError
-from robotteamsim.geometry import Twist
+from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Task
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
 from robotteamsim.scenario import sections
-from robotteamsim.sensing.readings import TeamReadings, VoiceReading
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings, VoiceReading
 from robotteamsim.simulation import Simulation, simulation
 from robotteamsim.simulation.trajectory_hash import TrajectoryHash
 from robotteamsim.world.doors import DoorStates
@@ -40,8 +39,11 @@ class FakeParts:
     def sensors(self, world, robots, seed, hazards) -> FakeSensors:
         return FakeSensors(self)
 
-    def environment(self, loaded) -> FakeEnvironment:
-        return FakeEnvironment(self)
+    def hearing(self, loaded, world) -> FakeHearing:
+        return FakeHearing(self)
+
+    def network(self, loaded, world) -> FakeNetwork:
+        return FakeNetwork(self)
 
     def controller(self, robot_id, loaded, arrival) -> FakeController:
         return FakeController(self, robot_id)
@@ -51,7 +53,8 @@ class FakeParts:
 class FakeWorld:
     parts: FakeParts
     num_robots: int = 2
-    present: None = None
+    team_version: int = 0
+    present: np.ndarray = dataclasses.field(default_factory=lambda: np.ones(2, dtype=bool))
     arrivals: tuple[int, ...] = (1, 1)
     mishaps: dict[int, str] = dataclasses.field(default_factory=dict)
     loads: dict[int, str] = dataclasses.field(default_factory=dict)
@@ -78,44 +81,42 @@ class FakeSensors:
 
     def read(self):
         self.parts.calls.append(("sensors",))
-        rows = np.zeros((2, 24))
-        rows[:, :5] = 3.0 + self.parts.step_index, 5.0, 0.0, 1.0, 0.5
-        return TeamReadings(rows, np.ones((2, 3), np.float32))
+        pose = PoseReading(3.0 + self.parts.step_index, 5.0, 0.0, 1.0)
+        still = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
+        ranges_m = np.ones(3, np.float32)
+        return TeamReadings.of([RobotReading(pose, Twist(0.5), still, ranges_m, in_contact=False)] * 2)
 
 
-class FakeEnvironment:
-    def __init__(self, parts: FakeParts) -> None:
-        self.parts = parts
-        self.voice = types.SimpleNamespace(changes=0)
+@dataclasses.dataclass
+class FakeHearing:
+    parts: FakeParts
+    new_map: None = None
 
-    def voice_map(self):
-        return None
+    def step(self, positions_m, moved, silent):
+        assert not moved
+        self.parts.calls.append(("hearing", tuple(silent)))
+        return (VoiceReading(0.0, False, (3.0, 5.0), 0.0),) * 2
 
-    def follow_doors(self, doors) -> None:
-        assert doors == {}
 
-    def advance_to(self, sim_time_ns) -> None:
-        assert sim_time_ns == self.parts.sim_time_ns
+@dataclasses.dataclass
+class FakeNetwork:
+    parts: FakeParts
 
-    def step(self, positions_m, outboxes, saved, present):
-        self.parts.calls.append(("environment", [[m.payload for m in outbox] for outbox in outboxes], tuple(saved)))
+    def step(self, positions_m, outboxes):
+        self.parts.calls.append(("network", [[m.payload for m in outbox] for outbox in outboxes]))
         none = np.zeros((2, 2))
         network = NetworkState(none, none, none > 0, none.astype(np.int32), none, 0.0, none > 0)
-        inboxes = [tuple(m for outbox in outboxes for m in outbox if m.sender != i) for i in range(2)]
-        return (VoiceReading(0.0, False, (3.0, 5.0), 0.0),) * 2, network, inboxes
+        return network, [tuple(m for outbox in outboxes for m in outbox if m.sender != i) for i in range(2)]
 
 
 class FakeController:
     def __init__(self, parts: FakeParts, robot_id: int) -> None:
         self.parts, self.robot_id = parts, robot_id
 
-    def observe(self, observation, inbox, task) -> None:
+    def step(self, observation, inbox, task) -> Decision:
         assert observation.robot_id == self.robot_id
         assert observation.sim_time_ns == self.parts.sim_time_ns
-        self.parts.calls.append((f"observe {self.robot_id}", [m.payload for m in inbox], task))
-
-    def decide(self) -> Decision:
-        self.parts.calls.append((f"decide {self.robot_id}",))
+        self.parts.calls.append((f"controller {self.robot_id}", [m.payload for m in inbox], task))
         step = self.parts.step_index
         message = Message(self.robot_id, EVERYBODY, f"step {step} of {self.robot_id}")
         return Decision(Twist(step + 0.1 * self.robot_id), outbox=(message,))
@@ -126,8 +127,9 @@ def parts(monkeypatch) -> FakeParts:
     fakes = FakeParts()
     monkeypatch.setattr(simulation, "make_world", fakes.world)
     monkeypatch.setattr(simulation, "RobotSensors", fakes.sensors)
-    monkeypatch.setattr(simulation, "Environment", fakes.environment)
-    monkeypatch.setattr(simulation, "make_controller", fakes.controller)
+    monkeypatch.setattr(simulation, "HearingStage", fakes.hearing)
+    monkeypatch.setattr(simulation, "NetworkStage", fakes.network)
+    monkeypatch.setattr("robotteamsim.simulation.controllers.make_controller", fakes.controller)
     return fakes
 
 
@@ -136,11 +138,10 @@ def test_stages_follow_the_story(parts, hall_scenario):
     assert parts.names == [
         "world",
         "sensors",
-        "environment",
-        "observe 0",
-        "decide 0",
-        "observe 1",
-        "decide 1",
+        "hearing",
+        "network",
+        "controller 0",
+        "controller 1",
     ]
 
 
@@ -148,8 +149,9 @@ def test_first_step_moves_nobody_delivers_nothing_and_has_no_task(parts, hall_sc
     Simulation(hall_scenario()).step()
     calls = {call[0]: call[1:] for call in parts.calls}
     assert calls["world"] == ([0.0, 0.0],)
-    assert calls["environment"] == ([[], []], ())
-    assert calls["observe 0"] == ([], Task())
+    assert calls["hearing"] == ((),)
+    assert calls["network"] == ([[], []],)
+    assert calls["controller 0"] == ([], Task())
 
 
 def test_twists_messages_and_task_are_those_of_the_step_before(parts, hall_scenario):
@@ -159,8 +161,8 @@ def test_twists_messages_and_task_are_those_of_the_step_before(parts, hall_scena
     second = loop.step()
     calls = {call[0]: call[1:] for call in parts.calls}
     assert calls["world"] == ([1.0, 1.1],)
-    assert calls["environment"][0] == [["step 1 of 0"], ["step 1 of 1"]]
-    assert calls["observe 1"] == (["step 1 of 0"], first.mission.task)
+    assert calls["network"][0] == [["step 1 of 0"], ["step 1 of 1"]]
+    assert calls["controller 1"] == (["step 1 of 0"], first.mission.task)
     assert first.mission.task.running
     assert second.inboxes[1][0] is first.decisions[0].outbox[0]
 
@@ -172,10 +174,10 @@ def test_saved_victims_are_silent_from_the_next_step_on(parts, hall_scenario):
     assert loop.step().mission.victims == ("saved",)
     parts.calls.clear()
     loop.step()
-    assert parts.calls[2][2] == ("eve",)
+    assert parts.calls[2] == ("hearing", ("eve",))
 
 
-def test_victim_outside_the_plan_is_refused_with_the_override_that_put_them_there():
+def test_victim_outside_the_plan_is_rejected_with_the_override_that_put_them_there():
     loaded = scenario.load("garage_sar", ["mission.victims.0.position=[99, 5]"])
     with pytest.raises(PlacementError, match=r"^--set: mission\.victims\.0\.position: \[99, 5\] lies outside the plan"):
         Simulation(loaded)
@@ -220,7 +222,7 @@ def short(hall_scenario, seed: int = 1, steps: int = 20) -> scenario.Scenario:
     return loaded.model_copy(update={"mission": mission})
 
 
-def test_run_tells_observers_every_step_until_the_mission_ends(hall_scenario):
+def test_run_gives_observers_every_step_until_the_mission_ends(hall_scenario):
     witness = Witness()
     result = Simulation(short(hall_scenario)).run([witness])
     assert witness.told == ["begin", "end"]
@@ -244,7 +246,7 @@ def test_observers_abandon_when_one_of_them_fails(hall_scenario):
     assert len(good.records) == 3
 
 
-def test_observer_that_has_ended_is_not_told_to_abandon(hall_scenario):
+def test_observer_that_has_ended_is_not_asked_to_abandon(hall_scenario):
     good, bad, last = Witness(), Witness(fails_at="end"), Witness()
     with pytest.raises(RecordingError):
         Simulation(short(hall_scenario)).run([good, bad, last])

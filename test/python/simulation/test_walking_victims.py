@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from robotteamsim.scenario import load
 from robotteamsim.scenario.sections import Mission, Victim
@@ -78,6 +79,7 @@ def test_victim_who_is_moved_calls_and_stays_where_they_were_put(hall_scenario):
     assert any(voice.heard for voice in records[0].voices)
 
 
+@pytest.mark.slow
 def test_walks_are_repeated_by_the_same_seed():
     overrides = [
         "mission.time_limit_s=30",

@@ -11,8 +11,8 @@ import pytest
 
 from robotteamsim.errors import PlacementError, ScenarioError
 from robotteamsim.scenario import load_floor_plan, occupancy_grid, solids
+from robotteamsim.setup import resolve
 from robotteamsim.stage import StageImport, import_world
-from robotteamsim.world.placement import placed_robots
 
 DATA = Path(__file__).parents[2] / "data" / "stage"
 
@@ -40,7 +40,7 @@ def _robot(text: str) -> str:
 def test_world_in_one_file_becomes_a_scenario():
     found = import_world(DATA / "hall.world")
     assert (found.plan.bounds.min, found.plan.bounds.max) == ((-8.0, 0.0), (0.0, 12.0))
-    robot = placed_robots(found.scenario)[0]
+    robot = resolve(found.scenario).robots[0]
     assert robot.start_pose == (-3.0, 4.5, math.pi)
     assert (robot.laser.beams, robot.laser.range_max_m, robot.laser.forward_m) == (1081, 20.0, 0.1)
     assert robot.laser.angle_max_rad == -robot.laser.angle_min_rad == pytest.approx(math.radians(270.25 / 2))
@@ -62,7 +62,7 @@ def test_turned_bitmap_is_solid_where_its_picture_is():
 def test_world_of_included_parts_becomes_a_scenario():
     found = import_world(DATA / "patrol" / "patrol.world")
     assert (found.plan.bounds.min, found.plan.bounds.max) == ((0.0, 0.0), (12.0, 8.0))
-    one, other = placed_robots(found.scenario)
+    one, other = resolve(found.scenario).robots
     assert one.start_pose == (2.0, 2.0, pytest.approx(math.pi / 2))
     assert other.start_pose == (10.0, 6.0, pytest.approx(-math.pi / 2))
     assert one.radius_m == pytest.approx(0.18, abs=2e-4)
@@ -76,7 +76,7 @@ def test_world_of_included_parts_becomes_a_scenario():
     assert (found.scenario.name, found.scenario.mission.time_limit_s) == ("patrol", 3600.0)
 
 
-def test_what_changes_nothing_is_told_in_one_line_per_file():
+def test_ignored_properties_are_reported_in_one_line_per_file():
     notes = import_world(DATA / "patrol" / "patrol.world").notes
     told = {line.partition(": ")[0]: line.partition(": ")[2] for line in notes if "no effect" in line}
     folder = str(DATA / "patrol")
@@ -123,7 +123,7 @@ def test_kind_may_be_defined_by_the_name_of_a_part(world_of):
     assert [solid.polygon.bounds for solid in solids(world_of(text).plan)[4:]] == [(4.75, 4.75, 5.25, 5.25)]
 
 
-def test_model_on_a_model_stands_in_its_frame(world_of):
+def test_model_on_a_model_is_placed_in_its_frame(world_of):
     text = "model( size [ 2 2 0.1 ] pose [ 6 4 0 90 ] stack_children 0 model( size [1 0.2 0.2] pose [ 1 0 0 0 ] ) )"
     plan = world_of(ROOM + ROBOT + text).plan
     assert solids(plan)[-1].polygon.bounds == pytest.approx((5.9, 4.5, 6.1, 5.5))
@@ -132,7 +132,7 @@ def test_model_on_a_model_stands_in_its_frame(world_of):
 def test_units_of_the_world_are_taken(world_of):
     text = (ROOM + ROBOT).replace("10 8 1", "1000 800 100").replace("5 4 0 0", "500 400 0 0")
     text = text.replace("2 2 0 0", "200 300 0 1.5").replace("0.4 0.4 0.25", "40 40 25").replace("[ 0 5 ]", "[ 0 500 ]")
-    robot = placed_robots(world_of('unit_length "cm"\nunit_angle "radians"\n' + text.replace("180", "3.14")).scenario)[
+    robot = resolve(world_of('unit_length "cm"\nunit_angle "radians"\n' + text.replace("180", "3.14")).scenario).robots[
         0
     ]
     assert robot.start_pose == (2.0, 3.0, 1.5)
@@ -141,19 +141,19 @@ def test_units_of_the_world_are_taken(world_of):
 
 def test_old_laser_model_is_a_ranger(world_of):
     text = "position( pose [2 2 0 0] laser( range_max 8 fov 90 samples 46 pose [0.1 0 0 90] ) )"
-    laser = placed_robots(world_of(ROOM + text).scenario)[0].laser
+    laser = resolve(world_of(ROOM + text).scenario).robots[0].laser
     assert (laser.beams, laser.range_max_m, laser.forward_m) == (46, 8.0, 0.1)
     assert (laser.angle_min_rad, laser.angle_max_rad) == pytest.approx((math.pi / 4, 3 * math.pi / 4))
 
 
 def test_gps_is_exact_odometry(world_of):
-    odometry = placed_robots(world_of(ROOM + _robot('localization "gps"')).scenario)[0].odometry
+    odometry = resolve(world_of(ROOM + _robot('localization "gps"')).scenario).robots[0].odometry
     assert (odometry.alpha1, odometry.alpha2, odometry.alpha3, odometry.alpha4) == (0.0, 0.0, 0.0, 0.0)
 
 
 def test_box_is_a_body_with_corners(world_of):
     found = world_of(ROOM + ROBOT.replace("size [ 0.4 0.4", "origin [ 0.1 0 0 0 ] size [ 0.4 0.2"))
-    corners_m = placed_robots(found.scenario)[0].corners_m
+    corners_m = resolve(found.scenario).robots[0].corners_m
     expected = [(-0.1, -0.1), (-0.1, 0.1), (0.3, -0.1), (0.3, 0.1)]
     np.testing.assert_allclose(sorted(corners_m), expected, atol=1e-9)
     assert found.notes == ()
@@ -163,37 +163,37 @@ def test_body_that_is_not_convex_becomes_the_disc_around_it(world_of):
     corners = ["[ 0 0 ]", "[ 2 0 ]", "[ 2 2 ]", "[ 1 0.5 ]", "[ 0 2 ]"]
     points = " ".join(f"point[{i}] {corner}" for i, corner in enumerate(corners))
     found = world_of(ROOM + _robot(f"block( points 5 {points} )"))
-    assert placed_robots(found.scenario)[0].radius_m == pytest.approx(0.2 * math.sqrt(2.0))
+    assert resolve(found.scenario).robots[0].radius_m == pytest.approx(0.2 * math.sqrt(2.0))
     assert found.notes == (
         "a.world:2: size: the body of 'position' is not convex with 3 to 8 corners around its origin: it becomes a "
         "disc of 0.283 m",
     )
 
 
-def test_further_rangers_are_lasers_and_those_called_sonar_are_sonars(world_of):
+def test_additional_rangers_are_lasers_and_those_called_sonar_are_sonars(world_of):
     more = (
         'ranger( name "Sonar 1" pose [ 0 0.2 0 90 ] sensor( range [ 0.1 3 ] fov 30 samples 7 ) )'
         " ranger( pose [ -0.2 0 0 180 ] update_interval 300 sensor( range [ 0 4 ] fov 90 samples 91 ) )"
         ' ranger( name "fix" sensor( range [ 0 4 ] fov 90 samples 91 ) )'
     )
-    robot = placed_robots(world_of(ROOM + _robot(more)).scenario)[0]
-    assert [(laser.name, laser.beams, laser.every_steps) for laser in robot.lasers] == [
-        ("ranger_fix", 91, 1),
-        ("ranger_2", 181, 1),
+    robot = resolve(world_of(ROOM + _robot(more)).scenario).robots[0]
+    *lasers, sonar = robot.sensors
+    assert [(laser.kind, laser.name, laser.beams, laser.every_steps) for laser in lasers] == [
+        ("laser", "fix", 91, 1),
+        ("laser", "ranger_2", 181, 1),
     ]
     assert (robot.laser.beams, robot.laser.forward_m) == (91, -0.2)
-    (sonar,) = robot.sonars
-    assert (sonar.name, sonar.rays, sonar.left_m, sonar.range_min_m) == ("sonar_1", 7, 0.2, 0.1)
+    assert (sonar.kind, sonar.name, sonar.rays, sonar.left_m, sonar.range_min_m) == ("sonar", "sonar_1", 7, 0.2, 0.1)
     assert (sonar.opening_rad, sonar.yaw_rad) == pytest.approx((math.radians(30.0), math.pi / 2))
 
 
 def test_sonar_of_one_ray_becomes_a_cone_and_a_lone_one_the_laser(world_of):
     sonar = 'ranger( name "sonar" sensor( range [ 0 3 ] fov 20 samples 1 ) )'
     found = world_of(ROOM + _robot(sonar))
-    assert placed_robots(found.scenario)[0].sonars[0].rays == 15
+    assert resolve(found.scenario).robots[0].sensors[0].rays == 15
     assert found.notes == ("a.world:2: samples: one ray in Stage, a cone of rays here",)
-    lone = placed_robots(world_of(ROOM + f"position( pose [ 2 2 0 0 ] {sonar} )").scenario)[0]
-    assert (lone.laser.beams, lone.sonars) == (1, ())
+    lone = resolve(world_of(ROOM + f"position( pose [ 2 2 0 0 ] {sonar} )").scenario).robots[0]
+    assert (lone.laser.beams, lone.sensors) == (1, ())
 
 
 def test_model_that_hangs_above_the_robots_is_left_out(world_of):
@@ -221,7 +221,7 @@ def test_model_that_hangs_above_the_robots_is_left_out(world_of):
         (ROBOT + "fiducial()\n", "fiducial: omitted: a 'fiducial' that is not on a robot"),
     ],
 )
-def test_what_is_taken_differently_is_told_at_its_line(world_of, text, note):
+def test_changed_property_is_reported_at_its_line(world_of, text, note):
     notes = world_of(ROOM + text).notes
     assert any(
         line.startswith(f"a.world:{2 + text.count(chr(10), 0, text.find('fid'))}: {note}") for line in notes
@@ -303,14 +303,14 @@ def test_what_is_taken_differently_is_told_at_its_line(world_of, text, note):
         ),
     ],
 )
-def test_bad_world_is_refused_in_one_line(world_of, text, message):
+def test_bad_world_is_rejected_in_one_line(world_of, text, message):
     with pytest.raises(ScenarioError) as refused:
         world_of(text)
     assert str(refused.value).startswith(message)
     assert "\n" not in str(refused.value)
 
 
-def test_blocks_that_cross_or_enclose_nothing_are_refused(world_of):
+def test_blocks_that_cross_or_enclose_nothing_are_rejected(world_of):
     points = ["[ 0 0 ]", "[ 3 1 ]", "[ 3 0 ]", "[ 0 2 ]"]
     crossed = " ".join(f"point[{i}] {point}" for i, point in enumerate(points))
     with pytest.raises(ScenarioError, match=r"^a\.world:3: block: .*crosses or touches itself"):
@@ -319,7 +319,7 @@ def test_blocks_that_cross_or_enclose_nothing_are_refused(world_of):
         world_of(ROOM + ROBOT + "model( block( points 3 point[0] [0 0] point[1] [0 1] point[2] [0 2] ) )")
 
 
-def test_white_bitmap_is_refused(world_of, tmp_path):
+def test_white_bitmap_is_rejected(world_of, tmp_path):
     cv2.imwrite(str(tmp_path / "white.png"), np.full((9, 9), 255, np.uint8))
     with pytest.raises(ScenarioError, match=r"^a\.world:2: bitmap: no pixel of 'white\.png' is dark"):
         world_of(ROBOT + 'model( bitmap "white.png" )')

@@ -100,20 +100,20 @@ def test_comments_in_any_encoding_are_passed_over(tmp_path):
         ("model(" * 60 + ")" * 60, "a.world:1: model: nested more than 50 levels deep"),
     ],
 )
-def test_mistake_is_told_with_its_line(read, text, message):
+def test_mistake_is_reported_with_its_line(read, text, message):
     with pytest.raises(ScenarioError) as refused:
         read(text)
     assert str(refused.value) == message
 
 
-def test_loop_of_included_files_is_refused(read, tmp_path):
+def test_loop_of_included_files_is_rejected(read, tmp_path):
     (tmp_path / "b.inc").write_text('\ninclude "c.inc"')
     (tmp_path / "c.inc").write_text('include "b.inc"')
     with pytest.raises(ScenarioError, match=r"^c\.inc:1: include: 'b\.inc' includes itself$"):
         read('include "b.inc"')
 
 
-def test_included_files_that_multiply_are_refused(read, tmp_path):
+def test_included_files_that_multiply_are_rejected(read, tmp_path):
     for i in range(12):
         (tmp_path / f"{i}.inc").write_text(f'include "{i + 1}.inc"\ninclude "{i + 1}.inc"\n')
     (tmp_path / "12.inc").write_text("")
@@ -121,18 +121,19 @@ def test_included_files_that_multiply_are_refused(read, tmp_path):
         read('include "0.inc"')
 
 
-def test_definitions_that_multiply_are_refused(read):
+@pytest.mark.slow
+def test_definitions_that_multiply_are_rejected(read):
     kinds = "".join(f"define k{i + 1} model( k{i}() k{i}() k{i}() k{i}() )\n" for i in range(12))
     with pytest.raises(ScenarioError, match="more than 100000 models and parts of models"):
         read("define k0 model()\n" + kinds)
 
 
-def test_definitions_nested_too_deeply_are_refused(read):
+def test_definitions_nested_too_deeply_are_rejected(read):
     kinds = "".join(f"define k{i + 1} model( k{i}() )\n" for i in range(100))
     with pytest.raises(ScenarioError, match="nested more than 50 levels deep"):
         read("define k0 model()\n" + kinds)
 
 
-def test_missing_world_file_is_told():
+def test_missing_world_file_is_reported():
     with pytest.raises(ScenarioError, match=r"^no\.world: there is no such file$"):
         read_world_file(Path("no.world"), "no.world")

@@ -38,7 +38,7 @@ def weights(coefficients):
         (context(activity=1.0, avoidance=1.0, proximity=0.0), 0.6, 0.28, 0.12, 0.8, 0.8),
     ],
 )
-def test_crisp_rules_by_hand(of, alpha, c1, c2, c3, c4):
+def test_crisp_rules_equal_the_hand_calculation(of, alpha, c1, c2, c3, c4):
     assert row(adapted_coefficients("crisp", of, EXACT_LEVELS)) == pytest.approx([alpha, c1, c2, c3, c4])
 
 
@@ -49,7 +49,7 @@ def test_bell_is_one_at_its_centre_one_half_at_its_width_and_falls_with_the_four
     assert membership(0.0, 1.0) == pytest.approx(1 / 257)
 
 
-def test_fuzzy_rules_by_hand_halfway_to_an_obstacle():
+def test_fuzzy_rules_halfway_to_an_obstacle_equal_the_hand_calculation():
     # close 1/2, far, not connected, active and social 1/257 each
     low = 1 / 257
     alpha = 0.5 * 0.6 + 0.5 * (low * 0.3 + (1 - low) * 0.9)
@@ -81,7 +81,7 @@ def test_fuzzy_alpha_falls_steadily_with_activity_and_crisp_in_one_step():
     assert np.count_nonzero(np.diff(crisp)) == 1
 
 
-def test_levels_out_of_order_or_range_are_refused():
+def test_levels_out_of_order_or_range_are_rejected():
     with pytest.raises(ValueError, match=r"levels of alpha must rise within \[0, 1\], got \(0.9, 0.6, 0.9\)"):
         Levels(alpha_small=0.9)
     with pytest.raises(ValueError, match=r"levels of c must rise within \[0, 1\], got \(0.2, 1.2\)"):

@@ -15,7 +15,7 @@ def test_obstacle_attractor_is_the_robot_itself_where_nothing_was_hit():
     assert obstacle_attractor((0.3, 0.4), np.empty((0, 2)), CANDIDATES_M) == (0.3, 0.4)
 
 
-def test_obstacle_attractor_is_the_robot_itself_where_it_stands_best():
+def test_obstacle_attractor_is_the_own_position_at_the_best_clearance():
     ring_m = np.array([[np.cos(a), np.sin(a)] for a in np.linspace(0, 2 * np.pi, 37)])
     assert obstacle_attractor((0.0, 0.0), ring_m, 0.5 * ring_m) == (0.0, 0.0)
     assert obstacle_attractor((0.0, 0.0), ring_m, np.empty((0, 2))) == (0.0, 0.0)

@@ -1,18 +1,17 @@
 import math
 
-import numpy as np
 import pytest
 from scipy.special import binom
 
 from robotteamsim.swarm import memory_coefficients, memory_term
 
 
-def test_published_memory_by_hand():
+def test_published_memory_equals_the_hand_calculation():
     # a = 0.6: 0.6, 0.6/2, 0.6*0.4/6, 0.6*0.4*1.4/24
     assert memory_coefficients("published", 0.6, 4) == pytest.approx((0.6, 0.3, 0.04, 0.014))
 
 
-def test_grunwald_letnikov_memory_by_hand():
+def test_grunwald_letnikov_memory_equals_the_hand_calculation():
     # a = 0.6: 0.6, 0.6*0.4/2, 0.6*0.4*1.4/6, 0.6*0.4*1.4*2.4/24
     assert memory_coefficients("grunwald_letnikov", 0.6, 4) == pytest.approx((0.6, 0.12, 0.056, 0.0336))
 
@@ -52,7 +51,7 @@ def test_truncation_keeps_the_first_terms():
         ("published", math.nan, 4, r"alpha must lie in \[0, 1\], got nan"),
     ],
 )
-def test_wrong_memory_is_refused(mode, alpha, terms, message):
+def test_wrong_memory_is_rejected(mode, alpha, terms, message):
     with pytest.raises(ValueError, match=message):
         memory_coefficients(mode, alpha, terms)
 
@@ -66,15 +65,6 @@ def test_velocities_before_the_first_count_as_zero():
     assert memory_term((0.6,), []) == (0.0, 0.0)
 
 
-def test_robots_of_different_orders_are_reckoned_at_once_with_the_same_bits():
-    alphas = np.array([0.0, 0.3, 0.632, 1.0])
-    for mode in ("published", "grunwald_letnikov"):
-        together = np.transpose(memory_coefficients(mode, alphas, 4)).tolist()
-        assert together == [list(memory_coefficients(mode, float(alpha), 4)) for alpha in alphas]
-    with pytest.raises(ValueError, match=r"alpha must lie in \[0, 1\]"):
-        memory_coefficients("published", np.array([0.5, 1.5]), 4)
-
-
-def test_memory_term_of_what_is_no_velocity_is_refused():
+def test_memory_term_of_an_invalid_velocity_is_rejected():
     with pytest.raises(TypeError, match="incompatible function arguments"):
         memory_term((0.6, 0.3), [(1.0, 0.0), (1.0, 0.0, 2.0)])

@@ -20,7 +20,7 @@ def test_robots_that_move_against_each_other_make_no_active_swarm():
     assert swarm_activity([(0.5, 0.1), (-0.5, -0.1)], 0.5) == 0.0
 
 
-def test_activity_of_nobody_is_refused():
+def test_activity_of_nobody_is_rejected():
     with pytest.raises(ValueError, match="without robots"):
         swarm_activity([], 0.5)
     with pytest.raises(ValueError, match="max_speed must be > 0, got 0"):
@@ -32,7 +32,7 @@ def test_robot_socialisation_is_one_at_the_global_best_and_zero_for_the_farthest
     assert [robot_socialisation(p, (0.0, 0.0), positions) for p in positions] == [1.0, 0.75, 0.0]
 
 
-def test_robots_that_all_stand_on_the_global_best_are_social():
+def test_robots_that_are_all_at_the_global_best_are_social():
     assert robot_socialisation((1.0, 1.0), (1.0, 1.0), [(1.0, 1.0), (1.0, 1.0)]) == 1.0
 
 
@@ -41,7 +41,7 @@ def test_robot_avoidance_grows_towards_an_obstacle(clearance_m, avoidance):
     assert robot_avoidance(clearance_m, 1.0) == avoidance
 
 
-def test_avoidance_without_a_sensing_radius_is_refused():
+def test_avoidance_without_a_sensing_radius_is_rejected():
     with pytest.raises(ValueError, match="sensing_radius_m must be > 0"):
         robot_avoidance(1.0, 0.0)
 
@@ -80,6 +80,6 @@ def test_connectivity_of_a_complete_graph_is_one_and_of_a_split_one_zero():
     assert swarm_connectivity(0.0, 1) == 1.0
 
 
-def test_connectivity_of_nobody_is_refused():
+def test_connectivity_of_nobody_is_rejected():
     with pytest.raises(ValueError, match="swarm of 0 robots"):
         swarm_connectivity(0.0, 0)

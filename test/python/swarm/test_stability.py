@@ -1,8 +1,15 @@
+"""Conditions of convergence, of the figure in docs/swarm.md."""
+
+import runpy
+from pathlib import Path
+
 import numpy as np
 import pytest
 
 from robotteamsim.swarm import memory_coefficients
-from robotteamsim.swarm.stability import mean_radius, variance_radius
+
+FIGURE = runpy.run_path(str(Path(__file__).parents[3] / "docs" / "draw_swarm.py"))
+mean_radius, variance_radius = FIGURE["mean_radius"], FIGURE["variance_radius"]
 
 
 @pytest.mark.parametrize("inertia", [0.0, 0.4, 0.7298, 0.95])
@@ -20,7 +27,7 @@ def test_variance_with_inertia_converges_up_to_the_known_bound(inertia):
     assert variance_radius((inertia,), 1.01 * bound, 1.01 * bound) > 1.0
 
 
-def test_particle_that_remembers_nothing_nears_its_best_by_what_pulls_it():
+def test_particle_without_memory_moves_by_the_weighted_attractors():
     assert mean_radius((0.0,), 0.5, 0.5) == pytest.approx(0.5)
     # E[(1 - c1 r1 - c2 r2)^2] = (1 - 1/2)^2 + (1/4 + 1/4) / 12
     assert variance_radius((0.0,), 0.5, 0.5) == pytest.approx(0.25 + 0.5 / 12.0)

@@ -14,7 +14,7 @@ def numbers_of(seed: int) -> Iterator[float]:
     return uniform_numbers(np.random.default_rng(seed))
 
 
-def test_velocity_update_by_hand():
+def test_velocity_update_equals_the_hand_calculation():
     # v = (0.1, 0.2) + 0.8*0.5*(1, 0) + 0.1*1*(4, 0) + 0.2*0.5*(0, -1) + 0.4*0.25*(0, -10)
     velocity = next_velocity(
         (1.0, 1.0), (0.1, 0.2), ATTRACTORS, Weights(0.8, 0.1, 0.2, 0.4), iter((0.5, 1.0, 0.5, 0.25))
@@ -69,7 +69,7 @@ def test_position_moves_by_the_velocity():
     assert next_position((1.0, 2.0), (0.5, -0.25)) == (1.5, 1.75)
 
 
-def test_velocity_without_a_number_for_each_attractor_is_refused():
+def test_velocity_without_a_number_for_each_attractor_is_rejected():
     with pytest.raises(ValueError, match="a random number for each attractor"):
         next_velocity((1.0, 1.0), (0.0, 0.0), ATTRACTORS, Weights(1, 1, 1, 1), iter((0.5, 0.5, 0.5)))
 
@@ -83,6 +83,6 @@ def test_velocity_without_a_number_for_each_attractor_is_refused():
         (ATTRACTORS, (1.0,) * 4, iter("abcd")),
     ],
 )
-def test_velocity_of_what_are_no_attractors_weights_or_numbers_is_refused(attractors, weights, numbers):
+def test_velocity_of_invalid_attractors_weights_or_numbers_is_rejected(attractors, weights, numbers):
     with pytest.raises(TypeError, match="incompatible function arguments"):
         next_velocity((1.0, 1.0), (0.0, 0.0), attractors, weights, numbers)

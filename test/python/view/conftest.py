@@ -7,14 +7,11 @@ from collections.abc import Callable
 import pytest
 
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.simulation import Simulation
-from robotteamsim.view.recorder import FrameRecorder, Recording
+from robotteamsim.view.recorder import Recording
+from robotteamsim.view.simulated import record_mission
 
 
 @pytest.fixture
 def recording(hall_scenario: Callable[..., Scenario]) -> Recording:
     """Record the mission in the hall."""
-    simulation = Simulation(hall_scenario())
-    recorder = FrameRecorder(simulation)
-    simulation.run([recorder])
-    return recorder.recording
+    return record_mission(hall_scenario())[0]

@@ -76,6 +76,7 @@ def test_frames_are_regular_and_end_with_the_mission(recording: Recording) -> No
     assert recording.events[-1].kind == "end"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "writer"), [("mission.bag", BagWriter), ("mission.mcap", McapWriter)])
 def test_a_bag_shows_the_same_mission(
     hall_scenario: Callable[..., Scenario], tmp_path: Path, name: str, writer: Callable[[Path], Observer]
@@ -122,7 +123,7 @@ def test_a_bag_shows_the_lasers_the_doors_and_the_voice_map(
         np.testing.assert_array_equal(layer.values, other.values)
 
 
-def test_a_bag_with_impossible_numbers_is_refused_in_one_line(
+def test_a_bag_with_impossible_numbers_is_rejected_in_one_line(
     hall_scenario: Callable[..., Scenario], tmp_path: Path
 ) -> None:
     path, make = tmp_path / "odd.bag", BagTypes()
@@ -147,6 +148,7 @@ def test_infinite_ranges_are_drawn_to_the_end_of_the_laser_and_too_near_ones_as_
     assert finite_ranges(ranges_m, FAR_M) == [1.5, FAR_M, 0.0, FAR_M]
 
 
+@pytest.mark.slow
 def test_links_of_a_bag_without_one_robot_join_the_robots_of_their_numbers(
     hall_scenario: Callable[..., Scenario], tmp_path: Path
 ) -> None:
@@ -158,7 +160,8 @@ def test_links_of_a_bag_without_one_robot_join_the_robots_of_their_numbers(
     assert not any(frame.links for frame in recording_of(without, [tmp_path / "mission.bag"]).frames)
 
 
-def test_recording_of_more_than_a_day_is_refused(hall_scenario: Callable[..., Scenario], tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_recording_of_more_than_a_day_is_rejected(hall_scenario: Callable[..., Scenario], tmp_path: Path) -> None:
     path = tmp_path / "mission.bag"
     Simulation(hall_scenario()).run([BagWriter(path)])
     run = read_run([path])

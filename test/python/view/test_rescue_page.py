@@ -18,7 +18,7 @@ from robotteamsim.errors import RecordingError
 from robotteamsim.hazards import BURNING
 from robotteamsim.recording import BagWriter
 from robotteamsim.recording.bag_types import BagTypes
-from robotteamsim.recording.hazard_messages import FIRE_GRID, SMOKE_GRID, smoke_cells
+from robotteamsim.recording.topics.world import FIRE, SMOKE, smoke_cells
 from robotteamsim.scenario.loading import from_mapping
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, Simulation, StepRecord
@@ -27,6 +27,8 @@ from robotteamsim.view.html import live_page
 from robotteamsim.view.live import LiveMission, SetLayers, Step, Subscription, Update
 from robotteamsim.view.recorder import FrameRecorder, Recording
 from robotteamsim.view.server import ViewServer
+
+pytestmark = pytest.mark.slow
 
 _LIMIT_S = 40.0
 
@@ -184,8 +186,8 @@ def test_a_bag_shows_the_same_fire_and_smoke(mission: tuple[Recording, _Truth, P
             np.testing.assert_array_equal(layer.values, other.values)
 
 
-@pytest.mark.parametrize("topic", [FIRE_GRID, SMOKE_GRID])
-def test_a_bag_whose_floor_changes_is_refused_in_one_line(
+@pytest.mark.parametrize("topic", [FIRE.name, SMOKE.name])
+def test_a_bag_whose_floor_changes_is_rejected_in_one_line(
     mission: tuple[Recording, _Truth, Path], tmp_path: Path, topic: str
 ) -> None:
     path, make = tmp_path / "odd.bag", BagTypes()

@@ -7,6 +7,7 @@ import numpy as np
 from hypothesis import given
 
 from robotteamsim.scenario import load
+from robotteamsim.setup import resolve
 from robotteamsim.view.scene import rectangles, scene_of
 
 
@@ -26,7 +27,7 @@ def test_a_filled_block_is_one_rectangle() -> None:
 
 def test_scene_has_every_wall_door_area_and_robot_of_the_scenario() -> None:
     scenario = load("garage_sar", ["robots.count=4"])
-    scene = scene_of(scenario)
+    scene = scene_of(resolve(scenario))
     assert len(scene.solids) == len(scenario.plan.walls) + len(scenario.plan.blocks)
     assert [door.name for door in scene.doors] == [door.name for door in scenario.plan.doors]
     assert [area.center_m for area in scene.areas] == [area.center for area in scenario.mission.areas]

@@ -149,6 +149,7 @@ def test_server_answers_only_on_loopback_and_only_to_its_own_page(server: ViewSe
     connection.close()
 
 
+@pytest.mark.slow
 def test_live_page_follows_the_mission_and_sends_commands(
     browser: Browser, server: ViewServer, mission: LiveMission
 ) -> None:

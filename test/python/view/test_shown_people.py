@@ -14,6 +14,8 @@ from robotteamsim.view.frame import Frame
 from robotteamsim.view.from_bag import recording_of_bag
 from robotteamsim.view.recorder import FrameRecorder
 
+pytestmark = pytest.mark.slow
+
 _OPENS_S = 4.0
 
 
@@ -72,7 +74,7 @@ def _gaits(frames: list[Frame], victim: int) -> dict[str, set[str]]:
     return found
 
 
-def test_recordings_and_bags_show_who_has_fallen_and_who_is_enclosed(scenario: Scenario, tmp_path: Path) -> None:
+def test_recordings_and_bags_show_collapsed_and_enclosed_people(scenario: Scenario, tmp_path: Path) -> None:
     simulation = Simulation(scenario)
     recorder = FrameRecorder(simulation)
     simulation.run([recorder, BagWriter(tmp_path / "hall.bag")])

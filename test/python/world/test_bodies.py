@@ -32,7 +32,7 @@ def test_robot_stops_with_its_nose_at_the_wall():
     assert world.in_contact() == [True]
 
 
-def test_corners_may_be_given_either_way_round():
+def test_corners_may_be_clockwise_or_counter_clockwise():
     there, back = (PlacedRobot(start_pose=(0.0, 0.0, 0.0), footprint_m=ring) for ring in (LONG, LONG[::-1]))
     assert set(there.corners_m) == set(back.corners_m)
     worlds = [World(PLAN, [robot], Run()) for robot in (there, back)]
@@ -55,7 +55,7 @@ def test_robots_side_by_side_may_be_nearer_than_their_length():
         World(PLAN, [robot_at(0.0, 0.0), robot_at(0.0, 0.39)], Run())
 
 
-def test_robot_may_stand_along_a_wall_but_not_across_it():
+def test_robot_may_start_along_a_wall_but_not_across_it():
     world = World(PLAN, [robot_at(0.0, 0.0)], Run())
     world.set_pose(0, Pose(4.8, 0.0, math.pi / 2))
     with pytest.raises(PlacementError, match=r"^robot_0: pose \(4\.80, 0\.00\) is inside wall 'wall'$"):

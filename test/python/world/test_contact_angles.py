@@ -71,7 +71,7 @@ def test_robot_that_turns_on_the_spot_at_a_wall_feels_it_go_round():
     assert before - after > 0.3
 
 
-def test_free_robot_and_one_put_elsewhere_touch_nothing():
+def test_free_robot_and_robot_after_a_reset_touch_nothing():
     world = world_of((4.6, 2.5, 0.0), (2.0, 2.0, 0.0))
     assert list(press(world, Twist(0.5), Twist())) == [0]
     assert press(world, Twist(-0.5), Twist(), steps=5) == {}
@@ -91,6 +91,7 @@ def test_body_with_corners_feels_the_side_or_the_corner_that_touches():
     assert angle_rad == pytest.approx(math.atan2(-0.2, 0.3), abs=0.02)
 
 
+@pytest.mark.slow
 def test_every_contact_in_the_garage_points_at_something_and_misses_nothing(scattered_robots):
     plan = load("garage_sar").plan
     generator = np.random.default_rng(8)

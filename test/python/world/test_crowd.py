@@ -40,7 +40,7 @@ def test_speed_is_the_gap_to_the_one_ahead_over_the_time_gap():
     assert moved[0] == pytest.approx([0.006, 0.0])
 
 
-def test_someone_beside_the_way_does_not_slow_a_walker_down():
+def test_person_next_to_the_path_does_not_slow_a_walker():
     beside = np.array([[0.5, 0.5, 0.2], [-0.5, 0.0, 0.2]])
     moved = crowd().step(rows(np.array([[0.0, 0.0]]), (9.0, 0.0), 1.2), beside, [], 0.01)
     assert math.hypot(*moved[0]) == pytest.approx(0.012)
@@ -128,6 +128,7 @@ def test_flow_through_a_door_of_one_metre_is_within_the_published_range_and_nobo
     assert gap_m > -0.05
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("radius_m", "time_gap_s", "theirs"), [(0.15, 1.0, 1.611), (0.2, 1.0, 0.898), (0.15, 0.8, 1.885)]
 )

@@ -18,7 +18,7 @@ PLAN = FloorPlan(
 )
 
 
-def test_doors_at_the_start_are_as_the_plan_says_in_its_order() -> None:
+def test_doors_start_as_in_the_plan_and_in_its_order() -> None:
     doors = DoorStates.at_start(PLAN)
     assert list(doors.items()) == [("front", CLOSED), ("back", OPEN)]
     assert (doors.version, doors.closed()) == (0, {"front": True, "back": False})
@@ -43,11 +43,19 @@ def test_changes_are_the_doors_that_differ() -> None:
     start = DoorStates.at_start(PLAN)
     later = DoorStates({"front": OPEN, "back": OPEN}, version=1)
     assert later.changes_since(start) == [DoorChange("front", CLOSED, OPEN)]
+    assert later.closed_since(start) == {"front": False}
     assert later.changes_since(later) == []
 
 
+def test_door_whose_leaf_moves_is_not_closed_before_it_has_arrived() -> None:
+    start = DoorStates.at_start(PLAN)
+    moving = DoorStates({"front": CLOSED, "back": DoorState(closed=False, opening=0.5, motion="closes")}, version=1)
+    assert [change.name for change in moving.changes_since(start)] == ["back"]
+    assert moving.closed_since(start) == {}
+
+
 def test_states_without_a_version_are_compared_door_by_door() -> None:
-    one = DoorStates.at_start(PLAN).with_door("back", closed=True)
-    other = DoorStates.at_start(PLAN).with_door("front", closed=False)
+    one = DoorStates({"front": CLOSED, "back": CLOSED})
+    other = DoorStates({"front": OPEN, "back": OPEN})
     assert one.version == other.version == UNVERSIONED
     assert [change.name for change in one.changes_since(other)] == ["front", "back"]

@@ -2,14 +2,12 @@
 
 import math
 
-import numpy as np
 import pytest
 
 from robotteamsim.geometry import Twist
 from robotteamsim.scenario.drives import AnyDrive, CarDrive, OmniDrive
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.sections import Odometry, PlacedRobot, Run
-from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
 
 RUN = Run()
@@ -33,26 +31,6 @@ def step(world: World, twist: Twist, steps: int) -> None:
         world.step([twist])
 
 
-def test_omni_robot_moves_sideways_without_turning():
-    world, _ = world_of(OMNI, (0.0, 0.0, math.pi / 2))
-    step(world, Twist(0.0, 0.5, 0.0), 20)
-    before = world.poses()[0]
-    step(world, Twist(0.0, 0.5, 0.0), 1)
-    after = world.poses()[0]
-    assert after.x_m - before.x_m == pytest.approx(-0.05, abs=1e-12)
-    assert after.y_m == pytest.approx(0.0, abs=1e-12)
-    assert after.yaw_rad == math.pi / 2
-    assert world.twists()[0].linear_y_mps == pytest.approx(0.5, abs=1e-12)
-
-
-def test_omni_robot_is_no_faster_diagonally_than_ahead():
-    world, _ = world_of(OMNI)
-    step(world, Twist(0.7, 0.7, 0.0), 20)
-    twist = world.twists()[0]
-    assert math.hypot(twist.linear_x_mps, twist.linear_y_mps) == pytest.approx(0.7, abs=1e-12)
-    assert twist.linear_x_mps == pytest.approx(twist.linear_y_mps, abs=1e-12)
-
-
 def test_omni_robot_stops_sideways_at_a_wall_and_leaves_it_at_once():
     world, _ = world_of(OMNI, (4.0, 0.0, math.pi / 2))
     step(world, Twist(0.0, -0.7, 0.0), 40)
@@ -61,42 +39,6 @@ def test_omni_robot_stops_sideways_at_a_wall_and_leaves_it_at_once():
     assert world.twists()[0].linear_y_mps == pytest.approx(0.0, abs=1e-6)
     step(world, Twist(0.0, 0.7, 0.0), 1)
     assert world.twists()[0].linear_y_mps > 0.05
-
-
-def test_odometry_of_an_omni_robot_is_exact_without_noise_on_any_way():
-    world, robots = world_of(OMNI)
-    sensors = RobotSensors(world, robots, 1)
-    generator = np.random.default_rng(1)
-    for _ in range(20):
-        twist = Twist(*generator.uniform((-0.7, -0.7, -2.0), (0.7, 0.7, 2.0)))
-        for _ in range(5):
-            world.step([twist])
-            believed = sensors.read()[0].odometry.pose.pose
-    pose = world.poses()[0]
-    assert (believed.x_m, believed.y_m, believed.yaw_rad) == pytest.approx((pose.x_m, pose.y_m, pose.yaw_rad), abs=1e-9)
-
-
-def test_car_does_not_turn_on_the_spot():
-    world, _ = world_of(CAR)
-    step(world, Twist(0.0, 0.0, 2.0), 20)
-    pose = world.poses()[0]
-    assert (pose.x_m, pose.y_m, pose.yaw_rad) == (0.0, 0.0, 0.0)
-
-
-def test_car_drives_no_narrower_circle_than_its_steering_allows():
-    world, _ = world_of(CAR)
-    step(world, Twist(0.5, 0.0, 20.0), 30)
-    twist = world.twists()[0]
-    radius_m = CAR.wheelbase_m / math.tan(CAR.max_steering_rad)
-    assert twist.linear_x_mps / twist.angular_z_radps == pytest.approx(radius_m, rel=1e-12)
-    assert twist.linear_y_mps == 0.0
-
-
-def test_car_turns_as_wanted_forward_and_backward():
-    world, _ = world_of(CAR)
-    for speed_mps in (0.6, -0.6):
-        step(world, Twist(speed_mps, 0.0, 0.4), 30)
-        assert world.twists()[0].angular_z_radps == pytest.approx(0.4, abs=1e-12)
 
 
 def test_car_that_a_wall_stops_does_not_turn():

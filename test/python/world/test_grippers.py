@@ -78,7 +78,7 @@ def test_heavy_load_tips_a_light_robot_over():
     ],
     ids=["no gripper", "far", "heavy", "behind a wall"],
 )
-def test_lift_that_cannot_be_is_one_line_and_changes_nothing(robot, crate, message):
+def test_impossible_lift_is_one_line_and_changes_nothing(robot, crate, message):
     world = world_of(ROBOT.model_copy(update=robot), crate=CRATE.model_copy(update=crate))
     with pytest.raises(ValueError, match=f"^{message}$"):
         world.lift_object(0, "crate")

@@ -41,6 +41,7 @@ def polygons(draw: st.DrawFn) -> Corners:
     return corners
 
 
+@pytest.mark.slow
 @settings(max_examples=150, deadline=None)
 @given(corners=polygons())
 def test_pieces_are_convex_have_few_corners_and_cover_the_polygon_exactly(corners):

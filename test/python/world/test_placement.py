@@ -14,7 +14,7 @@ from robotteamsim.scenario import Scenario, load
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.plan import obstacles
 from robotteamsim.scenario.sections import Laser, PlacedRobot, Team
-from robotteamsim.world import check_places, placed_robots
+from robotteamsim.setup import resolve
 
 HALL = FloorPlan(name="hall", bounds=Bounds(max=(20.0, 10.0)))
 
@@ -40,14 +40,14 @@ def room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 def _placed(plan: FloorPlan, team: Team) -> tuple[PlacedRobot, ...]:
-    return placed_robots(Scenario(name="team", plan=plan, robots=team))
+    return resolve(Scenario(name="team", plan=plan, robots=team)).robots
 
 
 def _positions(plan: FloorPlan, team: Team) -> np.ndarray:
     return np.array([robot.start_pose[:2] for robot in _placed(plan, team)])
 
 
-def test_four_robots_stand_in_a_square_around_the_start_front_row_first() -> None:
+def test_four_robots_form_a_square_around_the_start_front_row_first() -> None:
     positions = _positions(HALL, Team(count=4, start=(5.0, 5.0, 0.0), spacing_m=1.0))
     np.testing.assert_allclose(positions, [[5.5, 5.5], [5.5, 4.5], [4.5, 5.5], [4.5, 4.5]])
 
@@ -59,11 +59,11 @@ def test_formation_turns_with_the_heading() -> None:
     assert {robot.start_pose[2] for robot in robots} == {math.pi / 2}
 
 
-def test_one_robot_stands_at_the_start() -> None:
+def test_one_robot_is_placed_at_the_start() -> None:
     assert _placed(HALL, Team(count=1, start=(5.0, 5.0, 0.3)))[0].start_pose == (5.0, 5.0, 0.3)
 
 
-def test_robots_of_a_team_have_what_the_team_says() -> None:
+def test_robots_of_a_team_have_the_keys_of_the_team() -> None:
     team = Team(count=2, start=(5.0, 5.0, 0.0), radius_m=0.3, laser=Laser(beams=9))
     assert [(robot.radius_m, robot.laser.beams) for robot in _placed(HALL, team)] == [(0.3, 9)] * 2
 
@@ -89,7 +89,7 @@ def test_formation_does_not_reach_through_a_closed_door() -> None:
     assert np.any(_positions(opened, team)[:, 0] > 5.5)
 
 
-def test_start_poses_come_first_and_the_rest_stands_in_formation() -> None:
+def test_start_poses_come_first_and_other_robots_form_up() -> None:
     team = Team(count=3, start_poses=((5.0, 5.0, 0.0), (7.0, 5.0, 1.0)))
     poses = [robot.start_pose for robot in _placed(HALL, team)]
     assert poses[:2] == [(5.0, 5.0, 0.0), (7.0, 5.0, 1.0)]
@@ -105,7 +105,7 @@ def test_more_start_poses_than_robots_are_left_unused() -> None:
 @pytest.mark.parametrize("count", [3, 30, 300, 1000])
 def test_large_team_fits_into_the_garage_clear_of_walls_and_each_other(count: int) -> None:
     scenario = load("garage_sar", [f"robots.count={count}"])
-    positions = np.array([robot.start_pose[:2] for robot in placed_robots(scenario)])
+    positions = np.array([robot.start_pose[:2] for robot in resolve(scenario).robots])
     assert np.min(shapely.distance(obstacles(scenario.plan), shapely.points(positions))) >= scenario.robots.radius_m
     apart = np.linalg.norm(positions[:, None] - positions[None], axis=2) + np.eye(count) * 1e3
     assert apart.min() >= scenario.robots.spacing_m - 1e-9
@@ -116,13 +116,14 @@ def test_formation_is_the_same_each_time() -> None:
     assert _placed(HALL, team) == _placed(HALL, team)
 
 
-def test_team_without_room_is_refused_with_count_and_place() -> None:
+def test_team_without_room_is_rejected_with_count_and_place() -> None:
     closet = FloorPlan(name="closet", bounds=Bounds(max=(2.0, 2.0)))
     with pytest.raises(PlacementError) as raised:
         _placed(closet, Team(count=9, start=(1.0, 1.0, 0.0)))
     assert str(raised.value) == "robots.count: 9 robots 0.8 m apart do not fit around [1, 1]; there is room for 4"
 
 
+@pytest.mark.slow
 def test_plan_of_the_largest_size_has_room() -> None:
     field = FloorPlan(name="field", bounds=Bounds(max=(1000.0, 1000.0)))
     assert len(_placed(field, Team(count=100, start=(500.0, 500.0, 0.0)))) == 100
@@ -150,7 +151,7 @@ def test_spiral_turns_with_the_heading_and_leaves_out_places_in_walls() -> None:
     assert np.hypot(*(positions[1] - (10.0, 5.0))) > 1.4
 
 
-def test_spiral_without_room_is_refused_with_count_and_place() -> None:
+def test_spiral_without_room_is_rejected_with_count_and_place() -> None:
     team = Team(count=30, start=(1.0, 1.0, 0.0), spacing_m=1.0, formation="spiral")
     closet = FloorPlan(name="closet", bounds=Bounds(max=(2.0, 2.0)))
     with pytest.raises(
@@ -181,7 +182,7 @@ def test_spiral_without_room_is_refused_with_count_and_place() -> None:
 )
 def test_bad_place_that_was_set_is_a_placement_error_of_set(room: str, override: str, message: str) -> None:
     with pytest.raises(PlacementError) as raised:
-        check_places(load(room, [override]))
+        resolve(load(room, [override]))
     assert str(raised.value) == f"--set: {message}"
 
 
@@ -189,6 +190,6 @@ def test_bad_place_in_the_file_is_not_blamed_on_an_override(room: str) -> None:
     schedule = "schedule: [{at_s: 60, remove: 1}, {at_s: 90, spawn: 1, pose: [-5, 2, 0]}]\n"
     Path(room).write_text(ROOM + schedule, encoding="utf-8")
     with pytest.raises(PlacementError, match=r"^room.yaml: schedule.1.pose: \[-5, 2\]: robot 1 lies outside the plan"):
-        check_places(load(room, ["schedule.0.at_s=50", "robots.count=3"]))
+        resolve(load(room, ["schedule.0.at_s=50", "robots.count=3"]))
     with pytest.raises(PlacementError, match=r"^--set: schedule.1.pose: \[-6, 2\]: robot 1 lies outside the plan"):
-        check_places(load(room, ["schedule.1.pose=[-6, 2, 0]"]))
+        resolve(load(room, ["schedule.1.pose=[-6, 2, 0]"]))

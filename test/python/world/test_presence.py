@@ -14,8 +14,9 @@ from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors import Laser as LaserModel
 from robotteamsim.sensing.laser import Laser
+from robotteamsim.setup import resolve
+from robotteamsim.simulation.stages import ScheduleStage
 from robotteamsim.world import World
-from robotteamsim.world.placement import placed_robots
 
 PLAN = FloorPlan(
     name="two rooms",
@@ -36,20 +37,20 @@ def world_of(*poses: tuple[float, float, float], absent: tuple[int, ...] = (), *
 
 
 def present(world: World) -> list[bool]:
-    return [True] * world.num_robots if world.present is None else world.present.tolist()
+    return world.present.tolist()
 
 
 def bits(world: World) -> bytes:
     return world.core.poses().tobytes()
 
 
-def test_all_are_there_unless_the_scenario_says_otherwise():
-    assert world_of(*STARTS).present is None
+def test_all_robots_are_present_by_default():
+    assert world_of(*STARTS).present.all()
     world = world_of(*STARTS, absent=(1,))
     assert (present(world), world.arrivals) == ([True, False], (1, 0))
 
 
-def test_robot_that_is_removed_is_nowhere_and_stays_so():
+def test_removed_robot_is_absent_and_stays_so():
     world = world_of(*STARTS)
     world.remove_robot(1)
     for _ in range(5):
@@ -60,17 +61,6 @@ def test_robot_that_is_removed_is_nowhere_and_stays_so():
     assert np.isfinite(world.positions_m()[0]).all()
 
 
-def test_way_is_free_where_a_robot_was():
-    blocked, free = world_of(*STARTS), world_of(*STARTS)
-    free.remove_robot(1)
-    for world in (blocked, free):
-        for _ in range(20):
-            world.step([FORWARD, Twist()])
-    assert blocked.in_contact()[0]
-    assert free.positions_m()[0, 0] > 3.2
-    assert not free.in_contact()[0]
-
-
 def test_no_beam_meets_a_robot_that_is_not_there_and_it_sees_nothing_itself():
     world = world_of(*STARTS)
     laser = Laser(LaserModel(beams=3, angle_min_rad=-1.5, angle_max_rad=1.5, range_max_m=3.0), world)
@@ -79,34 +69,6 @@ def test_no_beam_meets_a_robot_that_is_not_there_and_it_sees_nothing_itself():
     assert laser.scan([0, 1], [])[:, 1].tolist() == [3.0, 3.0]
     world.spawn_robot(1, Pose(4.0, 2.0, 0.0))
     assert 1.5 < laser.scan([0], [])[0, 1] < 2.0
-
-
-def test_robot_comes_again_at_rest_where_it_is_put_and_moves():
-    world = world_of(*STARTS)
-    for _ in range(5):
-        world.step([Twist(), FORWARD])
-    world.remove_robot(1)
-    world.step([Twist(), FORWARD])
-    world.spawn_robot(1, Pose(8.0, 4.0, 0.0))
-    assert (world.poses()[1], world.arrivals, world.present) == (Pose(8.0, 4.0, 0.0), (1, 2), None)
-    world.step([Twist(), Twist()])
-    assert world.poses()[1] == Pose(8.0, 4.0, 0.0)
-    world.step([Twist(), FORWARD])
-    assert world.positions_m()[1, 0] > 8.0
-
-
-def test_without_a_pose_a_robot_comes_at_its_start():
-    world = world_of(*STARTS, absent=(1,))
-    world.spawn_robot(1)
-    assert (world.poses()[1], world.arrivals) == (Pose(*STARTS[1]), (1, 1))
-
-
-def test_who_came_stands_in_the_way_of_others():
-    world = world_of(*STARTS, absent=(1,))
-    world.spawn_robot(1, Pose(2.6, 2.0, 0.0))
-    for _ in range(10):
-        world.step([FORWARD, Twist()])
-    assert world.in_contact()[0]
 
 
 def test_leaf_of_a_door_waits_for_no_robot_that_is_gone():
@@ -121,7 +83,7 @@ def test_leaf_of_a_door_waits_for_no_robot_that_is_gone():
     assert world.door_states().closed()["gate"]
 
 
-def test_what_others_do_after_a_robot_left_is_as_if_it_had_never_been_there():
+def test_robot_that_left_has_no_effect_on_the_others():
     alone, left = world_of(STARTS[0], (9.0, 4.0, 0.0), absent=(1,)), world_of(STARTS[0], (9.0, 4.0, 0.0))
     left.remove_robot(1)
     for _ in range(30):
@@ -130,7 +92,7 @@ def test_what_others_do_after_a_robot_left_is_as_if_it_had_never_been_there():
         assert bits(alone) == bits(left)
 
 
-def test_reset_brings_back_who_was_there_at_the_start():
+def test_reset_restores_the_robots_of_the_start():
     world = world_of(*STARTS, (4.0, 4.0, 0.0), absent=(2,))
     script = [[FORWARD, FORWARD, FORWARD]] * 10
 
@@ -149,7 +111,7 @@ def test_reset_brings_back_who_was_there_at_the_start():
     assert run() == first
 
 
-def test_robots_put_back_are_those_who_are_there():
+def test_robots_put_back_are_those_present():
     world = world_of(*STARTS)
     world.remove_robot(0)
     world.set_pose(1, Pose(8.0, 4.0, 0.0))
@@ -168,7 +130,7 @@ def test_robots_put_back_are_those_who_are_there():
         (Pose(2.0, math.nan, 0.0), ValueError, "robot_1: pose must be finite"),
     ],
 )
-def test_robot_cannot_come_where_it_cannot_stand(pose: Pose, error: type[Exception], message: str):
+def test_robot_cannot_be_spawned_without_room(pose: Pose, error: type[Exception], message: str):
     drum = MovableObject(name="drum", kind="barrel", radius_m=0.3, pose=(9.0, 3.0, 0.0))
     world = world_of(*STARTS, absent=(1,), objects=[drum])
     with pytest.raises(error, match=message):
@@ -176,59 +138,37 @@ def test_robot_cannot_come_where_it_cannot_stand(pose: Pose, error: type[Excepti
     assert present(world) == [True, False]
 
 
-def test_robots_that_are_unknown_there_or_not_there_are_refused():
-    world = world_of(*STARTS)
-    with pytest.raises(ValueError, match=r"robot_id must be in 0..1, got 2"):
-        world.remove_robot(2)
-    with pytest.raises(ValueError, match=r"robot_id must be in 0..1, got -1"):
-        world.spawn_robot(-1)
-    with pytest.raises(ValueError, match="robot_1 is already present; it cannot be spawned"):
-        world.spawn_robot(1)
-    world.remove_robot(1)
-    with pytest.raises(ValueError, match="robot_1 is not present; it cannot be removed"):
-        world.remove_robot(1)
-    with pytest.raises(ValueError, match="robot_1 is not present; it cannot be moved"):
-        world.set_pose(1, Pose(8.0, 4.0, 0.0))
-
-
-def test_schedule_lets_robots_leave_and_come_with_the_step_that_begins_then():
-    schedule = [ScheduledEvent(at_s=0.5, spawn=0, pose=(8.0, 4.0, 0.0)), ScheduledEvent(at_s=0.2, remove=0)]
-    world = world_of(*STARTS, schedule=schedule)
-    seen = []
-    for _ in range(6):
-        world.step([Twist(), Twist()])
-        seen.append(present(world)[0])
-    assert seen == [True, True, False, False, False, True]
-    assert world.poses()[0] == Pose(8.0, 4.0, 0.0)
-    world.reset()
-    assert world.present is None
-    for _ in range(3):
-        world.step([Twist(), Twist()])
-    assert present(world) == [False, True]
-
-
 def test_scheduled_robot_waits_until_its_place_is_free():
-    world = world_of(*STARTS, absent=(1,), schedule=[ScheduledEvent(at_s=0.0, spawn=1, pose=(2.3, 2.0, 0.0))])
+    world = world_of(*STARTS, absent=(1,))
+    schedule = ScheduleStage([ScheduledEvent(at_s=0.0, spawn=1, pose=(2.3, 2.0, 0.0))], world)
+    schedule.step(world.sim_time_ns)
     world.step([Twist(-0.7), Twist()])
     assert present(world) == [True, False]
     for _ in range(10):
+        schedule.step(world.sim_time_ns)
         world.step([Twist(-0.7), Twist()])
-    assert world.present is None
+    assert world.present.all()
 
 
 def test_schedule_that_others_forestalled_changes_nothing():
-    world = world_of(*STARTS, schedule=[ScheduledEvent(at_s=0.1, remove=0), ScheduledEvent(at_s=0.2, spawn=0)])
+    world = world_of(*STARTS)
+    schedule = ScheduleStage([ScheduledEvent(at_s=0.1, remove=0), ScheduledEvent(at_s=0.2, spawn=0)], world)
+
+    def step() -> None:
+        schedule.step(world.sim_time_ns)
+        world.step([Twist(), Twist()])
+
     world.remove_robot(0)
-    world.step([Twist(), Twist()])
+    step()
     world.spawn_robot(0)
-    world.step([Twist(), Twist()])
+    step()
     assert not present(world)[0]
-    world.step([Twist(), Twist()])
-    assert (world.present, world.arrivals) == (None, (3, 1))
+    step()
+    assert (present(world), world.arrivals) == ([True, True], (3, 1))
 
 
 def test_reserve_of_a_team_is_its_last_robots_at_their_places():
-    robots = placed_robots(load("garage_sar", ["robots.count=5", "robots.reserve=2"]))
+    robots = resolve(load("garage_sar", ["robots.count=5", "robots.reserve=2"])).robots
     assert [robot.present for robot in robots] == [True, True, True, False, False]
-    everybody = placed_robots(load("garage_sar", ["robots.count=5"]))
+    everybody = resolve(load("garage_sar", ["robots.count=5"])).robots
     assert [robot.start_pose for robot in robots] == [robot.start_pose for robot in everybody]

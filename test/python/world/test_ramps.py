@@ -107,6 +107,6 @@ def test_ramp_that_is_too_steep_for_the_tyres_is_not_climbed():
     ],
     ids=["box2d", "outside", "short", "no height", "flat"],
 )
-def test_ramp_that_cannot_be_is_one_line(keys, message):
+def test_invalid_ramp_is_one_line(keys, message):
     with pytest.raises(ScenarioError, match=message):
         load("garage_sar", keys)

@@ -8,15 +8,17 @@ import shapely
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario import load
+from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.floor_plan import Wall
 from robotteamsim.scenario.plan import obstacles
 from robotteamsim.scenario.sections import Mission, PlacedRobot, Run
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation
-from robotteamsim.world.random_victims import reachable_cells_m, with_random_victims
+from robotteamsim.world.random_victims import reachable_cells_m
 
 
 def places(scenario) -> list[tuple[float, float]]:
-    return [victim.position for victim in with_random_victims(scenario).mission.victims]
+    return [victim.position for victim in resolve(scenario).scenario.mission.victims]
 
 
 def test_places_depend_on_the_seed_alone():
@@ -56,7 +58,7 @@ def test_victims_are_spread_uniformly(hall_scenario):
 
 
 def test_cells_are_the_floor_less_the_clearance(hall_scenario):
-    cells_m = reachable_cells_m(hall_scenario().plan, 0.2, ((3.0, 4.0),))
+    cells_m = reachable_cells_m(Building(hall_scenario().plan), 0.2, ((3.0, 4.0),))
     # Walls of 0.2 m; cells whose centres are nearer to them than 0.25 m are two more rows and columns on each side.
     assert len(cells_m) == (196 - 4) * (96 - 4)
 
@@ -68,13 +70,13 @@ def test_own_victims_stay_and_the_simulation_saves_them_all(hall_scenario):
     assert simulation.scenario.mission.random_victims == 0
 
 
-def test_plan_without_a_reachable_free_cell_is_refused_in_one_line(hall_scenario, closet):
+def test_plan_without_a_reachable_free_cell_is_rejected_in_one_line(hall_scenario, closet):
     robots = (PlacedRobot(start_pose=(0.28, 0.28, 0.0), radius_m=0.15),)
     scenario = hall_scenario(plan=closet, robots=robots, mission=Mission(random_victims=1))
     with pytest.raises(ScenarioError, match=r"mission.random_victims: 1 victims, but robots can reach 0 free cells"):
         Simulation(scenario)
 
 
-def test_name_of_a_random_victim_is_refused_for_another():
+def test_name_of_a_random_victim_is_rejected_for_another():
     with pytest.raises(ScenarioError, match=r"mission.victims.0.name: 'random_1' is the name of a victim of random_vi"):
         load("garage_sar", ["mission.victims.0.name=random_1", "mission.random_victims=2"])

@@ -12,6 +12,7 @@ from robotteamsim.geometry import Pose
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import PlacedRobot, Run
+from robotteamsim.simulation.stages import ScheduleStage
 from robotteamsim.world import World
 
 SQUARE = ((-0.15, -0.15), (0.15, -0.15), (0.15, 0.15), (-0.15, 0.15))
@@ -81,43 +82,32 @@ def test_thousand_robots_in_a_small_room_stay_in_it_however_they_push():
     assert sum(world.in_contact()) > 100
 
 
-def test_robots_that_start_in_each_other_are_refused_by_name():
+def test_robots_that_start_in_each_other_are_rejected_by_name():
     robots = [PlacedRobot(start_pose=(1.0 + 0.3 * i, 4.0, 0.0)) for i in range(3)]
     message = "robot_1: start pose (1.30, 4.00) is inside robot_0 at (1.00, 4.00); expected 0.4 m between them"
     with pytest.raises(PlacementError, match=f"^{re.escape(message)}$"):
         World(room(), robots, Run())
 
 
-def test_robot_that_starts_in_a_wall_is_refused_by_its_name():
+def test_robot_that_starts_in_a_wall_is_rejected_by_its_name():
     message = r"^robot_0: start pose \(0\.10, 4\.00\) is inside wall 'west'; expected 0\.2 m of clearance$"
     with pytest.raises(PlacementError, match=message):
         World(room(), [PlacedRobot(start_pose=(0.1, 4.0, 0.0))], Run())
 
 
 @pytest.mark.parametrize("step_s", [0.0, -0.1, math.nan, math.inf])
-def test_step_that_is_no_time_is_refused(step_s):
+def test_invalid_step_time_is_rejected(step_s):
     with pytest.raises(ValueError, match="step and substeps must be > 0"):
         _core.world.World([], [], [], step_s, 5)
 
 
-def test_laser_without_beams_is_refused():
+def test_fan_without_beams_is_rejected():
+    fan = _core.world.Fan(beams=0, angle_min_rad=-1.0, angle_max_rad=1.0, forward_m=0.0, left_m=0.0, range_max_m=5.0)
     with pytest.raises(ValueError, match="beams must be >= 1, got 0"):
-        _core.sensing.Laser(
-            [],
-            [],
-            beams=0,
-            angle_min_rad=-1.0,
-            angle_max_rad=1.0,
-            forward_m=0.0,
-            left_m=0.0,
-            range_min_m=0.0,
-            range_max_m=5.0,
-            too_near_m=0.0,
-            no_return_m=5.0,
-        )
+        _core.world.FanCaster(fan, [], [])
 
 
-def test_thousand_robots_in_one_spot_are_refused_by_the_names_of_two():
+def test_thousand_robots_in_one_spot_are_rejected_by_the_names_of_two():
     robots = [PlacedRobot(start_pose=(4.0, 4.0, 0.0))] * 1000
     with pytest.raises(PlacementError, match=r"robot_1: start pose \(4.00, 4.00\) is inside robot_0 at \(4.00, 4.00\)"):
         World(room(), robots, Run())
@@ -125,7 +115,9 @@ def test_thousand_robots_in_one_spot_are_refused_by_the_names_of_two():
 
 def test_of_a_thousand_robots_held_back_for_one_spot_one_comes():
     robots = [PlacedRobot(start_pose=(4.0, 4.0, 0.0), present=i == 0) for i in range(1000)]
-    world = World(room(), robots, Run(), schedule=[ScheduledEvent(at_s=0.0, spawn=i) for i in range(1, 1000)])
+    world = World(room(), robots, Run())
+    schedule = ScheduleStage([ScheduledEvent(at_s=0.0, spawn=i) for i in range(1, 1000)], world)
     for _ in range(3):
+        schedule.step(world.sim_time_ns)
         world.step(np.zeros((1000, 3)))
     assert sum(world.arrivals) == 1

@@ -66,6 +66,7 @@ def test_position_depends_on_time_and_seed_but_not_on_what_was_asked_before():
     assert places(victim, *times_s)[1:] != places(victim.model_copy(update={"name": "bob"}), *times_s)[1:]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "region",
     [EVERYWHERE, Wander(center=(3.0, 2.0), radius_m=2.5), Wander(polygon=((0.5, 0.5), (3.0, 0.5), (0.5, 3.0)))],

@@ -15,6 +15,8 @@ from robotteamsim.scenario.plan import obstacles
 from robotteamsim.scenario.sections import Drive, PlacedRobot, Run
 from robotteamsim.world import World
 
+pytestmark = pytest.mark.slow
+
 FASTEST = Drive(max_speed_mps=10.0, max_turn_radps=20.0, max_acceleration_mps2=50.0, max_turn_acceleration_radps2=200.0)
 
 
@@ -38,7 +40,7 @@ def full_speed(drive: Drive, count: int, generator: np.random.Generator) -> list
     ],
     ids=["default drive", "10 m/s", "10 m/s, small, one substep"],
 )
-def test_no_robot_ever_overlaps_a_solid_or_a_robot_by_more_than_a_centimetre_or_so(
+def test_no_robot_overlaps_a_solid_or_a_robot_by_more_than_about_a_centimetre(
     garage, scattered_robots, drive, radius_m, run, steps, depth_m
 ):
     generator = np.random.default_rng(5)
@@ -59,7 +61,7 @@ def test_no_robot_ever_overlaps_a_solid_or_a_robot_by_more_than_a_centimetre_or_
     assert len(touched) == 12
 
 
-def test_no_way_between_two_steps_leads_through_a_wall(garage, scattered_robots):
+def test_no_motion_between_two_steps_crosses_a_wall(garage, scattered_robots):
     generator = np.random.default_rng(6)
     world = World(garage, scattered_robots(garage, 12, generator, drive=FASTEST), Run())
     # Half the thinnest wall, so that a way around a corner may cut it by a little.
@@ -73,7 +75,7 @@ def test_no_way_between_two_steps_leads_through_a_wall(garage, scattered_robots)
         assert not shapely.intersects(solid, ways).any(), f"step {step}"
 
 
-def test_speeds_and_their_changes_keep_to_the_drive_whatever_the_commands(garage, scattered_robots):
+def test_speeds_and_accelerations_stay_within_the_drive_for_any_commands(garage, scattered_robots):
     generator = np.random.default_rng(7)
     run, drive = Run(), Drive()
     world = World(garage, scattered_robots(garage, 10, generator), run)
@@ -92,7 +94,7 @@ def test_speeds_and_their_changes_keep_to_the_drive_whatever_the_commands(garage
                 assert abs(now.linear_x_mps - before.linear_x_mps) <= most_mps + 1e-12
 
 
-def test_robot_that_starts_in_a_closed_door_of_the_plan_is_refused(garage):
+def test_robot_that_starts_in_a_closed_door_of_the_plan_is_rejected(garage):
     with pytest.raises(PlacementError) as error:
         World(garage, [PlacedRobot(start_pose=(54.4, 37.5, 0.0))], Run())
     expected = "robot_0: start pose (54.40, 37.50) is inside door 'stair_door'; expected 0.2 m of clearance"
@@ -104,11 +106,11 @@ import sys
 import numpy as np
 from robotteamsim.geometry import Twist
 from robotteamsim.scenario import load
+from robotteamsim.setup import resolve
 from robotteamsim.world import World
-from robotteamsim.world.placement import placed_robots
 
 scenario = load("garage_sar", ["robots.count=12", "robots.spacing_m=0.41"])
-world = World(scenario.plan, placed_robots(scenario), scenario.run)
+world = World(scenario.plan, resolve(scenario).robots, scenario.run)
 generator = np.random.default_rng(8)
 for _ in range(40):
     twists = [Twist(v, 0.0, w) for v, w in generator.uniform(-1.0, 1.0, (12, 2)).tolist()]

@@ -29,15 +29,15 @@ class FadingRows {
   /// Throws std::invalid_argument if min_distance_m is not above 0.
   FadingRows(const Fading& fading, PointMm source, const CellCentersMm& cells);
 
-  /// Writes the values of rows [first, first + count) in columns [begin, end), as RowKernels::fade does; begin is a
-  /// multiple of kFadingBlock.
+  /// Writes the values of rows [first, first + count) in columns [begin, end), as FadeRows does; begin is a multiple of
+  /// kFadingBlock.
   template <typename Weight>
-  void Write(const RowKernels<Weight>& kernels, IndexRange rows, IndexRange cols, const WeightRows<Weight>& weights,
-             float* values, std::ptrdiff_t values_stride, bool highest) const {
+  void Write(FadeRows<Weight> fade, IndexRange rows, IndexRange cols, const WeightRows<Weight>& weights, float* values,
+             std::ptrdiff_t values_stride, bool highest) const {
     const FadingColumns columns{square_.front().values.data(), offset_.front().values.data(), middle_.data(),
                                 near_below_};
     const FadingRange range{square_along_y_.data() + rows.first, rows.last - rows.first, cols.first, cols.last};
-    kernels.fade(curve_, columns, range, weights, values, values_stride, highest);
+    fade(curve_, columns, range, weights, values, values_stride, highest);
   }
 
  private:

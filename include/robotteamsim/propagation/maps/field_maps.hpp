@@ -38,38 +38,7 @@ void WriteHighest(const FaceSet& faces, const std::vector<FieldSource>& sources,
 void WriteEach(const FaceSet& faces, const std::vector<FieldSource>& sources, const plan::GridShape& grid, MapView maps,
                const MapWork& work = {});
 
-/// The weights of the walls between one source and every cell, updated as doors open and close.
-class WeightMap {
- public:
-  WeightMap(const FaceSet& faces, PointMm source, const plan::GridShape& grid, const MapWork& work = {});
-
-  PointMm Source() const { return source_; }
-  const CellCentersMm& Cells() const { return cells_; }
-
-  /// Adds or removes the shadow of each face that was activated or deactivated since the last call. A door that opens
-  /// and closes again leaves the map as it was, to the bit.
-  /// Args: faces: those of the constructor.
-  void Update(const FaceSet& faces);
-
-  /// Returns FaceSet::WeightBetween the source and the centre of a cell.
-  std::int32_t At(int row, int col) const;
-
-  /// Writes the values of a signal of the source. Throws std::invalid_argument if `map` does not fit the grid.
-  void WriteValues(const Fading& fading, MapView map) const;
-
- private:
-  template <typename Weight>
-  void Fill(const FaceSet& faces, std::vector<Weight>* weights);
-  template <typename Weight>
-  void AddShadow(const Face& face, std::int32_t change, std::vector<Weight>* weights);
-
-  PointMm source_;
-  CellCentersMm cells_;
-  base::Simd simd_;
-  std::vector<std::int32_t> face_weights_;  // those in the map
-  // One of the two, row by row; the narrow one if all sums fit it.
-  std::vector<std::int16_t> narrow_;
-  std::vector<std::int32_t> wide_;
-};
+/// Returns FaceSet::WeightBetween a source and the centre of each cell of a grid, row by row.
+std::vector<std::int32_t> WeightsFrom(const FaceSet& faces, PointMm source, const plan::GridShape& grid);
 
 }  // namespace robotteamsim::propagation

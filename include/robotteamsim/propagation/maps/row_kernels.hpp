@@ -41,31 +41,24 @@ struct FadingRange {
   int end = 0;
 };
 
-/// Weights of rows, `stride` numbers apart: either the weights themselves, which are only read, or the changes from the
-/// row below. Changes are added to one running row, at first the weights of the row below, and zeroed.
+/// Weights of rows, as changes from the row below, `stride` numbers apart. They are added to one running row, at first
+/// the weights of the row below, and zeroed.
 template <typename Weight>
 struct WeightRows {
-  Weight* stored = nullptr;
+  Weight* changes = nullptr;
   std::ptrdiff_t stride = 0;
-  Weight* running = nullptr;  ///< null if the weights themselves are stored
+  Weight* running = nullptr;
 };
 
-/// Loops over rows of a map, for one instruction set and type of weights.
+/// Writes the values of a range. Weights and values begin at its first row and column; rows of values are
+/// `values_stride` numbers apart. `highest`: only values above the existing ones are written.
 template <typename Weight>
-struct RowKernels {
-  /// Writes to `row` the sums of the row below and of `changes`, and zeros to `changes`.
-  void (*sum_row)(const Weight* below, Weight* changes, Weight* row, int count);
-  void (*add_number)(Weight number, Weight* row, int count);
+using FadeRows = void (*)(const FadingCurve& curve, const FadingColumns& columns, const FadingRange& range,
+                          const WeightRows<Weight>& rows, float* values, std::ptrdiff_t values_stride, bool highest);
 
-  /// Writes the values of a range. Weights and values begin at its first row and column; rows of values are
-  /// `values_stride` numbers apart. `highest`: only values above the existing ones are written.
-  void (*fade)(const FadingCurve& curve, const FadingColumns& columns, const FadingRange& range,
-               const WeightRows<Weight>& rows, float* values, std::ptrdiff_t values_stride, bool highest);
-};
-
-/// Returns the loops. Weight: std::int16_t or std::int32_t.
+/// Returns the loop over rows for one instruction set. Weight: std::int16_t or std::int32_t.
 /// Throws std::invalid_argument if this machine does not support the instruction set.
 template <typename Weight>
-const RowKernels<Weight>& RowKernelsFor(base::Simd simd);
+FadeRows<Weight> FadeRowsFor(base::Simd simd);
 
 }  // namespace robotteamsim::propagation

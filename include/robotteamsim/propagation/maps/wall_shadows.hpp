@@ -91,7 +91,4 @@ class ShadowSweep {
   std::vector<ListedLine> listed_lines_;
 };
 
-/// Returns the cells [first, last) of each row of a grid that a face shades from a source; empty if none.
-std::vector<IndexRange> ShadowOf(const Face& face, PointMm source, const CellCentersMm& cells);
-
 }  // namespace robotteamsim::propagation

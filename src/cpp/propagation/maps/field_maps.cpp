@@ -27,19 +27,13 @@ struct PreparedSource {
   FadingRows rows;
 };
 
-/// Returns the number of rows of a band.
-template <typename Weight>
-int RowsInBand(int cols) {
-  return static_cast<int>(std::max<std::size_t>(kBandBytes / (sizeof(Weight) * cols), 1));
-}
-
 /// Writes some columns of the highest values of all sources.
 template <typename Weight>
 void WriteColumns(const std::vector<const PreparedSource*>& sources, base::Simd simd, IndexRange cols, MapView map) {
-  const RowKernels<Weight>& kernels = RowKernelsFor<Weight>(simd);
+  const FadeRows<Weight> fade = FadeRowsFor<Weight>(simd);
   const int width = cols.last - cols.first;
   const auto num_rows = static_cast<int>(map.rows());
-  const int band_rows = RowsInBand<Weight>(width);
+  const auto band_rows = static_cast<int>(std::max<std::size_t>(kBandBytes / (sizeof(Weight) * width), 1));
   std::vector<Weight> changes(static_cast<std::size_t>(band_rows) * width);
   std::vector<Weight> running(sources.size() * width);
   std::vector<ShadowSweep> sweeps;
@@ -50,7 +44,7 @@ void WriteColumns(const std::vector<const PreparedSource*>& sources, base::Simd 
     for (std::size_t i = 0; i < sources.size(); ++i) {  // all sources, while the band is in the cache
       sweeps[i].AddChanges(rows, changes.data(), width);
       const WeightRows<Weight> weights{changes.data(), width, &running[i * width]};
-      sources[i]->rows.Write(kernels, rows, cols, weights, &map(row, cols.first), map.outerStride(), i > 0);
+      sources[i]->rows.Write(fade, rows, cols, weights, &map(row, cols.first), map.outerStride(), i > 0);
     }
   }
 }
@@ -118,85 +112,14 @@ void WriteEach(const FaceSet& faces, const std::vector<FieldSource>& sources, co
   });
 }
 
-WeightMap::WeightMap(const FaceSet& faces, PointMm source, const plan::GridShape& grid, const MapWork& work)
-    : source_(source), cells_(grid), simd_(work.simd), face_weights_(faces.Weights()) {
-  if (FitsNarrow(faces)) {
-    Fill(faces, &narrow_);
-  } else {
-    Fill(faces, &wide_);
-  }
-}
-
-template <typename Weight>
-void WeightMap::Fill(const FaceSet& faces, std::vector<Weight>* weights) {
-  const int cols = cells_.x.Count();
-  const RowKernels<Weight>& kernels = RowKernelsFor<Weight>(simd_);
-  weights->assign(static_cast<std::size_t>(cells_.y.Count()) * cols, 0);
-  const WallShadows shadows(faces, source_, cells_);
-  ShadowSweep sweep(shadows, {0, cols});
-  const int num_rows = cells_.y.Count();
-  const int band_rows = RowsInBand<Weight>(cols);
-  std::vector<Weight> changes(static_cast<std::size_t>(band_rows) * cols);
-  const std::vector<Weight> below_all(cols);
-  const Weight* below = below_all.data();
-  for (int row = 0; row < num_rows; ++row) {
-    if (row % band_rows == 0) sweep.AddChanges({row, std::min(row + band_rows, num_rows)}, changes.data(), cols);
-    Weight* const in_row = weights->data() + static_cast<std::ptrdiff_t>(row) * cols;
-    kernels.sum_row(below, &changes[static_cast<std::size_t>(row % band_rows) * cols], in_row, cols);
-    below = in_row;
-  }
-}
-
-void WeightMap::Update(const FaceSet& faces) {
-  if (faces.Size() != face_weights_.size()) {
-    throw std::invalid_argument("faces must be those of the map: expected " + std::to_string(face_weights_.size()) +
-                                ", got " + std::to_string(faces.Size()));
-  }
-  for (std::size_t i = 0; i < face_weights_.size(); ++i) {
-    const std::int32_t change = faces.Weights()[i] - face_weights_[i];
-    if (change == 0) continue;
-    face_weights_[i] += change;
-    if (wide_.empty()) {
-      AddShadow(faces.At(i), change, &narrow_);
-    } else {
-      AddShadow(faces.At(i), change, &wide_);
-    }
-  }
-}
-
-template <typename Weight>
-void WeightMap::AddShadow(const Face& face, std::int32_t change, std::vector<Weight>* weights) {
-  const RowKernels<Weight>& kernels = RowKernelsFor<Weight>(simd_);
-  const int cols = cells_.x.Count();
-  const std::vector<IndexRange> runs = ShadowOf(face, source_, cells_);
-  for (std::size_t row = 0; row < runs.size(); ++row) {
-    if (runs[row].first >= runs[row].last) continue;
-    kernels.add_number(static_cast<Weight>(change), weights->data() + row * cols + runs[row].first,
-                       runs[row].last - runs[row].first);
-  }
-}
-
-std::int32_t WeightMap::At(int row, int col) const {
-  const std::size_t cell = static_cast<std::size_t>(row) * cells_.x.Count() + col;
-  return wide_.empty() ? narrow_[cell] : wide_[cell];
-}
-
-void WeightMap::WriteValues(const Fading& fading, MapView map) const {
-  const int cols = cells_.x.Count();
-  CheckShape(map, cells_.y.Count(), cols);
-  const FadingRows rows(fading, source_, cells_);
-  // The loops only read stored weights.
-  const auto write = [&](const auto& weights) {
-    using Weight = typename std::decay_t<decltype(weights)>::value_type;
-    const WeightRows<Weight> stored{const_cast<Weight*>(weights.data()), cols, nullptr};
-    rows.Write(RowKernelsFor<Weight>(simd_), {0, cells_.y.Count()}, {0, cols}, stored, map.data(), map.outerStride(),
-               false);
-  };
-  if (wide_.empty()) {
-    write(narrow_);
-  } else {
-    write(wide_);
-  }
+std::vector<std::int32_t> WeightsFrom(const FaceSet& faces, PointMm source, const plan::GridShape& grid) {
+  const CellCentersMm cells(grid);
+  const WallShadows shadows(faces, source, cells);
+  const auto cols = static_cast<std::size_t>(grid.cols);
+  std::vector<std::int32_t> weights(grid.rows * cols, 0);
+  ShadowSweep(shadows, {0, grid.cols}).AddChanges({0, grid.rows}, weights.data(), grid.cols);
+  for (std::size_t cell = cols; cell < weights.size(); ++cell) weights[cell] += weights[cell - cols];
+  return weights;
 }
 
 }  // namespace robotteamsim::propagation

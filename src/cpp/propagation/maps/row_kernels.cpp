@@ -31,14 +31,12 @@ ROBOTTEAMSIM_INLINE float Faded(const FadingCurve& curve, float square) {
   return ((high * (f2 * f2) + low) - curve.per_octave * exponent) + curve.constant;
 }
 
-/// The loops of one RowKernels::fade. kRunning: changes are added up; kHighest: as `highest` there.
-template <bool kRunning, bool kHighest, typename Weight>
+/// The loops of one FadeRows. kHighest: as `highest` there.
+template <bool kHighest, typename Weight>
 struct Loops {
   static ROBOTTEAMSIM_INLINE Weight Take(Weight* weight, Weight* change) {
-    if (kRunning) {
-      *weight = static_cast<Weight>(*weight + *change);
-      *change = 0;
-    }
+    *weight = static_cast<Weight>(*weight + *change);
+    *change = 0;
     return *weight;
   }
 
@@ -97,15 +95,15 @@ struct Loops {
         const int whole = count / kFadingBlock;
         const int rest = whole * kFadingBlock;
         for (int row = 0; row < num_rows; ++row) {
-          Weight* const stored = rows.stored + (first + row) * rows.stride + at;
-          Weight* const weights = kRunning ? rows.running + at : stored;
+          Weight* const changes = rows.changes + (first + row) * rows.stride + at;
+          Weight* const weights = rows.running + at;
           float* const row_values = values + (first + row) * values_stride + at;
           const float* const offset = columns.offset + begin;
           if (y[row] < columns.near_below) {
-            Near(curve, columns.square + begin, y[row], weights, stored, row_values, count);
+            Near(curve, columns.square + begin, y[row], weights, changes, row_values, count);
           } else {
-            Far(curve, offset, middle[row], inverse[row], weights, stored, row_values, whole, kFadingBlock);
-            Far(curve, offset + rest, middle[row] + whole, inverse[row] + whole, weights + rest, stored + rest,
+            Far(curve, offset, middle[row], inverse[row], weights, changes, row_values, whole, kFadingBlock);
+            Far(curve, offset + rest, middle[row] + whole, inverse[row] + whole, weights + rest, changes + rest,
                 row_values + rest, 1, count - rest);
           }
         }
@@ -114,54 +112,28 @@ struct Loops {
   }
 };
 
-template <typename Weight>
-ROBOTTEAMSIM_INLINE void SumRow(const Weight* __restrict below, Weight* __restrict changes, Weight* __restrict row,
-                                int count) {
-  for (int i = 0; i < count; ++i) {
-    row[i] = static_cast<Weight>(below[i] + changes[i]);
-    changes[i] = 0;
-  }
-}
-
-template <typename Weight>
-ROBOTTEAMSIM_INLINE void AddNumber(Weight number, Weight* row, int count) {
-  for (int i = 0; i < count; ++i) row[i] = static_cast<Weight>(row[i] + number);
-}
-
 // A function can be inlined only into one whose target has all of its instructions.
-#define ROBOTTEAMSIM_KERNELS(Target, attributes)                                                                  \
-  template <typename Weight>                                                                                      \
-  struct Target {                                                                                                 \
-    attributes static void Sum(const Weight* below, Weight* changes, Weight* row, int count) {                    \
-      SumRow(below, changes, row, count);                                                                         \
-    }                                                                                                             \
-    attributes static void Add(Weight number, Weight* row, int count) { AddNumber(number, row, count); }          \
-    attributes static void Fade(const FadingCurve& curve, const FadingColumns& columns, const FadingRange& range, \
-                                const WeightRows<Weight>& rows, float* values, std::ptrdiff_t values_stride,      \
-                                bool highest) {                                                                   \
-      if (rows.running != nullptr && highest) {                                                                   \
-        Loops<true, true, Weight>::Range(curve, columns, range, rows, values, values_stride);                     \
-      } else if (rows.running != nullptr) {                                                                       \
-        Loops<true, false, Weight>::Range(curve, columns, range, rows, values, values_stride);                    \
-      } else if (highest) {                                                                                       \
-        Loops<false, true, Weight>::Range(curve, columns, range, rows, values, values_stride);                    \
-      } else {                                                                                                    \
-        Loops<false, false, Weight>::Range(curve, columns, range, rows, values, values_stride);                   \
-      }                                                                                                           \
-    }                                                                                                             \
-    static constexpr RowKernels<Weight> kKernels{Sum, Add, Fade};                                                 \
-  };
+#define ROBOTTEAMSIM_KERNELS(Target, attributes)                                                                     \
+  template <typename Weight>                                                                                         \
+  attributes void Target##Rows(const FadingCurve& curve, const FadingColumns& columns, const FadingRange& range,     \
+                               const WeightRows<Weight>& rows, float* values, std::ptrdiff_t stride, bool highest) { \
+    if (highest) {                                                                                                   \
+      Loops<true, Weight>::Range(curve, columns, range, rows, values, stride);                                       \
+    } else {                                                                                                         \
+      Loops<false, Weight>::Range(curve, columns, range, rows, values, stride);                                      \
+    }                                                                                                                \
+  }
 
 ROBOTTEAMSIM_FOR_EACH_SIMD(ROBOTTEAMSIM_KERNELS)
 
 }  // namespace
 
 template <typename Weight>
-const RowKernels<Weight>& RowKernelsFor(base::Simd simd) {
-  return *base::SimdVersion(simd, &Portable<Weight>::kKernels, &Avx2<Weight>::kKernels, &Avx512<Weight>::kKernels);
+FadeRows<Weight> FadeRowsFor(base::Simd simd) {
+  return base::SimdVersion<FadeRows<Weight>>(simd, PortableRows<Weight>, Avx2Rows<Weight>, Avx512Rows<Weight>);
 }
 
-template const RowKernels<std::int16_t>& RowKernelsFor(base::Simd);
-template const RowKernels<std::int32_t>& RowKernelsFor(base::Simd);
+template FadeRows<std::int16_t> FadeRowsFor(base::Simd);
+template FadeRows<std::int32_t> FadeRowsFor(base::Simd);
 
 }  // namespace robotteamsim::propagation

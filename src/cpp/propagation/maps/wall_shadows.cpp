@@ -73,19 +73,6 @@ std::optional<RowChange> FaceAcrossRows(PointMm source, const Face& any_face) {
   return RowChange{{face.start.y, face.start.x, dy, dx, false}, face.start.y, face.end.y, sign};
 }
 
-/// Calls write(row, FirstBeyond) for each row of the change, the column being at most their number.
-template <typename Write>
-void ForEachRow(const RowChange& change, const CellCentersMm& cells, Write write) {
-  const int first = cells.y.FirstFrom(change.above + 1);
-  const int last = cells.y.FirstFrom(change.up_to + 1);
-  if (first >= last) return;
-  if (const auto steps = StepsOf(change.line, cells.y, cells.x, first, last - first)) {
-    for (int row = first; row < last; ++row) write(row, std::clamp(steps->At(row - first), 0, cells.x.Count()));
-  } else {
-    for (int row = first; row < last; ++row) write(row, FirstBeyond(change.line, cells.y.at[row], cells.x));
-  }
-}
-
 }  // namespace
 
 WallShadows::WallShadows(const FaceSet& faces, PointMm source, const CellCentersMm& cells)
@@ -234,33 +221,5 @@ void ShadowSweep::AddChanges(IndexRange rows, Weight* block, std::ptrdiff_t stri
 
 template void ShadowSweep::AddChanges(IndexRange, std::int16_t*, std::ptrdiff_t);
 template void ShadowSweep::AddChanges(IndexRange, std::int32_t*, std::ptrdiff_t);
-
-std::vector<IndexRange> ShadowOf(const Face& face, PointMm source, const CellCentersMm& cells) {
-  // A shadow is convex: each row enters it at most at one line, or at the left end of the grid, and leaves it likewise.
-  const int rows = cells.y.Count();
-  const int cols = cells.x.Count();
-  std::vector<IndexRange> runs(rows, {cols, cols});
-  std::vector<char> is_met(rows, 0);
-  const auto meet = [&](const std::optional<RowChange>& change, int sign) {
-    if (!change) return;
-    const bool enters = change->sign * sign > 0;
-    ForEachRow(*change, cells, [&](int row, int col) {
-      if (!is_met[row]) runs[row] = {0, cols};
-      is_met[row] = 1;
-      (enters ? runs[row].first : runs[row].last) = col;
-    });
-  };
-  const int turn = IsLeftOf(face, source) ? 1 : -1;
-  meet(RayAcrossRows(source, face.start), turn);
-  meet(RayAcrossRows(source, face.end), -turn);
-  meet(FaceAcrossRows(source, face), 1);
-  // Only a horizontal face with the source on it shades whole rows: shifted by (eps, eps^2), it is just above the
-  // source.
-  if (face.start.y == source.y && face.end.y == source.y && std::min(face.start.x, face.end.x) < source.x &&
-      std::max(face.start.x, face.end.x) >= source.x) {
-    std::fill(runs.begin() + cells.y.FirstFrom(source.y + 1), runs.end(), IndexRange{0, cols});
-  }
-  return runs;
-}
 
 }  // namespace robotteamsim::propagation

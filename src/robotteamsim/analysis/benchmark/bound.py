@@ -6,7 +6,6 @@ at least the longest route over the top speed; lengths of routes are bounded fro
 
 from __future__ import annotations
 
-import functools
 import math
 from dataclasses import dataclass
 
@@ -18,12 +17,10 @@ from scipy.sparse import csgraph
 from robotteamsim.analysis.benchmark.routes import longest_route
 from robotteamsim.errors import CampaignError
 from robotteamsim.scenario.base import Point
-from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.plan import obstacles
-from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot
-from robotteamsim.world.placement import placed_robots
-from robotteamsim.world.random_victims import with_random_victims
+from robotteamsim.setup import Setup
 
 OCTILE = math.cos(math.pi / 8.0)
 """The length of a straight line is at least this share of the shortest path of straight and diagonal steps."""
@@ -47,15 +44,16 @@ class Bound:
     unreachable: tuple[str, ...]
 
 
-def search_bound(scenario: Scenario) -> Bound:
+def search_bound(setup: Setup) -> Bound:
     """Return the bound of one mission. Raises: CampaignError: its schedule would change what the bound assumes."""
+    scenario = setup.scenario
     if scenario.schedule:
         raise CampaignError(f"{scenario.name}: schedule: not allowed: the bound assumes that nothing is changed")
     if any(victim.walks for victim in scenario.mission.victims):
         raise CampaignError(f"{scenario.name}: mission.victims: the bound assumes that nobody walks")
-    mission = with_random_victims(scenario).mission
-    robots = [robot for robot in placed_robots(scenario) if robot.present]
-    floor = optimistic_floor(scenario.plan, min(map(_narrowest_m, robots)) - CONTACT_M)
+    mission = scenario.mission
+    robots = [robot for robot in setup.robots if robot.present]
+    floor = setup.building.shared(OptimisticFloor, min(map(_narrowest_m, robots)) - CONTACT_M)
     starts_m = [robot.start_pose[:2] for robot in robots]
     victims_m = [victim.position for victim in mission.victims]
     from_starts, legs = floor.lengths_m(starts_m, victims_m, mission.save_distance_m)
@@ -73,7 +71,8 @@ class OptimisticFloor:
     shortest path between vertices, minus the distances from the path's ends to them.
     """
 
-    def __init__(self, plan: FloorPlan, clearance_m: float) -> None:
+    def __init__(self, building: Building, clearance_m: float) -> None:
+        plan = building.plan
         (x_low, y_low), (x_high, y_high) = plan.bounds.min, plan.bounds.max
         width_m, height_m = x_high - x_low, y_high - y_low
         self.cell_m = min(max(math.sqrt(width_m * height_m / _VERTICES), _FINEST_M), _COARSEST_M)
@@ -141,13 +140,6 @@ class OptimisticFloor:
         return sparse.csr_matrix(
             (np.concatenate(lengths), (np.concatenate(begins), np.concatenate(ends))), (size, size)
         )
-
-
-# Cached, because all missions in a building share it.
-@functools.lru_cache(maxsize=8)
-def optimistic_floor(plan: FloorPlan, clearance_m: float) -> OptimisticFloor:
-    """Return the optimistic floor of a plan for robots whose centres keep a distance from walls [m]."""
-    return OptimisticFloor(plan, clearance_m)
 
 
 def _shifted(index: np.ndarray, d_row: int, d_column: int) -> tuple[np.ndarray, np.ndarray]:

@@ -12,9 +12,8 @@ from matplotlib.figure import Figure
 from robotteamsim import palette
 from robotteamsim.analysis.benchmark.measures import PatrolSample
 from robotteamsim.analysis.benchmark.profile import Profile
-from robotteamsim.analysis.report.comparison import generator
 from robotteamsim.analysis.report.figures import styled
-from robotteamsim.analysis.report.statistics import bootstrap_mean
+from robotteamsim.analysis.report.statistics import bootstrap_mean, generator
 
 CLAIRVOYANT = "clairvoyant"
 """The name of the lower bound among the solvers."""

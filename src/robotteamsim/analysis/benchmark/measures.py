@@ -12,6 +12,8 @@ import numpy as np
 from robotteamsim.analysis.benchmark.bound import Bound, search_bound
 from robotteamsim.campaign import Design, Outcome
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.setup import resolve
+from robotteamsim.wording import counted
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,7 +27,7 @@ class Place:
     @property
     def name(self) -> str:
         """A short text."""
-        return f"{self.building}, {self.noise_db:g} dB, {self.robots} robot{'s' if self.robots > 1 else ''}"
+        return f"{self.building}, {self.noise_db:g} dB, {counted(self.robots, 'robot')}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,6 +54,11 @@ class SearchSample:
     step_s: float
 
     @property
+    def where(self) -> str:
+        """The place in a short text."""
+        return self.place.name
+
+    @property
     def restricted_s(self) -> np.ndarray:
         """Times until all victims are saved; a mission that does not save all counts as the limit."""
         return np.asarray(np.minimum(self.last_s, self.limit_s))
@@ -70,7 +77,7 @@ class Bounds:
         key = place.building, place.robots, seed
         if key not in self._known:
             seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": seed})})
-            self._known[key] = search_bound(seeded)
+            self._known[key] = search_bound(resolve(seeded))
             if self._note:
                 self._note(len(self._known))
         return self._known[key]
@@ -128,6 +135,11 @@ class PatrolSample:
     vertices_s: np.ndarray
     vertex_max_s: np.ndarray
     visits: np.ndarray
+
+    @property
+    def where(self) -> str:
+        """The team in a short text."""
+        return counted(self.robots, "robot")
 
 
 def patrol_samples(design: Design, outcomes: Sequence[Outcome]) -> tuple[PatrolSample, ...]:

@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from dataclasses import dataclass
-from importlib import resources
+from pathlib import Path
+from typing import TypeVar
 
-import jinja2
 import numpy as np
 
 import robotteamsim
-from robotteamsim import palette
-from robotteamsim.analysis.benchmark.comparisons import Pair, differences
 from robotteamsim.analysis.benchmark.figures import CLAIRVOYANT, draw_idleness, draw_profiles
 from robotteamsim.analysis.benchmark.measures import Bounds, PatrolSample, SearchSample, patrol_samples, search_samples
 from robotteamsim.analysis.benchmark.profile import Profile, profiles
@@ -23,15 +20,15 @@ from robotteamsim.analysis.benchmark.tables import (
     profile_table,
     vertex_table,
 )
-from robotteamsim.analysis.report.page import PAGE_NAME, Report
+from robotteamsim.analysis.report.contrasts import Pair, compare
+from robotteamsim.analysis.report.page import FOLDER, Report, render, report_files
 from robotteamsim.analysis.report.pictures import Picture, picture
 from robotteamsim.analysis.report.tables import Table
-from robotteamsim.analysis.report.wording import unbroken
 from robotteamsim.campaign import Design, Outcome
 from robotteamsim.errors import CampaignError
 from robotteamsim.wording import counted
 
-SAVED, LAST, MEAN, GREATEST = "victims saved", "time to save all [s]", "mean idleness [s]", "greatest idleness [s]"
+AnySample = TypeVar("AnySample", SearchSample, PatrolSample)
 
 _READING_SEARCH = (
     ("time to save all", "When the last victim was saved; a mission that does not save all counts as the time limit."),
@@ -54,25 +51,17 @@ _READING_PATROL = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class BenchmarkReport:
-    """The report of a benchmark and its tables, the most important first."""
-
-    report: Report
-    tables: tuple[Table, ...]
-
-
-def make_search_report(design: Design, outcomes: Sequence[Outcome], command: str, bounds: Bounds) -> BenchmarkReport:
+def make_search_report(design: Design, outcomes: Sequence[Outcome], command: str, bounds: Bounds) -> Report:
     """Return the report of a search benchmark. Raises: CampaignError: no mission has ended."""
     samples = search_samples(design, outcomes, bounds)
     if not samples:
         raise CampaignError("no mission of this benchmark has ended; nothing to report")
     by_building = _profiles(samples)
-    pairs = _search_pairs(samples)
-    found = (
-        *differences(pairs, SAVED, lambda sample: sample.saved),
-        *differences(pairs, LAST, lambda sample: sample.restricted_s),
-    )
+    pairs = _with_reference(samples)
+    found = [
+        *compare(pairs, "victims saved", 2, lambda sample: sample.saved, paired=True),
+        *compare(pairs, "time to save all [s]", 1, lambda sample: sample.restricted_s, paired=True),
+    ]
     drawn = picture(
         "profiles",
         "Performance profiles",
@@ -81,7 +70,7 @@ def make_search_report(design: Design, outcomes: Sequence[Outcome], command: str
     )
     tables = (
         mission_table(samples),
-        difference_table(found, {SAVED: 2, LAST: 1}),
+        difference_table([each for each in found if each]),
         profile_table(by_building),
     )
     notes = (*_notes(design, outcomes), *_search_notes(samples))
@@ -89,23 +78,23 @@ def make_search_report(design: Design, outcomes: Sequence[Outcome], command: str
     return _report(title, notes, [drawn], tables, _READING_SEARCH, command)
 
 
-def make_patrol_report(design: Design, outcomes: Sequence[Outcome], command: str) -> BenchmarkReport:
+def make_patrol_report(design: Design, outcomes: Sequence[Outcome], command: str) -> Report:
     """Return the report of a patrol benchmark. Raises: CampaignError: no mission has ended."""
     samples = patrol_samples(design, outcomes)
     if not samples:
         raise CampaignError("no mission of this benchmark has ended; nothing to report")
-    pairs = _patrol_pairs(samples)
-    found = (
-        *differences(pairs, MEAN, lambda sample: sample.mean_s),
-        *differences(pairs, GREATEST, lambda sample: sample.max_s),
-    )
+    pairs = _with_reference(samples)
+    found = [
+        *compare(pairs, "mean idleness [s]", 1, lambda sample: sample.mean_s, paired=True),
+        *compare(pairs, "greatest idleness [s]", 1, lambda sample: sample.max_s, paired=True),
+    ]
     drawn = picture(
         "idleness",
         "Idleness by the number of robots",
         "Means over all missions with 95 % bootstrap intervals.",
         draw_idleness(samples),
     )
-    tables = (idleness_table(samples), difference_table(found, {MEAN: 1, GREATEST: 1}), vertex_table(samples))
+    tables = (idleness_table(samples), difference_table([each for each in found if each]), vertex_table(samples))
     title = f"Patrol benchmark in {design.scenario.name}: {counted(len(outcomes), 'mission')}"
     return _report(title, _notes(design, outcomes), [drawn], tables, _READING_PATROL, command)
 
@@ -132,21 +121,13 @@ def _profiles(samples: Sequence[SearchSample]) -> dict[str, dict[str, Profile]]:
     return found
 
 
-def _search_pairs(samples: Sequence[SearchSample]) -> list[Pair[SearchSample]]:
-    reference = {s.place: s for s in samples if s.controller == samples[0].controller}
+def _with_reference(samples: Sequence[AnySample]) -> list[Pair[AnySample]]:
+    """Return the pairs of each sample and that of the reference, the first controller, in the same place."""
+    reference = {s.where: s for s in samples if s.controller == samples[0].controller}
     return [
-        Pair(s.place.name, first, s, (first.controller, s.controller), (first.numbers, s.numbers))
+        Pair(s.where, (first.controller, s.controller), first, s)
         for s in samples
-        if (first := reference.get(s.place)) is not None and s is not first
-    ]
-
-
-def _patrol_pairs(samples: Sequence[PatrolSample]) -> list[Pair[PatrolSample]]:
-    reference = {s.robots: s for s in samples if s.controller == samples[0].controller}
-    return [
-        Pair(counted(s.robots, "robot"), first, s, (first.controller, s.controller), (first.numbers, s.numbers))
-        for s in samples
-        if (first := reference.get(s.robots)) is not None and s is not first
+        if (first := reference.get(s.where)) is not None and s is not first
     ]
 
 
@@ -174,25 +155,17 @@ def _report(
     tables: Sequence[Table],
     reading: Sequence[tuple[str, str]],
     command: str,
-) -> BenchmarkReport:
-    text = (resources.files("robotteamsim.analysis.benchmark") / "page.html").read_text(encoding="utf-8")
-    environment = jinja2.Environment(
-        autoescape=True, trim_blocks=True, lstrip_blocks=True, undefined=jinja2.StrictUndefined
-    )
-    environment.filters["unbroken"] = unbroken
+) -> Report:
     shown = [table for table in tables if table.rows]
-    page = environment.from_string(text).render(
-        title=title,
-        colours=palette.css(),
-        notes=notes,
+    page = render(
+        "benchmark.html",
+        (Path(__file__).parent, FOLDER),
+        heading=title,
+        first=notes,
         pictures=pictures,
         tables=shown,
         reading=reading,
         command=command,
         version=robotteamsim.__version__,
     )
-    files = {f"figures/{drawn.name}.png": drawn.png for drawn in pictures}
-    for table in shown:
-        files[f"tables/{table.name}.csv"] = table.csv().encode()
-        files[f"tables/{table.name}.tex"] = table.latex().encode()
-    return BenchmarkReport(Report((), (title,), tuple(notes), files | {PAGE_NAME: page.encode()}), tuple(shown))
+    return Report((title,), tuple(notes), report_files(page, pictures, shown), tuple(shown))

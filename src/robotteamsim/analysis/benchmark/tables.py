@@ -6,12 +6,11 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from robotteamsim.analysis.benchmark.comparisons import Difference
 from robotteamsim.analysis.benchmark.figures import CLAIRVOYANT
 from robotteamsim.analysis.benchmark.measures import PatrolSample, SearchSample
 from robotteamsim.analysis.benchmark.profile import Profile
-from robotteamsim.analysis.report.comparison import generator
-from robotteamsim.analysis.report.statistics import bootstrap_mean, clopper_pearson
+from robotteamsim.analysis.report.contrasts import Contrast
+from robotteamsim.analysis.report.statistics import bootstrap_mean, clopper_pearson, generator
 from robotteamsim.analysis.report.tables import Table
 from robotteamsim.analysis.report.wording import interval_text, p_text, percents, share_text
 
@@ -57,14 +56,14 @@ def profile_table(by_building: Mapping[str, Mapping[str, Profile]]) -> Table:
     )
 
 
-def difference_table(found: Sequence[Difference], decimals: Mapping[str, int]) -> Table:
-    """Return the comparisons with the reference. Args: decimals: shown of each quantity."""
+def difference_table(found: Sequence[Contrast]) -> Table:
+    """Return the comparisons with the reference."""
     rows = []
     for each in found:
-        digits = decimals[each.quantity]
+        digits = each.decimals
         rows.append(
             (
-                f"{each.names[1]} ({each.where})",
+                f"{each.second} ({each.where})",
                 each.quantity,
                 str(each.pairs),
                 f"{each.values[0]:.{digits}f}",
@@ -74,7 +73,7 @@ def difference_table(found: Sequence[Difference], decimals: Mapping[str, int]) -
                 p_text(each.p),
             )
         )
-    reference = found[0].names[0] if found else "the reference"
+    reference = found[0].first if found else "the reference"
     title = f"Difference from {reference}, with 95 % t interval; Wilcoxon's test of pairs of equal seed, p after Holm"
     head = ("controller", "", "pairs", reference, "controller", "difference", "P(controller larger)", "p")
     return Table("differences", title, head, tuple(rows), 2)

@@ -12,7 +12,7 @@ from robotteamsim.propagation import RadioField, VoiceField, VoiceSource
 from robotteamsim.scenario import FloorPlan, Scenario
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.voice import VoiceSensor
-from robotteamsim.world.placement import placed_robots
+from robotteamsim.setup import resolve
 
 Point = tuple[float, float]
 VoiceRange = Literal["drawn", "lowest", "highest"]
@@ -45,7 +45,7 @@ def radio_panel(scenario: Scenario, at_m: Sequence[Point], resolution_m: float, 
 
     Args: at_m: transmitters in `map` [m]; if empty, robot 0 at its start.
     """
-    places = list(at_m) or [placed_robots(scenario)[0].start_pose[:2]]
+    places = list(at_m) or [resolve(scenario).start_m(0)]
     model = RadioField(scenario.plan, scenario.radio)
     field = model.best_rssi_map_dbm(places, resolution_m)
     if loss:
@@ -86,21 +86,16 @@ def voice_panel(scenario: Scenario, at_m: Sequence[Point], resolution_m: float, 
     return Panel(title, field, scenario.plan, spots, silent_below=max(voice.noise_db, _JUST_HEARD_DB))
 
 
-def radio_style(scenarios: Sequence[Scenario], levels: Sequence[float], loss: bool) -> FieldStyle:
-    """Return the style of radio maps, with one scale for all scenarios.
-
-    Args: levels: contour lines; if empty, the default ones.
-    """
+def radio_style(scenarios: Sequence[Scenario], loss: bool) -> FieldStyle:
+    """Return the style of radio maps, with one scale for all scenarios."""
     lost = min(scenario.network.lost_below_dbm for scenario in scenarios)
     endangered = min(scenario.network.endangered_below_dbm for scenario in scenarios)
     strongest = max(scenario.radio.tx_power_dbm - scenario.radio.constant_loss_db for scenario in scenarios)
     power = max(scenario.radio.tx_power_dbm for scenario in scenarios)
     meanings = {lost: "lost", endangered: "endangered"}
-    values = levels or sorted({*RADIO_LEVELS_DBM, endangered, lost})
+    values = sorted({*RADIO_LEVELS_DBM, endangered, lost})
     if loss:
-        values = levels or [power - value for value in values]
-        means = {power - value: meaning for value, meaning in meanings.items()}
-        marks = tuple(Level(value, means.get(value, "")) for value in values)
+        marks = tuple(Level(power - value, meanings.get(value, "")) for value in values)
         return FieldStyle(
             "path loss", "dB", palette.LOSS_MAP, power - strongest, power - lost + _BEYOND_LOST_DB, levels=marks
         )
@@ -108,15 +103,12 @@ def radio_style(scenarios: Sequence[Scenario], levels: Sequence[float], loss: bo
     return FieldStyle("signal strength", "dBm", palette.SIGNAL_MAP, lost, max(strongest, lost + 1.0), "no link", marks)
 
 
-def voice_style(scenarios: Sequence[Scenario], levels: Sequence[float]) -> FieldStyle:
-    """Return the style of voice maps, with one scale for all scenarios.
-
-    Args: levels: contour lines; if empty, the default ones.
-    """
+def voice_style(scenarios: Sequence[Scenario]) -> FieldStyle:
+    """Return the style of voice maps, with one scale for all scenarios."""
     noise_db = min(scenario.voice.noise_db for scenario in scenarios)
     loudest = max(-scenario.voice.constant_db[0] for scenario in scenarios)
     usual = sorted({noise_db, *VOICE_LEVELS_DB} - {0.0})
-    marks = tuple(Level(value) for value in levels or [value for value in usual if value >= noise_db])
+    marks = tuple(Level(value) for value in usual if value >= noise_db)
     return FieldStyle(
         "voice level", "dB", palette.VOICE_MAP, noise_db, max(loudest, noise_db + 1.0), "not heard", marks
     )

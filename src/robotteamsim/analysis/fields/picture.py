@@ -20,9 +20,10 @@ from scipy import ndimage
 
 from robotteamsim import palette
 from robotteamsim.analysis import labels
-from robotteamsim.analysis.plan_picture import draw_doors, draw_solids
+from robotteamsim.analysis.plan_picture import draw_floor_plan
 from robotteamsim.propagation import FieldMap
-from robotteamsim.scenario import FloorPlan, occupancy_grid
+from robotteamsim.scenario import FloorPlan
+from robotteamsim.scenario.building import building_of
 from robotteamsim.scenario.plan import OCCUPIED, obstacles
 
 _PAGE_INCHES = (12.0, 6.6)
@@ -161,7 +162,7 @@ def _largest_size(panels: Sequence[Panel]) -> tuple[float, float]:
 
 def _draw_panel(axes: Axes, panel: Panel, style: FieldStyle, scale: float) -> AxesImage:
     """Draw one map. Args: scale: inches per metre."""
-    field, (min_x, min_y), (max_x, max_y) = panel.field, panel.plan.bounds.min, panel.plan.bounds.max
+    field = panel.field
     values = np.ma.masked_less(field.values, panel.silent_below)
     rows, columns = values.shape
     x0, y0 = field.origin_m
@@ -171,8 +172,7 @@ def _draw_panel(axes: Axes, panel: Panel, style: FieldStyle, scale: float) -> Ax
         values, origin="lower", extent=extent, cmap=colours, vmin=style.low, vmax=style.high, interpolation="nearest"
     )
     lines = _draw_levels(axes, panel, style.levels)
-    draw_solids(axes, panel.plan)
-    draw_doors(axes, panel.plan)
+    draw_floor_plan(axes, panel.plan, floor=False)
     names = _name_places(panel, lines, scale)
     for spot, name in zip(panel.spots, names, strict=True):
         _draw_spot(axes, spot, name.middle_m)
@@ -181,8 +181,7 @@ def _draw_panel(axes: Axes, panel: Panel, style: FieldStyle, scale: float) -> Ax
         places = _label_places(lines, panel, names, scale)
         for label in lines.clabel(fmt=texts, fontsize=8, manual=places):
             label.set(path_effects=_HALO, color=palette.INK)
-    axes.set(xlim=(min_x, max_x), ylim=(min_y, max_y), xlabel="x [m]", ylabel="y [m]", aspect="equal")
-    axes.spines[:].set_visible(False)
+    axes.set(xlabel="x [m]", ylabel="y [m]")
     return image
 
 
@@ -190,7 +189,7 @@ def _draw_levels(axes: Axes, panel: Panel, levels: Sequence[Level]) -> ContourSe
     """Draw the contours in free space, without levels that the map does not reach; return them, if there are any."""
     field = panel.field
     # Values inside walls differ from those next to them, so contours must end at walls.
-    grid = occupancy_grid(panel.plan.model_copy(update={"doors": ()}), field.resolution_m)
+    grid = building_of(panel.plan).grid_without_doors(field.resolution_m)
     solid = grid.cells == OCCUPIED
     if solid.all():
         return None

@@ -1,6 +1,5 @@
-"""The report of a campaign: figures, intervals, tests, and a verdict on each claim of the dissertation."""
+"""The report of a campaign: figures, intervals, and tests between its settings."""
 
 from robotteamsim.analysis.report.page import Report, ShownMissions, make_report
-from robotteamsim.analysis.report.tables import passed_text
 
-__all__ = ["Report", "ShownMissions", "make_report", "passed_text"]
+__all__ = ["Report", "ShownMissions", "make_report"]

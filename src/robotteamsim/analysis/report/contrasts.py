@@ -1,14 +1,14 @@
-"""Our cells compared with each other: effect sizes, intervals of differences, and tests."""
+"""Settings compared in pairs, as the cells of a campaign: effect sizes, intervals of differences, and tests."""
 
 from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
-from robotteamsim.analysis.report.comparison import generator
 from robotteamsim.analysis.report.rank_tests import (
     holm,
     kruskal_wallis,
@@ -18,7 +18,7 @@ from robotteamsim.analysis.report.rank_tests import (
     wilcoxon,
 )
 from robotteamsim.analysis.report.samples import Campaign, Cell, Sample, cell_name
-from robotteamsim.analysis.report.statistics import Interval, fisher_freeman_halton
+from robotteamsim.analysis.report.statistics import Interval, fisher_freeman_halton, generator
 
 ALGORITHM_KEY = "control.algorithm"
 
@@ -33,14 +33,36 @@ _QUANTITIES: dict[str, tuple[int, Callable[[Sample], np.ndarray]]] = {
 """By name, the decimals shown and the values."""
 
 
+class Numbered(Protocol):
+    """Missions with the numbers of their trials; in paired samples, those of equal number form a pair."""
+
+    @property
+    def numbers(self) -> np.ndarray:
+        """Shape (missions,)."""
+
+
+Missions = TypeVar("Missions", bound=Numbered)
+
+
+@dataclass(frozen=True, slots=True)
+class Pair(Generic[Missions]):
+    """Two samples to compare. where: settings that both have, or "". names: what distinguishes them."""
+
+    where: str
+    names: tuple[str, str]
+    first: Missions
+    second: Missions
+
+
 @dataclass(frozen=True, slots=True)
 class Contrast:
-    """The difference between two cells in one quantity.
+    """The difference between two samples in one quantity.
 
-    where:       settings that both have, or "".    first, second: what distinguishes them.
+    where, first, second: as `where` and `names` of `Pair`.
     difference:  of the means, second minus first, with its 95 % interval.
     superiority: probability that a mission of the second has the larger value; ties count half.
-    p:           of Mann-Whitney's or, in pairs, Wilcoxon's test, with Holm's correction over all pairs of cells.
+    p:           of Mann-Whitney's or, in pairs, Wilcoxon's test, with Holm's correction over all pairs of samples; None
+                 if there is nothing to test.
     pairs:       number of pairs with the same seed; None if the missions are independent.
     """
 
@@ -65,14 +87,6 @@ class Overall:
     areas_p: float | None
 
 
-@dataclass(frozen=True, slots=True)
-class _Pair:
-    where: str
-    first: Cell
-    second: Cell
-    names: tuple[str, str]
-
-
 def contrasts(campaign: Campaign) -> tuple[Contrast, ...]:
     """Compare cells in pairs; none if there are too many pairs to read.
 
@@ -83,61 +97,21 @@ def contrasts(campaign: Campaign) -> tuple[Contrast, ...]:
     if not 0 < len(pairs) <= _MAX_PAIRS:
         return ()
     found = [
-        numbered
+        compare(pairs, quantity, decimals, of, campaign.paired)
         for quantity, (decimals, of) in _QUANTITIES.items()
-        for numbered in _contrasts(pairs, quantity, decimals, of, campaign.paired)
+        if _differ(pairs, of, campaign.paired)
     ]
-    return tuple(contrast for _, contrast in sorted(found, key=lambda numbered: numbered[0]))
+    return tuple(contrast for of_pair in zip(*found, strict=True) for contrast in of_pair if contrast)
 
 
-def overall(campaign: Campaign) -> Overall | None:
-    """Test whether any of our cells differ; None for a single cell."""
-    samples = [cell.ours for cell in campaign.cells]
-    if len(samples) < 2:
-        return None
-    return Overall(
-        time_p=kruskal_wallis([sample.restricted_s for sample in samples], generator("cells", "time")),
-        victims_p=fisher_freeman_halton([s.victims_saved for s in samples], generator("cells", "victims")),
-        areas_p=fisher_freeman_halton([s.areas_explored for s in samples], generator("cells", "areas")),
-    )
-
-
-def _algorithm_pairs(campaign: Campaign) -> list[_Pair]:
-    """Return the first algorithm and each other one, under equal other settings; [] if only one algorithm is there."""
-    if ALGORITHM_KEY not in campaign.keys:
-        return []
-    baseline = campaign.cells[0].settings[ALGORITHM_KEY]
-    pairs = []
-    for first, second in itertools.permutations(campaign.cells, 2):
-        algorithms = first.settings[ALGORITHM_KEY], second.settings[ALGORITHM_KEY]
-        if algorithms[0] == baseline != algorithms[1] and _others(first) == _others(second):
-            where = cell_name(_others(first), campaign.scenario) if len(campaign.keys) > 1 else ""
-            pairs.append(_Pair(where, first, second, algorithms))
-    return pairs
-
-
-def _others(cell: Cell) -> dict[str, object]:
-    return {key: value for key, value in cell.settings.items() if key != ALGORITHM_KEY}
-
-
-def _all_pairs(cells: Sequence[Cell]) -> list[_Pair]:
-    return [_Pair("", a, b, (a.name, b.name)) for a, b in itertools.combinations(cells, 2)]
-
-
-def _contrasts(
-    pairs: Sequence[_Pair], quantity: str, decimals: int, of: Callable[[Sample], np.ndarray], paired: bool
-) -> list[tuple[int, Contrast]]:
-    """Return the contrasts of one quantity with the pairs' indices; [] if all values are equal, or unknown."""
-    values = [_matched(pair, of) if paired else (of(pair.first.ours), of(pair.second.ours)) for pair in pairs]
-    joined = np.concatenate([each for both in values for each in both])
-    if not len(joined) or np.isnan(joined).any() or np.ptp(joined) == 0:
-        return []
+def compare(
+    pairs: Sequence[Pair[Missions]], quantity: str, decimals: int, of: Callable[[Missions], np.ndarray], paired: bool
+) -> list[Contrast | None]:
+    """Return the contrast of each pair in one quantity; None if one of its samples has no mission to compare."""
+    values = [_values(pair, of, paired) for pair in pairs]
     p_values = holm([wilcoxon(a, b) if paired else mann_whitney(a, b) for a, b in values])
-    found = []
-    for index, (pair, (a, b), p) in enumerate(zip(pairs, values, p_values, strict=True)):
-        if not (len(a) and len(b)):
-            continue
-        contrast = Contrast(
+    return [
+        Contrast(
             where=pair.where,
             first=pair.names[0],
             second=pair.names[1],
@@ -149,12 +123,56 @@ def _contrasts(
             p=p,
             pairs=len(a) if paired else None,
         )
-        found.append((index, contrast))
-    return found
+        if len(a) and len(b)
+        else None
+        for pair, (a, b), p in zip(pairs, values, p_values, strict=True)
+    ]
 
 
-def _matched(pair: _Pair, of: Callable[[Sample], np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
-    """Return the values of trials that both cells have, in the same order."""
-    a, b = pair.first.ours, pair.second.ours
-    _, in_a, in_b = np.intersect1d(a.numbers, b.numbers, return_indices=True)
-    return of(a)[in_a], of(b)[in_b]
+def overall(campaign: Campaign) -> Overall | None:
+    """Test whether any cells differ; None for a single cell."""
+    samples = [cell.missions for cell in campaign.cells]
+    if len(samples) < 2:
+        return None
+    return Overall(
+        time_p=kruskal_wallis([sample.restricted_s for sample in samples], generator("cells", "time")),
+        victims_p=fisher_freeman_halton([s.victims_saved for s in samples], generator("cells", "victims")),
+        areas_p=fisher_freeman_halton([s.areas_explored for s in samples], generator("cells", "areas")),
+    )
+
+
+def _algorithm_pairs(campaign: Campaign) -> list[Pair[Sample]]:
+    """Return the first algorithm and each other one, under equal other settings; [] if only one algorithm is there."""
+    if ALGORITHM_KEY not in campaign.keys:
+        return []
+    baseline = campaign.cells[0].settings[ALGORITHM_KEY]
+    pairs = []
+    for first, second in itertools.permutations(campaign.cells, 2):
+        algorithms = first.settings[ALGORITHM_KEY], second.settings[ALGORITHM_KEY]
+        if algorithms[0] == baseline != algorithms[1] and _others(first) == _others(second):
+            where = cell_name(_others(first), campaign.scenario) if len(campaign.keys) > 1 else ""
+            pairs.append(Pair(where, algorithms, first.missions, second.missions))
+    return pairs
+
+
+def _others(cell: Cell) -> dict[str, object]:
+    return {key: value for key, value in cell.settings.items() if key != ALGORITHM_KEY}
+
+
+def _all_pairs(cells: Sequence[Cell]) -> list[Pair[Sample]]:
+    return [Pair("", (a.name, b.name), a.missions, b.missions) for a, b in itertools.combinations(cells, 2)]
+
+
+def _differ(pairs: Sequence[Pair[Sample]], of: Callable[[Sample], np.ndarray], paired: bool) -> bool:
+    """Whether the values of all pairs are known and not all equal."""
+    joined = np.concatenate([values for pair in pairs for values in _values(pair, of, paired)])
+    return bool(len(joined)) and not np.isnan(joined).any() and np.ptp(joined) > 0
+
+
+def _values(pair: Pair[Missions], of: Callable[[Missions], np.ndarray], paired: bool) -> tuple[np.ndarray, np.ndarray]:
+    """Return the values of both samples; of paired ones those of trials that both have, in the same order."""
+    a, b = of(pair.first), of(pair.second)
+    if not paired:
+        return a, b
+    _, in_a, in_b = np.intersect1d(pair.first.numbers, pair.second.numbers, return_indices=True)
+    return a[in_a], b[in_b]

@@ -1,4 +1,4 @@
-"""Figures of the missions' results: times, counts, survival, ratios."""
+"""Figures of the missions' results: times, counts, survival."""
 
 from __future__ import annotations
 
@@ -14,13 +14,12 @@ from matplotlib.lines import Line2D
 from scipy import stats
 
 from robotteamsim import palette
-from robotteamsim.analysis.report.comparison import MARGIN, Comparison, generator
-from robotteamsim.analysis.report.samples import Cell, Sample
-from robotteamsim.analysis.report.statistics import bootstrap_mean, clopper_pearson, survival
-from robotteamsim.palette import GRID, INK, OURS, PAPER, THEIRS
+from robotteamsim.analysis.report.samples import Panel, Sample
+from robotteamsim.analysis.report.statistics import bootstrap_mean, clopper_pearson, generator, survival
+from robotteamsim.palette import GRID, INK, PAPER
 
-MAX_CELLS = 24
-"""Most cells in a figure; tables contain all cells."""
+MAX_PANELS = 24
+"""Most settings in a figure; tables contain all."""
 
 _STYLE: dict[Any, Any] = {
     "font.size": 10.5,
@@ -35,8 +34,9 @@ _STYLE: dict[Any, Any] = {
     "xtick.color": palette.SOFT_INK,
     "ytick.color": palette.SOFT_INK,
 }
-_DPI = 160
-_WIDTH_INCHES = 10.0
+DPI = 160
+WIDTH_INCHES = 10.0
+"""Resolution and width of all figures."""
 _PANEL_COLUMNS = 3
 _ROW_INCHES = 0.62
 _DOTS = 400
@@ -54,15 +54,15 @@ def styled(draw: Callable[..., Figure]) -> Callable[..., Figure]:
 
 
 @styled
-def draw_times(cells: Sequence[Cell]) -> Figure:
-    """Draw the times of each cell: density, box, dots, and the mean with its 95 % bootstrap interval [Fig. 20]."""
-    rows = _rows(cells)
-    figure = Figure(figsize=(_WIDTH_INCHES, 1.5 + _ROW_INCHES * len(rows)), dpi=_DPI, layout="constrained")
+def draw_times(panels: Sequence[Panel]) -> Figure:
+    """Draw the times of each series: density, box, dots, and the mean with its 95 % bootstrap interval."""
+    rows = [(name, each.missions, each.colour) for panel in panels[:MAX_PANELS] for name, each in panel.named()]
+    figure = Figure(figsize=(WIDTH_INCHES, 1.5 + _ROW_INCHES * len(rows)), dpi=DPI, layout="constrained")
     axes = figure.subplots()
     for place, (label, sample, colour) in enumerate(rows):
         _raincloud(axes, sample, -float(place), colour, label)
     axes.set_yticks([-float(place) for place in range(len(rows))], [label for label, _, _ in rows])
-    limits = sorted({cell.ours.limit_s for cell in cells})
+    limits = sorted({missions.limit_s for _, missions, _ in rows})
     if any(not sample.finished.all() for _, sample, _ in rows):
         for limit_s in limits:
             axes.axvline(limit_s, color=INK, linewidth=0.9, linestyle=":")
@@ -82,26 +82,25 @@ def draw_times(cells: Sequence[Cell]) -> Figure:
 
 
 @styled
-def draw_counts(cells: Sequence[Cell], of: Callable[[Sample], np.ndarray], what: str, top: int | None) -> Figure:
-    """Draw the share of missions with each count, with Clopper-Pearson 95 % intervals [Fig. 19, 21, 22].
+def draw_counts(panels: Sequence[Panel], of: Callable[[Sample], np.ndarray], what: str, top: int | None) -> Figure:
+    """Draw the share of missions with each count, with Clopper-Pearson 95 % intervals.
 
     Args: of: returns the counts of a sample.  what: what is counted.  top: greatest possible count; None: unlimited.
     """
-    shown = cells[:MAX_CELLS]
-    samples = [sample for cell in shown for sample in (cell.ours, cell.theirs) if sample is not None]
+    shown = panels[:MAX_PANELS]
+    samples = [each.missions for panel in shown for each in panel.series]
     highest = max(int(of(sample).max()) for sample in samples)
     counts = _bins(min(int(of(sample).min()) for sample in samples), highest if top is None else top)
     columns = min(_PANEL_COLUMNS, len(shown))
     rows = math.ceil(len(shown) / columns)
-    size = (_WIDTH_INCHES * max(columns, 1.6) / _PANEL_COLUMNS, 0.7 + 2.7 * rows)
-    figure = Figure(figsize=size, dpi=_DPI, layout="constrained")
-    for index, cell in enumerate(shown):
+    size = (WIDTH_INCHES * max(columns, 1.6) / _PANEL_COLUMNS, 0.7 + 2.7 * rows)
+    figure = Figure(figsize=size, dpi=DPI, layout="constrained")
+    for index, panel in enumerate(shown):
         axes = figure.add_subplot(rows, columns, index + 1)
-        both = cell.theirs is not None
-        _shares(axes, of(cell.ours), counts, OURS, -0.2 if both else 0.0, cell.ours)
-        if cell.theirs is not None:
-            _shares(axes, of(cell.theirs), counts, THEIRS, 0.2, cell.theirs)
-        axes.set_title(cell.name)
+        for place, each in enumerate(panel.series):
+            shift = 0.4 * (place - 0.5 * (len(panel.series) - 1))
+            _shares(axes, of(each.missions), counts, each.colour, shift, each.missions)
+        axes.set_title(panel.name)
         axes.set_xticks(range(len(counts)), [_bin_name(counts, place) for place in range(len(counts))])
         axes.set(ylim=(0.0, 1.04), xlim=(-0.6, len(counts) - 0.4), xlabel=what)
         axes.set_yticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "", "50 %", "", "100 %"])
@@ -114,66 +113,30 @@ def draw_counts(cells: Sequence[Cell], of: Callable[[Sample], np.ndarray], what:
 
 
 @styled
-def draw_survival(cells: Sequence[Cell]) -> Figure:
+def draw_survival(panels: Sequence[Panel]) -> Figure:
     """Draw the share of missions still running, by time (Kaplan-Meier), with pointwise 95 % intervals."""
-    shown = cells[:MAX_CELLS]
+    shown = panels[:MAX_PANELS]
     columns = min(_PANEL_COLUMNS, len(shown))
     rows = math.ceil(len(shown) / columns)
-    size = (_WIDTH_INCHES * max(columns, 1.6) / _PANEL_COLUMNS, 0.7 + 2.6 * rows)
-    figure = Figure(figsize=size, dpi=_DPI, layout="constrained")
+    size = (WIDTH_INCHES * max(columns, 1.6) / _PANEL_COLUMNS, 0.7 + 2.6 * rows)
+    figure = Figure(figsize=size, dpi=DPI, layout="constrained")
     first: Axes | None = None
-    for index, cell in enumerate(shown):
+    for index, panel in enumerate(shown):
         axes = figure.add_subplot(rows, columns, index + 1, sharex=first, sharey=first)
         first = first or axes
-        for sample, colour in ((cell.ours, OURS), (cell.theirs, THEIRS)):
-            if sample is not None:
-                _curve(axes, sample, colour)
-        axes.set_title(cell.name)
+        for each in panel.series:
+            _curve(axes, each.missions, each.colour)
+        axes.set_title(panel.name)
         axes.set(xlabel="time [s]", ylim=(-0.02, 1.04), ylabel="still exploring" if index % columns == 0 else "")
         axes.set_yticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "", "50 %", "", "100 %"])
         axes.grid(color=GRID, linewidth=0.7)
     assert first is not None
-    earliest = min(float(s.restricted_s.min()) for cell in shown for s in (cell.ours, cell.theirs) if s is not None)
-    latest = max(cell.ours.limit_s for cell in shown)
+    samples = [each.missions for panel in shown for each in panel.series]
+    earliest = min(float(sample.restricted_s.min()) for sample in samples)
+    latest = max(sample.limit_s for sample in samples)
     first.set_xlim(max(0.0, earliest - 0.12 * latest), latest * 1.02)
     _add_legend(figure, shown, "|: cut short (censored at the limit)")
     return figure
-
-
-@styled
-def draw_ratios(comparisons: Sequence[Comparison]) -> Figure:
-    """Draw the ratios of mean times, ours over the dissertation's, with their 90 % intervals and the margin.
-
-    Ratios without an interval, of single missions, are omitted.
-    """
-    comparisons = [comparison for comparison in comparisons if math.isfinite(comparison.mean.interval.high)]
-    figure = Figure(figsize=(_WIDTH_INCHES, 1.3 + 0.55 * len(comparisons)), dpi=_DPI, layout="constrained")
-    axes = figure.subplots()
-    axes.axvspan(1.0 - MARGIN, 1.0 + MARGIN, color=palette.REPRODUCED, alpha=0.13, linewidth=0)
-    axes.axvline(1.0, color=palette.REPRODUCED, linewidth=1.0)
-    for place, comparison in enumerate(comparisons):
-        interval = comparison.mean.interval
-        axes.plot([interval.low, interval.high], [-place, -place], color=OURS, linewidth=3.0, solid_capstyle="butt")
-        axes.plot(interval.value, -place, "D", color=OURS, markersize=8, markeredgecolor=PAPER)
-        axes.annotate(
-            f"{interval.value:.3f}", (interval.value, -place), xytext=(0, 8), textcoords="offset points", ha="center"
-        )
-    ends = [end for c in comparisons for end in (c.mean.interval.low, c.mean.interval.high)]
-    axes.set_xlim(min(0.85, *ends) - 0.02, max(1.15, *ends) + 0.02)
-    axes.set_yticks([-place for place in range(len(comparisons))], [c.name for c in comparisons])
-    axes.set(ylim=(-len(comparisons) + 0.4, 0.7), xlabel="mean time, ours over the dissertation's")
-    axes.tick_params(axis="y", length=0)
-    axes.spines["left"].set_visible(False)
-    return figure
-
-
-def _rows(cells: Sequence[Cell]) -> list[tuple[str, Sample, str]]:
-    rows = []
-    for cell in cells[:MAX_CELLS]:
-        rows.append((f"{cell.name}, ours" if cell.theirs else cell.name, cell.ours, OURS))
-        if cell.theirs is not None:
-            rows.append((f"{cell.name}, dissertation", cell.theirs, THEIRS))
-    return rows
 
 
 def _raincloud(axes: Axes, sample: Sample, y: float, colour: str, name: str) -> None:
@@ -257,10 +220,9 @@ def _curve(axes: Axes, sample: Sample, colour: str) -> None:
         axes.plot(np.unique(curve.censored_s), curve.share[at], "|", color=colour, markersize=10, markeredgewidth=1.8)
 
 
-def _add_legend(figure: Figure, cells: Sequence[Cell], note: str) -> None:
-    handles, labels = [], []
-    if any(cell.theirs is not None for cell in cells):
-        handles = [Line2D([], [], color=colour, linewidth=6, alpha=0.6) for colour in (OURS, THEIRS)]
-        labels = ["ours", "dissertation"]
+def _add_legend(figure: Figure, panels: Sequence[Panel], note: str) -> None:
+    colours = {each.label: each.colour for panel in panels for each in panel.series if each.label}
+    handles = [Line2D([], [], color=colour, linewidth=6, alpha=0.6) for colour in colours.values()]
+    labels = list(colours)
     handles.append(Line2D([], [], linestyle=""))
     figure.legend(handles, [*labels, note], loc="outside lower center", ncols=3, frameon=False, fontsize=9)

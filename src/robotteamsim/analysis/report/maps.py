@@ -15,23 +15,22 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.patches import Circle, Patch
 from matplotlib.patheffects import withStroke
+from scipy.spatial import cKDTree
 
 from robotteamsim import palette
 from robotteamsim.analysis import labels
 from robotteamsim.analysis.fields.maps import VoiceRange, radio_panel, radio_style, voice_panel
 from robotteamsim.analysis.fields.picture import draw_fields
-from robotteamsim.analysis.plan_picture import draw_doors, draw_solids
+from robotteamsim.analysis.plan_picture import draw_floor_plan
 from robotteamsim.analysis.report.figures import styled
 from robotteamsim.analysis.report.samples import Campaign, Cell
 from robotteamsim.propagation import FieldMap, VoiceField, VoiceSource
-from robotteamsim.scenario import Scenario, occupancy_grid
+from robotteamsim.scenario import Scenario
+from robotteamsim.scenario.building import building_of
 from robotteamsim.scenario.plan import OCCUPIED, obstacles
 
 MAX_MAPS = 9
 """Most maps in a figure."""
-
-MAX_TEAM = 64
-"""Largest team for which the time of the widest spread is searched."""
 
 _HALO = (withStroke(linewidth=2.2, foreground=palette.PAPER),)
 _CELLS = 300
@@ -51,7 +50,7 @@ def noises_db(campaign: Campaign) -> list[float]:
 
 @styled
 def draw_voices(scenario: Scenario, levels_db: Sequence[float], voice_range: VoiceRange) -> Figure:
-    """Draw where victims are heard at each noise level, with all voices quiet or all loud [Fig. 16, 17].
+    """Draw where victims are heard at each noise level, with all voices quiet or all loud .
 
     A voice that is heard at one level is heard at all lower ones, so one map shows them all.
     """
@@ -72,11 +71,9 @@ def draw_voices(scenario: Scenario, levels_db: Sequence[float], voice_range: Voi
         norm=BoundaryNorm([*shown_db, max(float(values.max()), shown_db[-1]) + 1.0], len(shown_db)),
         interpolation="nearest",
     )
-    draw_solids(axes, scenario.plan)
-    draw_doors(axes, scenario.plan)
+    draw_floor_plan(axes, scenario.plan, floor=False)
     _draw_victims(axes, scenario)
-    axes.set(xlim=(min_x, max_x), ylim=(min_y, max_y), aspect="equal", xlabel="x [m]", ylabel="y [m]")
-    axes.spines[:].set_visible(False)
+    axes.set(xlabel="x [m]", ylabel="y [m]")
     names = [f"{low:g} dB" for low in shown_db]
     patches = [Patch(facecolor=colour, edgecolor=palette.AXIS, linewidth=0.6) for colour in colours]
     where: dict[str, Any] = {
@@ -129,7 +126,7 @@ def heard_shares(scenario: Scenario, levels_db: Sequence[float], voice_range: Vo
     constant_db, exponent = voice.constant_db[end], voice.exponent[end]
     calling = [victim for victim in scenario.mission.victims if victim.calling]
     sources = [VoiceSource(victim.position, constant_db, exponent) for victim in calling]
-    free = occupancy_grid(scenario.plan.model_copy(update={"doors": ()}), voice.map_resolution_m).cells != OCCUPIED
+    free = building_of(scenario.plan).grid_without_doors(voice.map_resolution_m).cells != OCCUPIED
     shares = []
     for noise_db in levels_db:
         field = VoiceField(scenario.plan, voice.model_copy(update={"noise_db": noise_db}))
@@ -139,10 +136,10 @@ def heard_shares(scenario: Scenario, levels_db: Sequence[float], voice_range: Vo
 
 @styled
 def draw_network(scenario: Scenario, positions_m: np.ndarray) -> Figure:
-    """Draw the range of a team's radios, with connection thresholds as contour lines [Fig. 18]."""
+    """Draw the range of a team's radios, with connection thresholds as contour lines."""
     places = [(float(x), float(y)) for x, y in positions_m]
     panel = radio_panel(scenario, places, _resolution_m(scenario, _CELLS), False)
-    figure = draw_fields([panel], radio_style([scenario], (), False), "Signal")
+    figure = draw_fields([panel], radio_style([scenario], False), "Signal")
     figure.set_dpi(_DPI)
     return figure
 
@@ -152,7 +149,7 @@ def widest_moment_m(campaign: Campaign) -> np.ndarray | None:
     found: tuple[float, np.ndarray] | None = None
     for cell in campaign.cells:
         for paths_m in cell.paths_m:
-            if not 1 < paths_m.shape[1] <= MAX_TEAM:
+            if paths_m.shape[1] < 2:
                 continue
             widest_m = nearest_other_m(paths_m).max(axis=1)
             at = int(np.argmax(widest_m))
@@ -163,10 +160,8 @@ def widest_moment_m(campaign: Campaign) -> np.ndarray | None:
 
 def nearest_other_m(paths_m: np.ndarray) -> np.ndarray:
     """Return the distance of each of several robots to the nearest other one [m], shape (samples, robots)."""
-    apart_m = np.linalg.norm(paths_m[:, :, np.newaxis] - paths_m[:, np.newaxis], axis=-1)
-    robots = np.arange(paths_m.shape[1])
-    apart_m[:, robots, robots] = np.inf
-    return np.asarray(apart_m.min(axis=2))
+    # The first neighbour in the tree is the robot itself.
+    return np.array([cKDTree(positions_m).query(positions_m, k=2)[0][:, 1] for positions_m in paths_m])
 
 
 def drawable(cells: Sequence[Cell]) -> list[Cell]:
@@ -241,9 +236,8 @@ def _draw_heat(axes: Axes, cell: Cell, field: FieldMap, norm: PowerNorm) -> Axes
     colours = matplotlib.colormaps[palette.HEAT_MAP].with_extremes(bad=palette.FLOOR)
     values = np.ma.masked_equal(field.values, 0.0)
     image = axes.imshow(values, origin="lower", extent=extent, cmap=colours, norm=norm, interpolation="nearest")
-    draw_solids(axes, cell.scenario.plan)
-    draw_doors(axes, cell.scenario.plan)
-    middle = int(np.argsort(cell.ours.restricted_s, kind="stable")[(len(cell.ours) - 1) // 2])
+    draw_floor_plan(axes, cell.scenario.plan, floor=False)
+    middle = int(np.argsort(cell.missions.restricted_s, kind="stable")[(len(cell.missions) - 1) // 2])
     if middle < len(cell.paths_m):
         axes.plot(*cell.paths_m[middle][:, 0].T, color=palette.VERMILLION, linewidth=0.9, alpha=0.9, zorder=5)
     for number, area in enumerate(cell.scenario.mission.areas, 1):
@@ -265,11 +259,7 @@ def _draw_heat(axes: Axes, cell: Cell, field: FieldMap, norm: PowerNorm) -> Axes
         )
     for victim in cell.scenario.mission.victims:
         axes.plot(*victim.position, "X", color=palette.INK, markersize=7, markeredgecolor=palette.PAPER, zorder=6)
-    (min_x, min_y), (max_x, max_y) = _bounds(cell)
-    axes.set(xlim=(min_x, max_x), ylim=(min_y, max_y), aspect="equal")
-    axes.set_xticks([])
-    axes.set_yticks([])
-    axes.spines[:].set_visible(False)
+    axes.set(xticks=[], yticks=[])
     axes.set_title(cell.name, color=palette.INK)
     return image
 

@@ -5,36 +5,11 @@ from __future__ import annotations
 import itertools
 from collections.abc import Sequence
 
-from robotteamsim.analysis.report.claims import TRENDS, Claim
 from robotteamsim.analysis.report.contrasts import Contrast
 from robotteamsim.analysis.report.wording import interval_text, p_text
 
-DISSERTATION = (
-    "G. N. S. Augusto, RobotTeamSim \N{EN DASH} 3D Visualization of Cooperative Mobile Robot Missions in Gazebo "
-    "Virtual Environment, University of Coimbra, 2013"
-)
-
 _MAX_COMPARED = 6
 _MAX_SUMMARISED = 3
-
-
-def calibration(claims: Sequence[Claim]) -> tuple[str, ...]:
-    """Return what a reader of the verdicts must know first: which of them are calibration."""
-    fitted, tested = ([claim for claim in claims if claim.fitted is kind] for kind in (True, False))
-    reproduced = sum(claim.verdict == "reproduced" for claim in tested)
-    denied = sum(claim.verdict == "not reproduced" for claim in tested)
-    unsure = len(tested) - reproduced - denied
-    trends = sum(claim.text in TRENDS for claim in tested)
-    agree = sum(claim.verdict == "reproduced" for claim in fitted)
-    return (
-        "The floor plan is ours, because that of the dissertation is lost. Its areas and victims, and the constants of "
-        "the controller that the dissertation does not print, were chosen so that mean durations and mean numbers of "
-        "saved victims come near Table 8 of the dissertation. "
-        f"Agreement of these means ({agree} of {len(fitted)} agree) is therefore calibration and confirms nothing. "
-        "The test is what was not fitted: trend, spread, medians, the cost of a rescue, and the other claims below. "
-        f"Of these {len(tested)} claims, {reproduced} are reproduced, {denied} are not, and {unsure} "
-        "are undecided." + (f" The {trends} trends among them follow from the fitted means." if trends else ""),
-    )
 
 
 def compared_settings(contrasts: Sequence[Contrast]) -> tuple[str, ...]:

@@ -1,4 +1,4 @@
-"""The data of a report: the missions of each cell as arrays, and the dissertation's missions of the same settings."""
+"""The data of a report: the missions of each cell as arrays."""
 
 from __future__ import annotations
 
@@ -12,14 +12,12 @@ import numpy as np
 
 from robotteamsim.campaign import Outcome, StoredCampaign, decode_paths
 from robotteamsim.campaign.design import settings_difference
-from robotteamsim.campaign.reference import dissertation_missions
 from robotteamsim.errors import CampaignError, RobotTeamSimError
+from robotteamsim.palette import OURS
 from robotteamsim.scenario import Scenario
 from robotteamsim.scenario.yaml_text import shown
 
 NOISE_KEY = "voice.noise_db"
-DISSERTATION_LIMIT_S = 600.0
-_DISSERTATION_AREAS, _DISSERTATION_VICTIMS = 5, 4
 _SHOWN_VALUE = 24
 
 
@@ -66,8 +64,8 @@ class Cell:
 
     name:     its settings in short, such as "20 dB".
     scenario: the scenario with these settings; None if a file that it names is missing.
+    missions: all that have ended.
     paths_m:  positions of each mission once a second, shape (samples, robots, 2), in `map`.
-    theirs:   the dissertation's missions of this setting; None if it has none.
     """
 
     name: str
@@ -75,9 +73,8 @@ class Cell:
     scenario: Scenario | None
     trials: int
     failed: int
-    ours: Sample
+    missions: Sample
     paths_m: tuple[np.ndarray, ...]
-    theirs: Sample | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -110,10 +107,31 @@ class Campaign:
         """Number of planned trials of all cells."""
         return self.planned * (len(self.cells) + len(self.empty))
 
-    @property
-    def compared(self) -> tuple[tuple[Cell, Sample], ...]:
-        """The cells whose settings the dissertation also has, each with its missions."""
-        return tuple((cell, cell.theirs) for cell in self.cells if cell.theirs is not None)
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Series:
+    """Missions that are drawn in one colour. label: whose they are, if a panel has several series; else ""."""
+
+    label: str
+    missions: Sample
+    colour: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Panel:
+    """One setting in figures and tables: the campaign's missions, and any others to compare them with."""
+
+    name: str
+    series: tuple[Series, ...]
+
+    def named(self) -> list[tuple[str, Series]]:
+        """Return each series with the name of its row."""
+        return [(f"{self.name}, {each.label}" if each.label else self.name, each) for each in self.series]
+
+
+def panels_of(campaign: Campaign) -> tuple[Panel, ...]:
+    """Return a panel for each cell, with only the campaign's missions."""
+    return tuple(Panel(cell.name, (Series("", cell.missions, OURS),)) for cell in campaign.cells)
 
 
 def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
@@ -141,9 +159,8 @@ def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
                 scenario=scenario,
                 trials=len(good),
                 failed=len(own) - len(good),
-                ours=_our_sample(good, limit_s),
+                missions=_sample(good, limit_s),
                 paths_m=tuple(decode_paths(outcome.paths) for outcome in good if outcome.paths is not None),
-                theirs=_their_sample(base, keys, scenario),
             )
         )
     if not cells:
@@ -220,7 +237,7 @@ def cell_scenario(data: Mapping[str, Any], settings: Mapping[str, Any]) -> Scena
         return None
 
 
-def _our_sample(outcomes: Sequence[Outcome], limit_s: float) -> Sample:
+def _sample(outcomes: Sequence[Outcome], limit_s: float) -> Sample:
     def column(name: str) -> np.ndarray:
         return np.array([getattr(outcome, name) for outcome in outcomes])
 
@@ -235,26 +252,4 @@ def _our_sample(outcomes: Sequence[Outcome], limit_s: float) -> Sample:
         num_victims=int(column("num_victims")[0]),
         num_areas=int(column("num_areas")[0]),
         limit_s=limit_s,
-    )
-
-
-def _their_sample(base: Scenario, keys: Sequence[str], scenario: Scenario | None) -> Sample | None:
-    """Return the dissertation's missions if the campaign varies only its noise, else None [Tables 6 and 7]."""
-    if base.name != "garage_sar" or not set(keys) <= {NOISE_KEY} or scenario is None:
-        return None
-    missions = dissertation_missions().get(scenario.voice.noise_db)
-    if missions is None:
-        return None
-    time_s = np.array([mission.time_s for mission in missions])
-    return Sample(
-        time_s=time_s,
-        finished=time_s < DISSERTATION_LIMIT_S,
-        victims_saved=np.array([mission.victims_saved for mission in missions]),
-        areas_explored=np.array([mission.areas_explored for mission in missions]),
-        endangered=np.array([mission.endangered_links for mission in missions]),
-        distance_m=np.full(len(missions), np.nan),
-        numbers=np.arange(1, len(missions) + 1),
-        num_victims=_DISSERTATION_VICTIMS,
-        num_areas=_DISSERTATION_AREAS,
-        limit_s=DISSERTATION_LIMIT_S,
     )

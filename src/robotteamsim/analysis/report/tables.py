@@ -12,12 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robotteamsim.analysis.report.claims import Claim
-from robotteamsim.analysis.report.comparison import Comparison, generator, means
 from robotteamsim.analysis.report.contrasts import Contrast, Overall
-from robotteamsim.analysis.report.samples import Campaign, Cell, Sample
-from robotteamsim.analysis.report.statistics import bootstrap_mean
-from robotteamsim.analysis.report.wording import interval_text, p_text, share_text
+from robotteamsim.analysis.report.samples import Panel, Series
+from robotteamsim.analysis.report.statistics import bootstrap_mean, generator
+from robotteamsim.analysis.report.wording import interval_text, p_text
 from robotteamsim.wording import safe_cell
 
 _LATEX = {
@@ -90,45 +88,33 @@ class Table:
         )
 
 
-def all_tables(
-    campaign: Campaign,
-    comparisons: Sequence[Comparison],
-    between: Sequence[Contrast],
-    all_cells: Overall | None,
-    claims: Sequence[Claim],
+def campaign_tables(
+    panels: Sequence[Panel], between: Sequence[Contrast], all_cells: Overall | None
 ) -> tuple[Table, ...]:
-    """Return the tables of a report, without empty ones."""
-    tables = [
-        _claims(claims),
-        _contrasts(between),
-        _missions(campaign),
-        _victims(campaign),
-        _given_victims(campaign),
-        _against(comparisons),
-        _overall(all_cells),
-    ]
+    """Return the tables of a campaign, without empty ones; the one named "differences" compares the settings."""
+    tables = (_differences(between), _missions(panels), _victims(panels), _given_victims(panels), _overall(all_cells))
     return tuple(table for table in tables if table.rows)
 
 
-def _missions(campaign: Campaign) -> Table:
-    """Mean, median and mode as in Tables 8 and 9, with standard deviation and intervals."""
+def _missions(panels: Sequence[Panel]) -> Table:
+    """Mean, median and mode, with standard deviation and intervals."""
     head: tuple[str, ...] = ("", "missions", "cut short", "time [s]", "SD", "median", "mode")
     head += ("victims saved", "areas", "endangered")
     rows = []
-    for name, sample in _labelled(campaign.cells):
+    for name, each in _named(panels):
+        sample = each.missions
         times = sample.restricted_s
-        found = means(sample, name)
         rows.append(
             (
                 name,
                 str(len(sample)),
                 str(int((~sample.finished).sum())),
-                interval_text(found.time_s, 1),
+                interval_text(bootstrap_mean(times, generator("time", name)), 1),
                 f"{np.std(times, ddof=1):.1f}" if len(times) > 1 else "-",
                 f"{np.median(times):.1f}",
                 f"{min(statistics.multimode(np.rint(times).astype(int).tolist())):d}",
-                interval_text(found.victims, 2),
-                f"{found.areas.value:.2f}",
+                interval_text(bootstrap_mean(sample.victims_saved.astype(float), generator("victims", name)), 2),
+                f"{np.mean(sample.areas_explored):.2f}",
                 str(int(np.count_nonzero(sample.endangered))),
             )
         )
@@ -140,70 +126,36 @@ def _missions(campaign: Campaign) -> Table:
     )
 
 
-def _victims(campaign: Campaign) -> Table:
+def _victims(panels: Sequence[Panel]) -> Table:
     """Missions by the number of victims saved."""
-    labelled = _labelled(campaign.cells)
-    counts = range(max(sample.num_victims for _, sample in labelled) + 1)
+    named = _named(panels)
+    counts = range(max(each.missions.num_victims for _, each in named) + 1)
     rows = (
-        (name, *(str(int(np.count_nonzero(sample.victims_saved == count))) for count in counts))
-        for name, sample in labelled
+        (name, *(str(int(np.count_nonzero(each.missions.victims_saved == count))) for count in counts))
+        for name, each in named
     )
     return Table(
         "victims", "Missions by the number of victims saved", ("", *(f"{count} saved" for count in counts)), tuple(rows)
     )
 
 
-def _given_victims(campaign: Campaign) -> Table:
+def _given_victims(panels: Sequence[Panel]) -> Table:
     """Durations of the missions that saved each number of victims."""
-    compared = bool(campaign.compared)
-    head: tuple[str, ...] = ("", "saved", "missions", "time [s]", "SD")
-    if compared:
-        head += ("dissertation: missions", "dissertation: time [s]", "dissertation: SD")
     rows = []
-    for cell in campaign.cells:
-        samples = [cell.ours, *([cell.theirs] if cell.theirs is not None else [])]
-        for saved in sorted({int(count) for sample in samples for count in sample.victims_saved}):
-            row = [cell.name, str(saved)]
-            for whose, sample in zip(("ours", "theirs"), samples, strict=False):
-                row += _time_texts(sample.time_given_s(saved), f"{cell.name}, {whose}, {saved}")
-            rows.append((*row, *["-"] * (len(head) - len(row))))
+    for name, each in _named(panels):
+        for saved in sorted(set(each.missions.victims_saved.tolist())):
+            times_s = each.missions.time_given_s(saved)
+            mean, sd = f"{times_s[0]:.1f}", "-"
+            if len(times_s) > 1:
+                mean = interval_text(bootstrap_mean(times_s, generator("given", f"{name}, {saved}")), 1)
+                sd = f"{np.std(times_s, ddof=1):.1f}"
+            rows.append((name, str(saved), str(len(times_s)), mean, sd))
     title = "Duration given the number of victims saved: means with 95 % bootstrap intervals"
-    return Table("durations_by_victims", title, head, tuple(rows), 2)
+    return Table("durations_by_victims", title, ("", "saved", "missions", "time [s]", "SD"), tuple(rows), 2)
 
 
-def _time_texts(times_s: np.ndarray, name: str) -> list[str]:
-    """Return number, mean with interval, and standard deviation of times."""
-    if not len(times_s):
-        return ["0", "-", "-"]
-    mean = (
-        interval_text(bootstrap_mean(times_s, generator("given", name)), 1) if len(times_s) > 1 else f"{times_s[0]:.1f}"
-    )
-    return [str(len(times_s)), mean, f"{np.std(times_s, ddof=1):.1f}" if len(times_s) > 1 else "-"]
-
-
-def _against(comparisons: Sequence[Comparison]) -> Table:
-    """Tests against the dissertation's missions."""
-    rows = []
-    for comparison in comparisons:
-        for what, found in (
-            ("mean time, ours over theirs [90 %]", comparison.mean),
-            ("median time, ours over theirs [90 %]", comparison.median),
-            ("SD of times, ours over theirs [90 %]", comparison.sd),
-            ("mean number of victims saved, ours minus theirs [90 %]", comparison.victims),
-        ):
-            low, high = (f"{limit:.2f}".rstrip("0").rstrip(".") for limit in found.limits)
-            rows.append((comparison.name, what, interval_text(found.interval, 3), f"{low} to {high}", p_text(found.p)))
-        what = "numbers of victims saved, Fisher-Freeman-Halton"
-        rows.append((comparison.name, what, "-", "-", p_text(comparison.victims_p)))
-        for saved, shares in comparison.rates.items():
-            what = f"missions with at least {saved} victims saved [90 %]"
-            rows.append((comparison.name, what, share_text(shares.ours), share_text(shares.theirs), "-"))
-    head = ("", "what", "ours", "limits, or theirs", "p after Holm")
-    return Table("tests", "Tests against the dissertation", head, tuple(rows), 2)
-
-
-def _contrasts(contrasts: Sequence[Contrast]) -> Table:
-    """Differences between our own cells."""
+def _differences(contrasts: Sequence[Contrast]) -> Table:
+    """Differences between the campaign's cells."""
     rows = []
     for c in contrasts:
         means = tuple(f"{value:.{c.decimals}f}" for value in c.values)
@@ -218,7 +170,7 @@ def _contrasts(contrasts: Sequence[Contrast]) -> Table:
 
 
 def _overall(overall: Overall | None) -> Table:
-    """Tests of all our cells at once."""
+    """Tests of all cells at once."""
     rows: list[tuple[str, ...]] = []
     if overall:
         rows.append(("time", "all settings equal (Kruskal-Wallis)", p_text(overall.time_p)))
@@ -227,35 +179,8 @@ def _overall(overall: Overall | None) -> Table:
     return Table("overall", "Tests of all settings at once", ("", "hypothesis", "p"), tuple(rows), 2)
 
 
-def _claims(claims: Sequence[Claim]) -> Table:
-    rows = tuple(
-        (
-            claim.text,
-            claim.source,
-            "fitted" if claim.fitted else "not fitted",
-            claim.verdict,
-            passed_text(claim),
-            claim.why,
-        )
-        for claim in claims
-    )
-    head = ("claim", "source", "basis", "verdict", "campaigns that reproduce it", "reason")
-    return Table("claims", "The dissertation's claims", head, rows, 6)
-
-
-def passed_text(claim: Claim) -> str:
-    """Return in how many campaigns a claim is reproduced, or that it needs none."""
-    return f"{claim.passed} of {len(claim.campaigns)}" if claim.campaigns else "needs none"
-
-
-def _labelled(cells: Sequence[Cell]) -> list[tuple[str, Sample]]:
-    """Return our sample and theirs of each cell, with the labels used in figures."""
-    labelled = []
-    for cell in cells:
-        labelled.append((f"{cell.name}, ours" if cell.theirs else cell.name, cell.ours))
-        if cell.theirs is not None:
-            labelled.append((f"{cell.name}, dissertation", cell.theirs))
-    return labelled
+def _named(panels: Sequence[Panel]) -> list[tuple[str, Series]]:
+    return [named for panel in panels for named in panel.named()]
 
 
 def _parted(name: str, cells: Sequence[str]) -> list[tuple[str, ...]]:

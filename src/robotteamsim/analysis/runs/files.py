@@ -6,9 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
-import msgspec
-
-from robotteamsim.analysis.runs.recorded_run import RecordedRun
+from robotteamsim.analysis.runs.recorded_run import RecordedEvent, RecordedRun
 from robotteamsim.analysis.runs.totals import (
     MissionTotals,
     NetworkTotals,
@@ -20,8 +18,7 @@ from robotteamsim.analysis.runs.totals import (
     max_hops,
 )
 from robotteamsim.interface import SwarmContext
-from robotteamsim.mission.rescue import located_error_m
-from robotteamsim.mission.status import Event, VictimState
+from robotteamsim.mission.status import VictimState
 from robotteamsim.recording.files import atomically, prepare_folder
 from robotteamsim.wording import safe_cell
 
@@ -36,7 +33,7 @@ def document(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> di
     """Return the totals and events of all bags as plain values for JSON; null for values that a bag lacks."""
     return {
         "bags": [
-            dataclasses.asdict(totals) | {"events": [msgspec.structs.asdict(event) for _, event in run.events]}
+            dataclasses.asdict(totals) | {"events": [event.row() for _, event in run.events]}
             for run, totals in zip(runs, all_totals, strict=True)
         ]
     }
@@ -57,7 +54,7 @@ def write_tables(folder: Path, runs: Sequence[RecordedRun], all_totals: Sequence
         ),
         "events": (
             ("bag", "time_s", "kind", "subject", "robot_id", "detail"),
-            ((run.name, *msgspec.structs.astuple(event)) for run in runs for _, event in run.events),
+            ((run.name, *event.row().values()) for run in runs for _, event in run.events),
         ),
         "victims": (
             ("bag", "victim", "located_by", "position_error_m", *(f"{state}_s" for state in _VICTIM_STATES)),
@@ -130,12 +127,13 @@ def _victim_rows(run: RecordedRun) -> Iterator[Row]:
     events = [event for _, event in run.events]
     names = [victim.name for victim in run.victims[-1][1]] if run.victims else []
     for name in names:
-        first: dict[str, Event] = {}
+        first: dict[str, RecordedEvent] = {}
         for event in events:
             if event.subject == name:
                 first.setdefault(event.kind, event)
         located = first.get("victim_located")
-        by, error_m = (located.robot_id, located_error_m(located.detail)) if located else (None, None)
+        by, error_m = (located.robot_id, located.error_m) if located else (None, None)
+        error_m = None if error_m is None else round(error_m, 2)
         times_s = [first[kind].time_s if (kind := f"victim_{state}") in first else None for state in _VICTIM_STATES]
         yield run.name, name, by, error_m, *times_s
 

@@ -64,11 +64,11 @@ class RunFilm:
             view:     of a robot's camera, above the curves.
         """
         self._run, self._view = run, view
-        self._figure = Figure(figsize=_INCHES, dpi=width_px / _INCHES[0], layout="constrained")
-        self._canvas = FigureCanvasAgg(self._figure)
+        self.figure = Figure(figsize=_INCHES, dpi=width_px / _INCHES[0], layout="constrained")
+        self._canvas = FigureCanvasAgg(self.figure)
         shown = [curve for curve in curves(run, changing=True) if curve is not draw_speeds]
-        grid = self._figure.add_gridspec(1, 2, width_ratios=(2.0, 1.0))
-        floor = self._figure.add_subplot(grid[0])
+        grid = self.figure.add_gridspec(1, 2, width_ratios=(2.0, 1.0))
+        floor = self.figure.add_subplot(grid[0])
         draw_floor(floor, run, plan)
         self._moving: list[Artist] = []
         self._add_places(floor)
@@ -76,16 +76,16 @@ class RunFilm:
         self._picture: AxesImage | None = None
         self._covers = self._add_curves(grid[1] if view is None else self._add_view(grid[1], view), shown)
         title = ", ".join(filter(None, (totals.title, unchanging(run))))
-        self._figure.suptitle(title, x=0.01, ha="left", fontsize=13, weight="bold", color=palette.INK)
+        self.figure.suptitle(title, x=0.01, ha="left", fontsize=13, weight="bold", color=palette.INK)
         entries = film_entries(run)
-        self._figure.legend(handles=entries, loc="outside lower left", ncols=_LEGEND_COLUMNS, frameon=False, fontsize=8)
+        self.figure.legend(handles=entries, loc="outside lower left", ncols=_LEGEND_COLUMNS, frameon=False, fontsize=8)
         self._clock = self._text(floor, (0.0, 1.015), "left", 12)
         self._caption = self._text(floor, (1.0, 1.015), "right", 11)
         for artist in self._moving:
             artist.set_animated(True)
         self._canvas.draw()
-        self._figure.set_layout_engine("none")
-        self._background: Any = self._canvas.copy_from_bbox(self._figure.bbox)
+        self.figure.set_layout_engine("none")
+        self._background: Any = self._canvas.copy_from_bbox(self.figure.bbox)
 
     def frames(self, count: int) -> Iterator[np.ndarray]:
         """Yield `count` frames from the start to the end of the run: uint8, shape (height, width, 3), RGB."""
@@ -105,7 +105,7 @@ class RunFilm:
             self._picture.set_data(self._view.image(stamp_ns))
         self._canvas.restore_region(self._background)
         for artist in self._moving:
-            self._figure.draw_artist(artist)
+            self.figure.draw_artist(artist)
         return np.asarray(self._canvas.buffer_rgba())[..., :3].copy()
 
     def _text(self, axes: Axes, place: tuple[float, float], side: str, size: int) -> Any:
@@ -143,7 +143,7 @@ class RunFilm:
     def _add_view(self, place: Any, view: View) -> Any:
         """Add the picture of the camera; return the place below it."""
         rows = place.subgridspec(2, 1, height_ratios=(1.0, 1.4))
-        axes = self._figure.add_subplot(rows[0])
+        axes = self.figure.add_subplot(rows[0])
         axes.set_axis_off()
         axes.set_title(view.title, loc="left", fontsize=9, color=palette.INK)
         self._picture = axes.imshow(view.image(self._run.start_ns))
@@ -153,7 +153,7 @@ class RunFilm:
     def _add_curves(self, place: Any, shown: list[Curve]) -> list[Rectangle]:
         """Draw the complete curves; a white cover hides the part after the current time."""
         covers = []
-        for axes in draw_column(self._figure, place, shown, self._run):
+        for axes in draw_column(self.figure, place, shown, self._run):
             axes.set_xlim(0.0, max((self._run.end_ns - self._run.start_ns) / 1e9, 1e-3))
             cover = Rectangle(
                 (0.0, 0.0), 1.0, 1.0, transform=axes.get_xaxis_transform(), color=palette.PAPER, alpha=0.82

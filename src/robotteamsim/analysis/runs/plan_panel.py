@@ -4,17 +4,16 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb, to_rgba
 from matplotlib.patches import Circle
 from matplotlib.patheffects import withStroke
 
 from robotteamsim import palette
-from robotteamsim.analysis.plan_picture import VICTIM_SHAPES, draw_doors, draw_solids
+from robotteamsim.analysis.plan_picture import VICTIM_SHAPES, draw_floor_plan
 from robotteamsim.analysis.runs.recorded_run import RecordedArea, RecordedRobot, RecordedRun, RecordedVictim
 from robotteamsim.analysis.runs.totals import onsets
 from robotteamsim.scenario import FloorPlan
-from robotteamsim.scenario.plan import OCCUPIED, UNKNOWN, OccupancyGrid, bay_lines
+from robotteamsim.scenario.plan import OCCUPIED, UNKNOWN, OccupancyGrid
 
 _MARGIN = 0.03
 _MIN_SIZE_M = 4.0
@@ -70,11 +69,7 @@ def draw_floor(axes: Axes, run: RecordedRun, plan: FloorPlan | None) -> None:
     """Draw the walls of a floor plan if one is given, else those of the bag's /map; set up the axes [m]."""
     x0, x1, y0, y1 = extent_m(run, plan)
     if is_on_map(run) and plan:
-        (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
-        axes.fill([min_x, max_x, max_x, min_x], [min_y, min_y, max_y, max_y], color=palette.FLOOR, zorder=0)
-        axes.add_collection(LineCollection(bay_lines(plan), colors=palette.BAY, linewidths=0.8, zorder=1))
-        draw_solids(axes, plan)
-        draw_doors(axes, plan)
+        draw_floor_plan(axes, plan)
     elif is_on_map(run) and run.grid is not None:
         _draw_grid(axes, run.grid)
     else:

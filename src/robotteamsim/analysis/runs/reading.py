@@ -15,6 +15,7 @@ from robotteamsim.analysis.runs.recorded_run import (
     Flags,
     RecordedArea,
     RecordedContext,
+    RecordedEvent,
     RecordedNetwork,
     RecordedRobot,
     RecordedRun,
@@ -24,7 +25,7 @@ from robotteamsim.analysis.runs.recorded_run import (
 from robotteamsim.analysis.runs.tracks import Absence
 from robotteamsim.errors import RecordingError
 from robotteamsim.interface import SwarmContext
-from robotteamsim.mission.status import DeliveredDiscoveries, Event
+from robotteamsim.mission.status import DeliveredDiscoveries
 from robotteamsim.network.compact import hops_among, row_bytes, unpacked
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.scenario.plan import OccupancyGrid
@@ -216,7 +217,7 @@ def _robot(namespace: str, samples: Samples, transforms: tracks.Transforms) -> R
     return RecordedRobot(name, robot_id, track, _flags(contact), excluded, _context(statuses))
 
 
-def _absences(events: list[tuple[int, Event]]) -> tuple[Absence, ...]:
+def _absences(events: list[tuple[int, RecordedEvent]]) -> tuple[Absence, ...]:
     """Return the absences of a robot from its events; if the first event is its arrival, it was absent before."""
     changes = [(ns, event.kind == "robot_spawned") for ns, event in events if event.kind in _LEAVES_OR_COMES]
     gone_ns = tracks.BEFORE_ALL_NS if changes and changes[0][1] else None
@@ -310,6 +311,11 @@ def _status(stamp_ns: int, message: Any) -> RecordedStatus:
     )
 
 
+def _event(stamp_ns: int, message: Any) -> RecordedEvent:
+    error_m = getattr(message, "error_m", None)  # Older bags do not have it.
+    return RecordedEvent(message.time_s, message.kind, message.subject, message.robot_id, message.detail, error_m)
+
+
 def _victims(stamp_ns: int, message: Any) -> tuple[RecordedVictim, ...]:
     return tuple(RecordedVictim(v.name, (v.position.x, v.position.y), v.state) for v in message.victims)
 
@@ -336,7 +342,7 @@ _CONVERTERS: dict[str, Callable[[int, Any], Any]] = {
     "robotteamsim/NetworkState": _network_sample,
     "robotteamsim/NetworkLinks": _links_sample,
     "robotteamsim/MissionStatus": _status,
-    "robotteamsim/MissionEvent": lambda stamp_ns, m: Event(m.time_s, m.kind, m.subject, m.robot_id, m.detail),
+    "robotteamsim/MissionEvent": _event,
     "robotteamsim/Victims": _victims,
     "robotteamsim/Areas": _areas,
 }

@@ -1,11 +1,12 @@
 """One recorded run of this simulator, another one, or real robots; values that the bag lacks are None or empty."""
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 
 from robotteamsim.analysis.runs.tracks import Track
-from robotteamsim.mission.status import SAVED, DeliveredDiscoveries, Event
+from robotteamsim.mission.status import SAVED, DeliveredDiscoveries
 from robotteamsim.scenario.plan import OccupancyGrid
 
 
@@ -112,6 +113,25 @@ class RecordedArea:
     radius_m: float
 
 
+@dataclass(frozen=True, slots=True)
+class RecordedEvent:
+    """An event of the mission, from /mission/events: see `mission.events.Event`.
+
+    error_m: of the event `victim_located` [m]; None in older bags, which lack it.
+    """
+
+    time_s: float
+    kind: str
+    subject: str
+    robot_id: int
+    detail: str
+    error_m: float | None = None
+
+    def row(self) -> dict[str, Any]:
+        """Return what every event has, by key."""
+        return {key: value for key, value in asdict(self).items() if key != "error_m"}
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class RecordedRun:
     """One run, up to the end of its mission if it has one.
@@ -126,7 +146,7 @@ class RecordedRun:
     name: str
     robots: tuple[RecordedRobot, ...]
     statuses: tuple[RecordedStatus, ...]
-    events: tuple[tuple[int, Event], ...]
+    events: tuple[tuple[int, RecordedEvent], ...]
     victims: tuple[tuple[int, tuple[RecordedVictim, ...]], ...]
     areas: tuple[RecordedArea, ...]
     network: RecordedNetwork | None

@@ -10,8 +10,8 @@ from robotteamsim.errors import CameraError
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sensors import Camera
+from robotteamsim.setup import resolve
 from robotteamsim.world.mujoco.puppets import Puppets
-from robotteamsim.world.placement import placed_robots
 
 _CAMERA = Camera(name="film", width_px=640, height_px=360, fov_rad=1.4)
 """Of a robot without a camera for colours."""
@@ -30,9 +30,10 @@ class RobotView:
         if robot_id not in self._tracks:
             known = ", ".join(map(str, self._tracks)) or "none"
             raise CameraError(f"--camera {robot_id}: no such robot in the bag and in {scenario.name}; known: {known}")
-        cameras = placed_robots(scenario)[robot_id].cameras
+        robots = resolve(scenario).robots
+        cameras = (sensor for sensor in robots[robot_id].sensors if isinstance(sensor, Camera))
         colour = (camera for camera in cameras if camera.images == "rgb")
-        self._puppets = Puppets(scenario, robot_id, next(colour, _CAMERA))
+        self._puppets = Puppets(scenario, robots, robot_id, next(colour, _CAMERA))
         self.title = f"camera of robot {robot_id}"
 
     def image(self, stamp_ns: int) -> np.ndarray:

@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from robotteamsim.recording.ros_messages import MAP_FRAME
+from robotteamsim.message_parts import MAP_FRAME
 
 Source = Literal["truth", "odom and tf", "odom"]
 

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from robotteamsim.control.baselines.searching import RouteController
 from robotteamsim.control.baselines.sweep import shares, sweep
-from robotteamsim.control.driving.localisation import body_of
 from robotteamsim.errors import ScenarioError
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.controllers.routes import BoustrophedonControl
+from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
-from robotteamsim.world.placement import placed_robots
 
 
 class BoustrophedonController(RouteController):
@@ -18,15 +17,16 @@ class BoustrophedonController(RouteController):
     heard interrupts the sweep.
     """
 
-    def __init__(self, robot_id: int, scenario: Scenario) -> None:
+    def __init__(self, robot_id: int, setup: Setup) -> None:
         """Raises: ScenarioError: robot 0 cannot leave its start."""
-        super().__init__(robot_id, scenario, scenario.control.sweep)
-        start = placed_robots(scenario)[0].start_pose[:2]
-        spacing_m = scenario.control.sweep.spacing_m
-        segments = sweep(scenario.plan, body_of(robot_id, scenario).reach_m, spacing_m, start)
+        scenario = setup.scenario
+        control = scenario.control.as_kind(BoustrophedonControl)
+        super().__init__(robot_id, setup, control)
+        spacing_m = control.spacing_m
+        segments = setup.building.shared(sweep, setup.robots[robot_id].reach_m, spacing_m, setup.start_m(0))
         if not segments:
             raise ScenarioError(
-                f"{scenario.name}: control.sweep.spacing_m: no line of the sweep crosses floor that robots can reach"
+                f"{scenario.name}: control.spacing_m: no line of the sweep crosses floor that robots can reach"
             )
         self._places = [end for segment in segments for end in segment]
         self._index = 2 * shares(segments, scenario.num_robots)[robot_id]

@@ -2,7 +2,8 @@
 
 from robotteamsim.control.baselines.patrolling import PatrolController
 from robotteamsim.control.runtime.streams import robot_stream
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.controllers.patrolling import ConscientiousReactiveControl
+from robotteamsim.setup import Setup
 
 
 class ConscientiousReactiveController(PatrolController):
@@ -11,11 +12,12 @@ class ConscientiousReactiveController(PatrolController):
     It neither sends nor reads messages, and knows only its own visits.
     """
 
-    def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
-        super().__init__(robot_id, scenario, arrival)
-        self._rng = robot_stream(scenario, "conscientious_reactive", robot_id, arrival)
+    def __init__(self, robot_id: int, setup: Setup, arrival: int = 1) -> None:
+        control = setup.scenario.control.as_kind(ConscientiousReactiveControl)
+        super().__init__(robot_id, setup, control, arrival)
+        self._rng = robot_stream(setup.scenario, "conscientious_reactive", robot_id, arrival)
 
-    def _next_vertex(self, vertex: int) -> int:
+    def _next_vertex(self, vertex: int, time_s: float) -> int:
         neighbours = [other for other, _ in self._graph.edges[vertex]]
         if not neighbours:
             return vertex

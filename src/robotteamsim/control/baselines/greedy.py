@@ -1,10 +1,11 @@
 """The greedy controller: each robot drives on its own to the loudest place nearby."""
 
-from robotteamsim.control.driving.path_controller import PathController
+from robotteamsim.control.driving.path_controller import PathController, Situation
 from robotteamsim.control.rdpso.local_best import LocalBestFinder
 from robotteamsim.control.rdpso.ruled_out import RuledOut
 from robotteamsim.interface import Decision
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.controllers.simple import GreedyControl
+from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
 
@@ -15,32 +16,28 @@ class GreedyController(PathController):
     wanders.
     """
 
-    def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
-        super().__init__(robot_id, scenario, arrival)
-        self._ruled_out = RuledOut(scenario)
-        self._iteration_ns = round(scenario.control.iteration_s * 1e9)
+    def __init__(self, robot_id: int, setup: Setup, arrival: int = 1) -> None:
+        super().__init__(robot_id, setup, arrival)
+        self._ruled_out = RuledOut(setup.scenario, setup.scenario.control.as_kind(GreedyControl).rule_out_places)
+        self._iteration_ns = round(setup.scenario.control.iteration_s * 1e9)
         self._iteration = self._epoch = -1
         self._goal: Vector | None = None
         self._value = 0.0
-        self._finder = LocalBestFinder(scenario)
+        self._finder = LocalBestFinder(setup.scenario)
 
-    def decide(self) -> Decision:
+    def _decide(self, now: Situation) -> Decision:
         """Return the command towards the local best of this iteration."""
-        if not self.is_running:
-            return Decision()
-        pose = self.pose()
-        iteration = self.observation.sim_time_ns // self._iteration_ns
+        iteration = now.observation.sim_time_ns // self._iteration_ns
         if iteration != self._iteration:
             self._iteration = iteration
-            self._look_around((pose.x_m, pose.y_m))
-        return self.drive(pose, self._goal, local_best=self._value)
+            self._look_around(now)
+        return self.drive(now, self._goal, local_best=self._value)
 
-    def _look_around(self, position: Vector) -> None:
-        if self.task.epoch != self._epoch:
-            self._epoch = self.task.epoch
+    def _look_around(self, now: Situation) -> None:
+        if now.task.epoch != self._epoch:
+            self._epoch = now.task.epoch
             self._ruled_out.clear()
-        voice = self.observation.voice
-        self._ruled_out.add(position, voice.local_best_m if voice.heard else None)
-        area = self.task.area_center_m
-        best = self._finder.find(self.map, self._ruled_out, voice, area, position)
+        voice = now.observation.voice
+        self._ruled_out.add(now.position, voice.local_best_m if voice.heard else None)
+        best = self._finder.find(self.map, self._ruled_out, voice, now.task.area_center_m, now.position)
         self._goal, self._value = (best.position, best.value) if best else (None, 0.0)

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import functools
-
 import numpy as np
 
 from robotteamsim.propagation import VoiceField, VoiceSource
-from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.sections import Voice
 from robotteamsim.swarm import Vector
 
@@ -20,9 +18,9 @@ class Hearing:
     the robot's own place has the levels that it would hear. Doors have their states at the start.
     """
 
-    def __init__(self, plan: FloorPlan, voice: Voice, places: tuple[Vector, ...]) -> None:
+    def __init__(self, building: Building, voice: Voice, places: tuple[Vector, ...]) -> None:
         # Without noise, levels that are not heard are known, too.
-        self._field = VoiceField(plan, voice.model_copy(update={"noise_db": 0.0}))
+        self._field = VoiceField(building.plan, voice.model_copy(update={"noise_db": 0.0}))
         self._voice, self._places = voice, places
         self._places_m = np.array(places)
         self._rows: dict[int, np.ndarray] = {}
@@ -49,8 +47,6 @@ class Hearing:
         return heard
 
 
-# Robots and trials share it: its contents depend only on these values.
-@functools.lru_cache(maxsize=8)
-def hearing(plan: FloorPlan, voice: Voice, places: tuple[Vector, ...]) -> Hearing:
-    """Return the hearing model of some places."""
-    return Hearing(plan, voice, places)
+def hearing(building: Building, voice: Voice, places: tuple[Vector, ...]) -> Hearing:
+    """Return the hearing model of some places, which robots share."""
+    return building.shared(Hearing, voice, places)

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
 from robotteamsim.control.baselines.hearing import hearing
 from robotteamsim.control.baselines.patrol_graph import Graph, reachable_lattice
 from robotteamsim.control.baselines.searching import RouteController
-from robotteamsim.control.driving.localisation import body_of
+from robotteamsim.control.driving.path_controller import Situation
 from robotteamsim.errors import ScenarioError
 from robotteamsim.interface.payload import Index, Update, update_reader
 from robotteamsim.network.messages import EVERYBODY, Message
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.controllers.routes import InfotaxisControl
+from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
 _LONGEST_EDGE = 1.5
@@ -26,7 +28,7 @@ _LEAST_AGREEMENT = 0.03
 """Probability of the silence, given the voices, below which the voices are forgotten; more than that of one miss."""
 
 
-class Listening(Update, frozen=True, gc=False, tag="infotaxis"):
+class Listening(Update, frozen=True, tag="infotaxis"):
     """The message of a robot to its team: where it is on the lattice, whether it hears a voice, where it goes next.
 
     epoch:   of the task; a voice of another epoch may be that of a victim who has been saved since.
@@ -133,18 +135,18 @@ class InfotaxisController(RouteController):
     length. A voice is followed to its source, because here, unlike in [vergassola2007], it has a gradient.
     """
 
-    def __init__(self, robot_id: int, scenario: Scenario) -> None:
+    def __init__(self, robot_id: int, setup: Setup) -> None:
         """Raises: ScenarioError: the plan has no room for the lattice."""
-        tuning = scenario.control.infotaxis
-        super().__init__(robot_id, scenario, tuning)
+        scenario, tuning = setup.scenario, setup.scenario.control.as_kind(InfotaxisControl)
+        super().__init__(robot_id, setup, tuning)
         self._infotaxis = tuning
-        reach_m = body_of(robot_id, scenario).reach_m
-        self._graph: Graph = reachable_lattice(scenario, reach_m, tuning.spacing_m, _LONGEST_EDGE)
+        reach_m = setup.robots[robot_id].reach_m
+        self._graph: Graph = reachable_lattice(setup, reach_m, tuning.spacing_m, _LONGEST_EDGE)
         if not self._graph.places:
             raise ScenarioError(
-                f"{scenario.name}: control.infotaxis.spacing_m: {tuning.spacing_m:g} m leaves no two places linked"
+                f"{scenario.name}: control.spacing_m: {tuning.spacing_m:g} m leaves no two places linked"
             )
-        self._hearing = hearing(scenario.plan, scenario.voice, self._graph.places)
+        self._hearing = hearing(setup.building, scenario.voice, self._graph.places)
         self._places_m = np.array(self._graph.places)
         self._save_m = max(scenario.mission.save_distance_m, 0.5 * tuning.spacing_m)
         self._belief = Belief(len(self._graph.places))
@@ -159,8 +161,8 @@ class InfotaxisController(RouteController):
         self._belief.forget_voices()
         self._given_up.clear()
 
-    def _listen(self) -> None:
-        for message in self.inbox:
+    def _listen(self, inbox: Sequence[Message]) -> None:
+        for message in inbox:
             heard = parse_listening(message.payload)
             if heard is None or max(heard.place, heard.intends) >= len(self._graph.places):
                 continue
@@ -170,10 +172,10 @@ class InfotaxisController(RouteController):
                 self._belief.add(heard.place, heard.heard, self._heard_from(heard.place))
             self._intended[heard.robot_id] = heard.intends
 
-    def _look(self, position: Vector) -> tuple[Message, ...]:
-        self._at = self._graph.nearest(position)
-        heard = self.observation.voice.heard
-        reached = math.dist(position, self._graph.places[self._at]) < self._infotaxis.arrived_m
+    def _look(self, now: Situation) -> tuple[Message, ...]:
+        self._at = self._graph.nearest(now.position)
+        heard = now.observation.voice.heard
+        reached = math.dist(now.position, self._graph.places[self._at]) < self._infotaxis.arrived_m
         if reached:
             self._belief.visit(self._at, self._is_near(self._at))
         self._belief.add(self._at, heard, self._heard_from(self._at))

@@ -1,6 +1,5 @@
 """The graph that a robot patrols: that of the scenario, or one made from its known map."""
 
-import functools
 import math
 from dataclasses import dataclass
 
@@ -8,10 +7,10 @@ import numpy as np
 
 from robotteamsim.control.driving.known_map import KnownMap, known_map
 from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
-from robotteamsim.world.placement import placed_robots
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,42 +25,40 @@ class Graph:
         return min(range(len(self.places)), key=lambda vertex: math.dist(self.places[vertex], position))
 
 
-def patrol_graph(scenario: Scenario, robot_radius_m: float) -> Graph:
-    """Return the graph of `control.patrol`. Raises: ScenarioError: the plan has no room for one."""
-    patrol = scenario.control.patrol
+def patrol_graph(setup: Setup, robot_radius_m: float) -> Graph:
+    """Return the graph of `mission.patrol`. Raises: ScenarioError: the plan has no room for one."""
+    scenario, patrol = setup.scenario, setup.scenario.mission.patrol
     if patrol.graph is not None:
         vertices = patrol.graph.vertices
         edges = tuple(tuple(zip(vertex.neighbours, vertex.lengths_m, strict=True)) for vertex in vertices)
         return Graph(tuple(vertex.position for vertex in vertices), edges)
-    graph = reachable_lattice(scenario, robot_radius_m, patrol.spacing_m, patrol.longest_edge)
+    graph = reachable_lattice(setup, robot_radius_m, patrol.spacing_m, patrol.longest_edge)
     if not graph.places:
         raise ScenarioError(
-            f"{scenario.name}: control.patrol.spacing_m: {patrol.spacing_m:g} m leaves no two places of the plan linked"
+            f"{scenario.name}: mission.patrol.spacing_m: {patrol.spacing_m:g} m leaves no two places of the plan linked"
         )
     return graph
 
 
-def reachable_lattice(scenario: Scenario, robot_radius_m: float, spacing_m: float, longest_edge: float) -> Graph:
+def reachable_lattice(setup: Setup, robot_radius_m: float, spacing_m: float, longest_edge: float) -> Graph:
     """Return the free places next to the points of a square lattice, linked to their four neighbours by free paths.
 
     Only places that can be reached from the start of robot 0 count, and of these the largest connected part is kept.
 
     Args: longest_edge: the longest path of an edge, in spacings.
     """
-    start = placed_robots(scenario)[0].start_pose[:2]
-    return _lattice(scenario.plan, robot_radius_m, spacing_m, longest_edge, start)
+    return setup.building.shared(_lattice, robot_radius_m, spacing_m, longest_edge, setup.start_m(0))
 
 
-@functools.lru_cache(maxsize=8)
-def _lattice(plan: FloorPlan, robot_radius_m: float, spacing_m: float, longest_edge: float, start: Vector) -> Graph:
-    known = known_map(plan, robot_radius_m)
+def _lattice(building: Building, robot_radius_m: float, spacing_m: float, longest_edge: float, start: Vector) -> Graph:
+    known = known_map(building, robot_radius_m)
     near = known.grid.nearest_free(start, 1.0)
     if near is None:
         return Graph((), ())
     lengths_m = known.grid.distance_map(near)
     places = {
         node: place
-        for node, place in _places(plan, known, spacing_m).items()
+        for node, place in _places(building.plan, known, spacing_m).items()
         if math.isfinite(known.grid.value_at(lengths_m, place))
     }
     ways: dict[tuple[int, int], list[tuple[tuple[int, int], float]]] = {node: [] for node in places}

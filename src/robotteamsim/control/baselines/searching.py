@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import abc
 import math
+from collections.abc import Sequence
 
-from robotteamsim.control.driving.path_controller import PathController
+from robotteamsim.control.driving.path_controller import PathController, Situation
 from robotteamsim.control.rdpso.ruled_out import RuledOut
 from robotteamsim.interface import Decision
 from robotteamsim.network.messages import Message
-from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.sweep_tuning import RouteTuning
+from robotteamsim.scenario.controllers.routes import RouteControl
+from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
 LONGEST_TIMED_M = 1000.0
@@ -24,11 +25,11 @@ class RouteController(PathController, abc.ABC):
     its loudest cell cannot be reached, is ignored there until the voice map changes. Areas have no influence.
     """
 
-    def __init__(self, robot_id: int, scenario: Scenario, tuning: RouteTuning) -> None:
-        super().__init__(robot_id, scenario)
+    def __init__(self, robot_id: int, setup: Setup, tuning: RouteControl) -> None:
+        super().__init__(robot_id, setup)
         self._tuning = tuning
-        self._ruled_out = RuledOut(scenario)
-        self._iteration_ns = round(scenario.control.iteration_s * 1e9)
+        self._ruled_out = RuledOut(setup.scenario, tuning.rule_out_places)
+        self._iteration_ns = round(setup.scenario.control.iteration_s * 1e9)
         self._iteration = self._epoch = -1
         self._voice_m: Vector | None = None
         """The loudest cell, if a victim can be there."""
@@ -39,57 +40,53 @@ class RouteController(PathController, abc.ABC):
         self._place: Vector | None = None
         self._until_s = 0.0
 
-    def decide(self) -> Decision:
+    def _decide(self, now: Situation) -> Decision:
         """Return the command of this step, and the messages of a new iteration."""
-        if not self.is_running:
-            return Decision()
-        pose = self.pose()
-        position = (pose.x_m, pose.y_m)
         outbox: tuple[Message, ...] = ()
-        iteration = self.observation.sim_time_ns // self._iteration_ns
-        if self.task.epoch != self._epoch:
-            self._epoch = self.task.epoch
+        iteration = now.observation.sim_time_ns // self._iteration_ns
+        if now.task.epoch != self._epoch:
+            self._epoch = now.task.epoch
             self._ruled_out.clear()
             self._ignored.clear()
             self._forget_voices()
-        self._listen()
+        self._listen(now.inbox)
         if iteration != self._iteration:
             self._iteration = iteration
-            self._judge_voice(position)
-            outbox = self._look(position)
+            self._judge_voice(now)
+            outbox = self._look(now)
         if self._voice_m is not None:
             self._place = None  # The time on the way to a victim does not count for the route.
-            return self.drive(pose, self._voice_m, outbox)
-        if self._place is None or self._is_done(position):
-            self._place = self._next_place(position, self._place is not None)
-            self._until_s = self.time_s + self._tuning.timeout_s + self._travel_s(position, self._place)
-        return self.drive(pose, self._place, outbox)
+            return self.drive(now, self._voice_m, outbox)
+        if self._place is None or self._is_done(self._place, now):
+            self._place = self._next_place(now.position, self._place is not None)
+            self._until_s = now.time_s + self._tuning.timeout_s + self._travel_s(now.position, self._place)
+        return self.drive(now, self._place, outbox)
 
     @abc.abstractmethod
     def _next_place(self, position: Vector, is_done: bool) -> Vector:
         """Return the next place of the route; `is_done`: the last one was reached or given up, not only interrupted."""
 
-    def _listen(self) -> None:
+    def _listen(self, inbox: Sequence[Message]) -> None:
         """Process the messages of this step; none by default."""
 
     def _forget_voices(self) -> None:
         """The voice map has changed: forget what depends on it; nothing by default."""
 
-    def _look(self, position: Vector) -> tuple[Message, ...]:
+    def _look(self, now: Situation) -> tuple[Message, ...]:
         """Process the observation of a new iteration and return its messages; none by default."""
         return ()
 
-    def _judge_voice(self, position: Vector) -> None:
-        voice = self.observation.voice
+    def _judge_voice(self, now: Situation) -> None:
+        voice = now.observation.voice
         loudest = voice.local_best_m if voice.heard else None
-        self._ruled_out.add(position, loudest)
+        self._ruled_out.add(now.position, loudest)
         if loudest is None or self._ruled_out.covers(loudest) or self._is_ignored(loudest):
             self._voice_m = None
             return
         if self._voice_m is None or voice.local_best_level_db > self._level_db:
-            self._level_db, self._louder_s = voice.local_best_level_db, self.time_s
+            self._level_db, self._louder_s = voice.local_best_level_db, now.time_s
         self._voice_m = loudest
-        if self.time_s - self._louder_s > self._tuning.voice_timeout_s:
+        if now.time_s - self._louder_s > self._tuning.voice_timeout_s:
             self._ignored.append(loudest)
             self._voice_m = None
 
@@ -97,9 +94,8 @@ class RouteController(PathController, abc.ABC):
         radius_m = self.scenario.voice.local_best_radius_m
         return any(math.dist(place, ignored) <= radius_m for ignored in self._ignored)
 
-    def _is_done(self, position: Vector) -> bool:
-        assert self._place is not None
-        return math.dist(position, self._place) < self._tuning.arrived_m or self.time_s > self._until_s
+    def _is_done(self, place: Vector, now: Situation) -> bool:
+        return math.dist(now.position, place) < self._tuning.arrived_m or now.time_s > self._until_s
 
     def _travel_s(self, position: Vector, place: Vector) -> float:
         length_m = self.map.grid.first_stretch(position, place, LONGEST_TIMED_M)[1]

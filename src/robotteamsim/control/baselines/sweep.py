@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import itertools
 import math
 from collections.abc import Callable
@@ -11,7 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from robotteamsim.control.driving.known_map import GRID_RESOLUTION_M, known_map
-from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.building import Building
 from robotteamsim.swarm import Vector
 
 Segment = tuple[Vector, Vector]
@@ -26,15 +25,14 @@ class _Cell:
     neighbours: list[_Cell] = field(default_factory=list)
 
 
-@functools.lru_cache(maxsize=16)
-def sweep(plan: FloorPlan, robot_radius_m: float, spacing_m: float, start: Vector) -> tuple[Segment, ...]:
+def sweep(building: Building, robot_radius_m: float, spacing_m: float, start: Vector) -> tuple[Segment, ...]:
     """Return the segments of all cells that a robot can reach from `start`, in the order of the sweep.
 
     Lines are parallel to the longer side of the plan and `spacing_m` apart. A cell ends at a line where the free floor
     splits, joins or ends. Cells are visited depth first along their neighbourhood, from the one nearest to the start.
     Empty if nothing can be reached.
     """
-    grid = known_map(plan, robot_radius_m).grid
+    plan, grid = building.plan, known_map(building, robot_radius_m).grid
     place = grid.nearest_free(start, 1.0)
     if place is None:
         return ()

@@ -11,17 +11,17 @@ from robotteamsim.control.cover.floor_cover import CELL_M, FloorCover
 from robotteamsim.control.cover.update import CoverUpdate, parse_cover_update
 from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import KnownMap, known_map
-from robotteamsim.control.driving.localisation import Localiser, body_of
+from robotteamsim.control.driving.localisation import Localiser
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.control.rdpso.communication import LinkKeeper
 from robotteamsim.control.rdpso.ruled_out import RuledOut
 from robotteamsim.geometry import Pose, path_length_m
 from robotteamsim.interface import Decision, Discovery, Observation, Task
 from robotteamsim.network.messages import EVERYBODY, Message
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.controllers.cover import CoverControl
 from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector, limit_speed, next_position
-from robotteamsim.world.placement import placed_robots
 
 
 class CoverController:
@@ -35,26 +35,25 @@ class CoverController:
 
     announces_victims = True
 
-    def __init__(self, robot_id: int, scenario: Scenario) -> None:
-        control, body = scenario.control, body_of(robot_id, scenario)
-        start = placed_robots(scenario)[robot_id].start_pose
+    def __init__(self, robot_id: int, setup: Setup) -> None:
+        scenario, body = setup.scenario, setup.robots[robot_id]
+        control = scenario.control.as_kind(CoverControl)
         self._robot_id = robot_id
         self._is_base = robot_id == scenario.base
-        self._control, self._tuning = control, control.cover
+        self._control = control
         self._iteration_ns = round(control.iteration_s * 1e9)
         self._found_within_m = scenario.mission.save_distance_m + scenario.voice.map_resolution_m
         self._level_at_1_m_db = -scenario.voice.constant_db[1]
-        self._localiser = Localiser(robot_id, scenario)
-        self._plan, self._reach_m = scenario.plan, body.reach_m
-        self._map = known_map(scenario.plan, body.reach_m)
+        self._localiser = Localiser(robot_id, setup)
+        self._building, self._reach_m = setup.building, body.reach_m
+        self._map = known_map(setup.building, body.reach_m)
         self._hot = HotPlaces(scenario.plan)
-        self._cover = FloorCover(scenario.plan, body.reach_m, start[:2], control.cover.radius_m)
+        self._cover = FloorCover(setup.building, body.reach_m, setup.start_m(robot_id), control.radius_m)
         self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
-        self._links = LinkKeeper(scenario)
-        self._ruled_out = RuledOut(scenario)
+        self._links = LinkKeeper(setup)
+        self._ruled_out = RuledOut(scenario, control.rule_out_places)
 
-        self._observation: Observation | None = None
-        self._task = Task()
+        self._epoch = 0
         self._loudest: Vector | None = None
         """The loudest cell of the previous step, if it was as loud as a victim within 1 m."""
         self._team: dict[int, tuple[float, CoverUpdate]] = {}
@@ -67,7 +66,7 @@ class CoverController:
         """The shortest path length to the goal so far [m], and since when."""
         self._avoided: list[tuple[Vector, float]] = []
         """Avoided places, and until when [s]."""
-        self._route = _Route(control.cover.longest_path_m)
+        self._route = _Route(control.longest_path_m)
         self._target: Vector | None = None
         self._speed_mps = control.max_step_speed_mps
 
@@ -81,12 +80,16 @@ class CoverController:
         """The fraction of the floor that the robot knows to be covered."""
         return self._cover.share
 
-    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        """Process the observation, the messages that arrived, and the mission's task."""
-        if task.epoch != self._task.epoch:
+    def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
+        """Return the command and, once per iteration, the message of this step."""
+        self._note(observation, inbox, task)
+        return self._decide(observation) if task.running else Decision()
+
+    def _note(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
+        if task.epoch != self._epoch:
+            self._epoch = task.epoch
             self._ruled_out.clear()
             self._note_victim(observation)
-        self._observation, self._task = observation, task
         self._hot.look(observation.robot)
         voice = observation.voice
         is_beside = voice.heard and voice.local_best_level_db >= self._level_at_1_m_db
@@ -101,19 +104,16 @@ class CoverController:
             for victim in update.discoveries:
                 self._add_victim(victim)
 
-    def decide(self) -> Decision:
-        """Return the command and the messages of this step."""
-        if self._observation is None or not self._task.running:
-            return Decision()
-        sim_time_ns, robot = self._observation.sim_time_ns, self._observation.robot
+    def _decide(self, observation: Observation) -> Decision:
+        sim_time_ns, robot = observation.sim_time_ns, observation.robot
         pose = self._localiser.map_T_base_link(robot)
         outbox: tuple[Message, ...] = ()
         iteration = sim_time_ns // self._iteration_ns
         if iteration != self._iteration:
             self._iteration = iteration
             if self._hot.update(sim_time_ns):
-                self._map = known_map(self._plan, self._reach_m, (), self._hot.blocked)
-            self._choose(pose, self._observation.voice, sim_time_ns * 1e-9)
+                self._map = known_map(self._building, self._reach_m, (), self._hot.blocked)
+            self._choose(pose, observation.voice, sim_time_ns * 1e-9)
             position, covered = (pose.x_m, pose.y_m), self._cover.to_hex()
             hot = self._hot.in_sight or msgspec.UNSET
             update = CoverUpdate(self._robot_id, position, self._goal, covered, self.found, hot)
@@ -165,9 +165,9 @@ class CoverController:
     def _choose_goal(self, position: Vector, voice: VoiceReading, time_s: float) -> None:
         loudest = voice.local_best_m if voice.heard else None
         self._ruled_out.add(position, loudest)
-        is_avoided = loudest and any(math.dist(loudest, place) <= self._tuning.avoided_m for place, _ in self._avoided)
+        is_avoided = loudest and any(math.dist(loudest, place) <= self._control.avoided_m for place, _ in self._avoided)
         if loudest and not is_avoided and not self._ruled_out.covers(loudest):
-            if self._goal is None or math.dist(self._goal, loudest) > self._tuning.avoided_m:
+            if self._goal is None or math.dist(self._goal, loudest) > self._control.avoided_m:
                 self._goal_m, self._goal_since_s = math.inf, time_s
             self._goal = loudest
         elif self._goal is not None and (
@@ -176,10 +176,10 @@ class CoverController:
             self._goal = None
         if self._goal is not None:
             length_m = self._route.first_stretch(self._map, position, self._goal)[1]
-            if length_m < self._goal_m - self._tuning.progress_m:
+            if length_m < self._goal_m - self._control.progress_m:
                 self._goal_m, self._goal_since_s = length_m, time_s
-            elif time_s - self._goal_since_s > self._tuning.goal_timeout_s:
-                self._avoided.append((self._goal, time_s + self._tuning.avoided_s))
+            elif time_s - self._goal_since_s > self._control.goal_timeout_s:
+                self._avoided.append((self._goal, time_s + self._control.avoided_s))
                 self._goal = None
         if self._goal is None:
             self._goal = self._best_place(position)
@@ -190,23 +190,23 @@ class CoverController:
         own = (math.dist(place, position), self._robot_id)
         return any(
             update.goal is not None
-            and math.dist(place, update.goal) < self._tuning.apart_m
+            and math.dist(place, update.goal) < self._control.apart_m
             and (math.dist(place, update.position), robot_id) < own
             for robot_id, (_, update) in self._team.items()
         )
 
     def _best_place(self, position: Vector) -> Vector | None:
         """Return the place that covers the most new floor for its distance; None if none is left."""
-        left_out = [(place, self._tuning.avoided_m) for place, _ in self._avoided]
-        left_out += [(update.goal, self._tuning.apart_m) for _, update in self._team.values() if update.goal]
+        left_out = [(place, self._control.avoided_m) for place, _ in self._avoided]
+        left_out += [(update.goal, self._control.apart_m) for _, update in self._team.values() if update.goal]
         in_reach = self._links.in_reach([update.position for _, update in self._team.values()], CELL_M)
         hot = self._hot.known
         if in_reach is not None:
-            place = self._cover.best_place(position, left_out, self._tuning.nearness_m, in_reach, hot)
+            place = self._cover.best_place(position, left_out, self._control.nearness_m, in_reach, hot)
             if place:
                 return place
         # No uncovered place has a good enough link: extend the team towards one.
-        return self._cover.best_place(position, left_out, self._tuning.nearness_m, hot=hot)
+        return self._cover.best_place(position, left_out, self._control.nearness_m, hot=hot)
 
     def _velocity(self, position: Vector, time_s: float) -> Vector:
         """Return v[t+1] of eq. (22) [m per iteration]: a full step towards the local best, and the weighted x_CB."""
@@ -215,14 +215,14 @@ class CoverController:
         heard, missing = self._heard_and_missing(time_s)
         x_cb, weight = self._links.pull(position, heard, missing)
         if weight > 0.0:
-            c_x, c_y = self._way_to(_Route(self._tuning.longest_path_m), x_cb, position, self._tuning.longest_path_m)
+            c_x, c_y = self._way_to(_Route(self._control.longest_path_m), x_cb, position, self._control.longest_path_m)
             v_x, v_y = v_x + weight * c_x, v_y + weight * c_y
         return limit_speed((v_x, v_y), step_m)
 
     def _heard_and_missing(self, time_s: float) -> tuple[dict[int, Vector], dict[int, Vector]]:
         """Return the positions of connected teammates, and of those heard less recently, by robot id."""
         ages_s = sorted((robot_id, time_s - heard_s) for robot_id, (heard_s, _) in self._team.items())
-        connected_s, given_up_s = self._tuning.connected_s, self._tuning.given_up_s
+        connected_s, given_up_s = self._control.connected_s, self._control.given_up_s
         return (
             {i: self._teammates[i] for i, age_s in ages_s if age_s <= connected_s},
             {i: self._teammates[i] for i, age_s in ages_s if connected_s < age_s <= given_up_s},

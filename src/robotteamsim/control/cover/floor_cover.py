@@ -1,6 +1,5 @@
 """The floor that the team has covered, as far as one robot knows."""
 
-import functools
 import math
 from collections.abc import Collection, Sequence
 
@@ -8,7 +7,7 @@ import numpy as np
 
 from robotteamsim.control.driving.hot_places import BLOCK_M, Block
 from robotteamsim.control.driving.known_map import GRID_RESOLUTION_M, known_map
-from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.building import Building
 from robotteamsim.swarm import Vector
 
 CELL_M = BLOCK_M
@@ -21,8 +20,9 @@ Disc = tuple[Vector, float]
 class _Floor:
     """The cells of a plan that a robot of one size can reach from a start; expensive results are cached."""
 
-    def __init__(self, plan: FloorPlan, robot_radius_m: float, start: Vector) -> None:
-        self.grid = known_map(plan, robot_radius_m).grid
+    def __init__(self, building: Building, robot_radius_m: float, start: Vector) -> None:
+        plan = building.plan
+        self.grid = known_map(building, robot_radius_m).grid
         self.origin_m = low_m = plan.bounds.min
         columns, rows = (math.ceil((high - low) / CELL_M) for low, high in zip(low_m, plan.bounds.max, strict=True))
         self.shape = rows, columns
@@ -59,15 +59,11 @@ class _Floor:
         return np.where(self._has_place, field[self._rows, self._columns], math.inf)
 
 
-# Robots and trials share it: its contents depend only on these values.
-_floor = functools.lru_cache(maxsize=8)(_Floor)
-
-
 class FloorCover:
     """The floor as cells of 1 m; a cell is covered once a robot was within `radius_m` of its centre and saw it."""
 
-    def __init__(self, plan: FloorPlan, robot_radius_m: float, start: Vector, radius_m: float) -> None:
-        self._floor = _floor(plan, robot_radius_m, start)
+    def __init__(self, building: Building, robot_radius_m: float, start: Vector, radius_m: float) -> None:
+        self._floor = building.shared(_Floor, robot_radius_m, start)
         self._radius_m = radius_m
         self._covered = np.zeros_like(self._floor.open)
         self._reach = math.floor(radius_m / CELL_M)

@@ -6,7 +6,7 @@ from robotteamsim.interface.discovery import Discovery
 from robotteamsim.interface.payload import Index, Point, Update, update_reader
 
 
-class CoverUpdate(Update, frozen=True, gc=False, tag="cover"):
+class CoverUpdate(Update, frozen=True, tag="cover"):
     """Position and goal of a robot, in `map` [m], the cells that it knows to be covered, and its known victims.
 
     discoveries: of victims, without names; `time_s` is simulated time. The mission reads them, too.

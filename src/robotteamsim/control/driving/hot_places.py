@@ -10,6 +10,7 @@ import numpy as np
 from robotteamsim import _core
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import OCCUPIED, OccupancyGrid
+from robotteamsim.scenario.sensors import HeatReading
 from robotteamsim.sensing.readings import RobotReading
 
 BLOCK_M = 1.0
@@ -43,10 +44,10 @@ class HotPlaces:
 
     def look(self, robot: RobotReading) -> None:
         """Note the hot places in a robot's reading, if it has a thermal camera."""
-        heat = robot.further.heat
-        if heat is not None:
-            self.in_sight = tuple(sorted({self._block_at(place) for place in heat.hot_m}))
-            self.known.update(self.in_sight)
+        for reading in robot.sensors.values():
+            if isinstance(reading, HeatReading):
+                self.in_sight = tuple(sorted({self._block_at(place) for place in reading.hot_m}))
+                self.known.update(self.in_sight)
 
     def hear(self, blocks: Iterable[Block]) -> None:
         """Note the hot places that teammates see."""

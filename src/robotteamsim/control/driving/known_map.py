@@ -1,14 +1,13 @@
 """The map that a robot knows: free space for its body in the plan, and lengths of free paths."""
 
-import functools
 import math
 
 import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.control.driving.hot_places import Block, with_hot_blocks
-from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.plan import FREE, occupancy_grid
+from robotteamsim.scenario.building import Building, Doors
+from robotteamsim.scenario.plan import FREE
 from robotteamsim.swarm import Vector
 
 GRID_RESOLUTION_M = 0.1
@@ -37,12 +36,12 @@ class KnownMap:
 
     def __init__(
         self,
-        plan: FloorPlan,
+        building: Building,
         robot_radius_m: float,
-        closed_doors: tuple[tuple[str, bool], ...],
+        doors: Doors,
         hot: tuple[Block, ...] = (),
     ) -> None:
-        occupancy = occupancy_grid(plan, GRID_RESOLUTION_M, dict(closed_doors))
+        occupancy = building.grid(GRID_RESOLUTION_M, doors)
         cells = with_hot_blocks(occupancy, hot) if hot else occupancy.cells
         self.grid = _core.plan.PlanningGrid(
             cells != FREE, occupancy.origin_m, GRID_RESOLUTION_M, robot_radius_m + MARGIN_M
@@ -86,15 +85,9 @@ class KnownMap:
         return distances
 
 
-@functools.lru_cache(maxsize=16)
-def known_map(
-    plan: FloorPlan,
-    robot_radius_m: float,
-    closed_doors: tuple[tuple[str, bool], ...] = (),
-    hot: tuple[Block, ...] = (),
-) -> KnownMap:
-    """Return the map for a plan, a robot's radius [m], the doors believed to differ from the plan, and hot places.
+def known_map(building: Building, robot_radius_m: float, doors: Doors = (), hot: tuple[Block, ...] = ()) -> KnownMap:
+    """Return the map for a building, a robot's radius [m], the doors believed to differ from the plan, and hot places.
 
-    Robots and trials share it: its contents depend only on these values.
+    Robots share it: its contents depend only on these values.
     """
-    return KnownMap(plan, robot_radius_m, closed_doors, hot)
+    return building.shared(KnownMap, robot_radius_m, doors, hot)

@@ -3,7 +3,7 @@
 from typing import Literal
 
 from robotteamsim import _core
-from robotteamsim.scenario.control_tuning import NavigatorTuning
+from robotteamsim.scenario.controllers.driving import NavigatorTuning
 from robotteamsim.scenario.sections import Laser, Robot
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 
 from robotteamsim.control.driving.known_map import GRID_RESOLUTION_M, KnownMap
-from robotteamsim.scenario.control_tuning import WanderTuning
+from robotteamsim.scenario.controllers.driving import WanderTuning
 from robotteamsim.swarm import Vector
 
 TRIES = 8

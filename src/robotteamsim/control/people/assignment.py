@@ -21,7 +21,7 @@ def hungarian(costs: np.ndarray) -> list[tuple[int, int]]:
         from scipy.optimize import linear_sum_assignment
     except ImportError as error:
         text = missing_extra(error) or str(error)
-        raise ScenarioError(f"control.dispatch.method: hungarian: {text}; or choose auction") from None
+        raise ScenarioError(f"firefighters.dispatch.method: hungarian: {text}; or choose auction") from None
     rows, columns = linear_sum_assignment(costs)
     return list(zip(rows.tolist(), columns.tolist(), strict=True))
 
@@ -54,4 +54,4 @@ def auction(costs: np.ndarray) -> list[tuple[int, int]]:
 
 
 METHODS = {"hungarian": hungarian, "auction": auction}
-"""By the name in `control.dispatch.method`."""
+"""By the name in `firefighters.dispatch.method`."""

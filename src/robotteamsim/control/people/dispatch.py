@@ -18,8 +18,7 @@ from robotteamsim.errors import ScenarioError
 from robotteamsim.interface import EVERYBODY, Decision, Message, Observation, Task
 from robotteamsim.interface.discovery import announced_in
 from robotteamsim.scenario.base import Point
-from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.world.placement import placed_robots
+from robotteamsim.setup import Setup
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,24 +37,24 @@ class DispatchController:
     open waits for better news. A firefighter out of contact keeps the last order, until they are given up.
     """
 
-    def __init__(self, robot_id: int, scenario: Scenario) -> None:
+    def __init__(self, robot_id: int, setup: Setup) -> None:
         """Raises: ScenarioError: the method needs a package that is not installed."""
+        scenario = setup.scenario
+        assert scenario.firefighters is not None
         self._robot_id = robot_id
-        self._section = scenario.control.dispatch
+        self._section = scenario.firefighters.dispatch
         self._assign = METHODS[self._section.method]
         try:
             self._assign(np.zeros((1, 1)))
         except ScenarioError as error:
-            raise ScenarioError(scenario.origin.line(str(error), "control.dispatch.method")) from None
+            raise ScenarioError(scenario.origin.line(str(error), "firefighters.dispatch.method")) from None
         self._iteration_ns = round(scenario.control.iteration_s * 1e9)
         self._iteration = -1
-        x, y, _ = placed_robots(scenario)[robot_id].start_pose
-        self._position = (x, y)
-        self._search = FloorSearch(robot_id, scenario)
+        self._position = setup.start_m(robot_id)
+        self._search = FloorSearch(robot_id, setup, scenario.firefighters.floor_search)
         """Which floor has been searched, passed on to those who have not heard it from each other."""
-        assert scenario.firefighters is not None
-        self._plan, self._reach_m = scenario.plan, scenario.firefighters.reach_m
-        self._map = known_map(self._plan, self._reach_m)
+        self._building, self._reach_m = setup.building, scenario.firefighters.reach_m
+        self._map = known_map(self._building, self._reach_m)
         self._hot = HotPlaces(scenario.plan)
         self._news: dict[str, _News] = {}
         """Of the victims who wait, by name."""
@@ -64,13 +63,28 @@ class DispatchController:
         self._reports: dict[int, tuple[float, FirefighterUpdate]] = {}
         """The last report of each firefighter, and when it arrived [s]."""
         self._orders: dict[int, Order] = {}
-        self._time_s = 0.0
-        self._has_news = self._is_due = False
-        self._task = Task()
+        self._has_news = False
 
-    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
+    def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
+        """Note what has arrived, and return the orders if they are due."""
+        time_s = observation.sim_time_ns * 1e-9
+        self._note(inbox, task, time_s)
+        if self._hot.update(observation.sim_time_ns):
+            self._map = known_map(self._building, self._reach_m, (), self._hot.blocked)
+            self._has_news = True
+        iteration = observation.sim_time_ns // self._iteration_ns
+        is_due = self._has_news or iteration != self._iteration
+        self._iteration = iteration
+        if not (task.running and is_due):
+            return Decision()
+        self._has_news = False
+        self._assign_all(time_s)
+        orders = Orders(self._robot_id, self._position, tuple(order for _, order in sorted(self._orders.items())))
+        updates = orders.to_json(), self._search.update(self._position).to_json()
+        return Decision(outbox=tuple(Message(self._robot_id, EVERYBODY, payload) for payload in updates))
+
+    def _note(self, inbox: Sequence[Message], task: Task, time_s: float) -> None:
         """Note the discoveries and reports that have arrived, and what the centre itself has discovered."""
-        self._time_s, self._task = observation.sim_time_ns * 1e-9, task
         for own in task.undelivered:
             if own.robot_id == self._robot_id and own.kind == "victim":
                 self._hear_of(own.name, own.position_m, own.time_s)
@@ -84,23 +98,7 @@ class DispatchController:
                 self._hot.hear(update.hot or ())
             report = parse_firefighter_update(message.payload)
             if report is not None and report.robot_id == message.sender:
-                self._note(report)
-        if self._hot.update(observation.sim_time_ns):
-            self._map = known_map(self._plan, self._reach_m, (), self._hot.blocked)
-            self._has_news = True
-        iteration = observation.sim_time_ns // self._iteration_ns
-        self._is_due = self._has_news or iteration != self._iteration
-        self._iteration = iteration
-
-    def decide(self) -> Decision:
-        """Return the orders, if they are due."""
-        if not (self._task.running and self._is_due):
-            return Decision()
-        self._has_news = False
-        self._assign_all()
-        orders = Orders(self._robot_id, self._position, tuple(order for _, order in sorted(self._orders.items())))
-        updates = orders.to_json(), self._search.update(self._position).to_json()
-        return Decision(outbox=tuple(Message(self._robot_id, EVERYBODY, payload) for payload in updates))
+                self._note_report(report, time_s)
 
     def _hear_of(self, name: str, position: Point, time_s: float) -> None:
         known = self._news.get(name)
@@ -108,23 +106,23 @@ class DispatchController:
             self._news[name] = _News(position, time_s)
             self._has_news = True
 
-    def _note(self, report: FirefighterUpdate) -> None:
+    def _note_report(self, report: FirefighterUpdate, time_s: float) -> None:
         before = self._reports.get(report.robot_id)
-        self._reports[report.robot_id] = self._time_s, report
+        self._reports[report.robot_id] = time_s, report
         for name in report.safe:
             self._close(name, math.inf)
-        for name, time_s in report.missing:
-            if name in self._news and self._news[name].time_s <= time_s:
-                self._close(name, time_s)
+        for name, seen_s in report.missing:
+            if name in self._news and self._news[name].time_s <= seen_s:
+                self._close(name, seen_s)
         self._has_news |= before is None or before[1].helping != report.helping
 
     def _close(self, name: str, until_s: float) -> None:
         self._closed_s[name] = until_s
         self._has_news |= self._news.pop(name, None) is not None
 
-    def _assign_all(self) -> None:
+    def _assign_all(self, time_s: float) -> None:
         """Choose the orders from now on."""
-        ages_s = {i: self._time_s - heard_s for i, (heard_s, _) in self._reports.items()}
+        ages_s = {i: time_s - heard_s for i, (heard_s, _) in self._reports.items()}
         in_contact = [i for i, age_s in sorted(ages_s.items()) if age_s <= self._section.contact_timeout_s]
         kept = {
             i: order

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 from robotteamsim.control.cover.update import parse_cover_update
-from robotteamsim.control.driving.path_controller import PathController
+from robotteamsim.control.driving.path_controller import PathController, Situation
 from robotteamsim.control.people.floor_search import FloorSearch
 from robotteamsim.control.people.messages import FirefighterUpdate, Order, parse_orders
-from robotteamsim.interface import EVERYBODY, Assistance, Decision, Message, Observation, Task
+from robotteamsim.interface import EVERYBODY, Assistance, Decision, Message
 from robotteamsim.scenario.base import Point
-from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.world.placement import placed_robots
+from robotteamsim.setup import Setup
 
 _ARRIVED_M = 0.3
 """At this distance from the place of an order, a firefighter looks around."""
@@ -27,18 +25,18 @@ class FirefighterController(PathController):
     searches the floor.
     """
 
-    def __init__(self, robot_id: int, scenario: Scenario) -> None:
-        super().__init__(robot_id, scenario)
+    def __init__(self, robot_id: int, setup: Setup) -> None:
+        super().__init__(robot_id, setup)
+        scenario = setup.scenario
         assert scenario.firefighters is not None
         assert scenario.base is not None
-        self._section, self._dispatch = scenario.firefighters, scenario.control.dispatch
+        self._section, self._dispatch = scenario.firefighters, scenario.firefighters.dispatch
         self._walking_mps = scenario.firefighters.drive.max_speed_mps
         self._iteration_ns = round(scenario.control.iteration_s * 1e9)
         self._iteration = -1
-        x, y, _ = placed_robots(scenario)[scenario.base].start_pose
-        self._centre_id, self._centre = scenario.base, (x, y)
+        self._centre_id, self._centre = scenario.base, setup.start_m(scenario.base)
         self._safe_places = [self._centre, *(way_out.center for way_out in scenario.mission.exits)]
-        self._search = FloorSearch(robot_id, scenario)
+        self._search = FloorSearch(robot_id, setup, scenario.firefighters.floor_search)
         self._order: Order | None = None
         self._looking_since_s: float | None = None
         """Since when the firefighter has looked around at the place of the order; None: not there yet."""
@@ -52,82 +50,75 @@ class FirefighterController(PathController):
         self._returns = False
         """Whether the firefighter is on the way back to where contact was lost."""
 
-    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
+    def _note(self, now: Situation) -> None:
         """Note own discoveries, the victim in their care, orders, and what others have searched."""
-        super().observe(observation, inbox, task)
-        for found in task.undelivered:
+        for found in now.task.undelivered:
             if found.robot_id == self.robot_id and found.kind == "victim":
                 self._seen[found.name] = found.position_m
-        own = [assistance for assistance in task.assistance if assistance.robot_id == self.robot_id]
+        own = [assistance for assistance in now.task.assistance if assistance.robot_id == self.robot_id]
         if self._assistance is not None and not own:
-            self._finish(self._assistance.victim)
+            self._finish(self._assistance.victim, now.time_s)
         self._assistance = own[0] if own else None
-        for message in inbox:
+        for message in now.inbox:
             update = parse_cover_update(message.payload)
             if update is not None and update.robot_id == message.sender:
                 self._search.hear(update)
                 self._hot.hear(update.hot or ())
             orders = parse_orders(message.payload) if message.sender == self._centre_id else None
             if orders is not None:
-                self._follow({order.firefighter: order for order in orders.orders}.get(self.robot_id))
+                self._follow({order.firefighter: order for order in orders.orders}.get(self.robot_id), now)
 
-    def decide(self) -> Decision:
+    def _decide(self, now: Situation) -> Decision:
         """Return the command and, once per iteration, the messages of this step."""
-        if not self.is_running:
-            return Decision()
-        pose = self.pose()
-        position = (pose.x_m, pose.y_m)
-        goal = self._goal(position)
-        outbox = self._messages(position)
-        if goal is None or math.dist(position, goal) < self.scenario.control.navigator.arrived_m:
-            return self.stand(pose, outbox) if self._assistance is None else Decision(outbox=outbox)
-        return self.drive(pose, goal, outbox)
+        goal = self._goal(now.position, now.time_s)
+        outbox = self._messages(now)
+        if goal is None or math.dist(now.position, goal) < self.scenario.control.navigator.arrived_m:
+            return self.stand(now, outbox) if self._assistance is None else Decision(outbox=outbox)
+        return self.drive(now, goal, outbox)
 
-    def _follow(self, order: Order | None) -> None:
+    def _follow(self, order: Order | None, now: Situation) -> None:
         """Take an order, or none, which has just arrived."""
-        self._contact_s, self._returns = self.time_s, False
-        pose = self.pose()
-        self._contact_place = (pose.x_m, pose.y_m)
+        self._contact_s, self._returns = now.time_s, False
+        self._contact_place = now.position
         if order is not None and (order.victim in self._safe or (order.victim, order.time_s) in self._missing):
             order = None  # the centre has not heard yet
         if order != self._order:
             self._order, self._looking_since_s = order, None
 
-    def _finish(self, victim: str) -> None:
+    def _finish(self, victim: str, time_s: float) -> None:
         """Note that a victim is in no need of help any more."""
         self._safe = (*self._safe, victim)
         self._seen.pop(victim, None)
         if self._order is not None and self._order.victim == victim:
             self._order = None
-        self._returns = not self._is_in_contact
+        self._returns = not self._is_in_contact(time_s)
 
-    @property
-    def _is_in_contact(self) -> bool:
-        return self.time_s - self._contact_s <= self._dispatch.contact_timeout_s
+    def _is_in_contact(self, time_s: float) -> bool:
+        return time_s - self._contact_s <= self._dispatch.contact_timeout_s
 
-    def _goal(self, position: Point) -> Point | None:
+    def _goal(self, position: Point, time_s: float) -> Point | None:
         """Return where to go in this step; None: stay."""
         self.speed_mps = self._walking_mps
         if self._assistance is not None:
             self._search.pause()
             self.speed_mps = self._section.escort_speed_mps
             return self._nearest_safe_place(position) if self._assistance.moving else None
-        target = self._target(position)
+        target = self._target(position, time_s)
         if target is not None:
             self._search.pause()
             return target
-        if self.time_s - self._contact_s > self._dispatch.alone_s:
+        if time_s - self._contact_s > self._dispatch.alone_s:
             self._returns = True
         if self._returns and self._contact_place is not None:
             self._search.pause()
             if math.dist(position, self._contact_place) <= _ARRIVED_M:
                 self._contact_place = self._centre
             return self._contact_place
-        return self._search.choose(position, self.time_s, self._hot) if self._section.searches else None
+        return self._search.choose(position, time_s, self._hot) if self._section.searches else None
 
-    def _target(self, position: Point) -> Point | None:
+    def _target(self, position: Point, time_s: float) -> Point | None:
         """Return the place of the victim to go to: that of the order or, without contact, the nearest one seen."""
-        if self._order is None and self._seen and not self._is_in_contact:
+        if self._order is None and self._seen and not self._is_in_contact(time_s):
             lengths = [(self.map.distance_m(place, position), name) for name, place in self._seen.items()]
             name = min(lengths)[1]
             self._order = Order(self.robot_id, name, self._seen[name], 0.0)
@@ -136,8 +127,8 @@ class FirefighterController(PathController):
             return None
         place = self._seen.get(order.victim, order.position)
         if self._looking_since_s is None and math.dist(position, place) <= _ARRIVED_M:
-            self._looking_since_s = self.time_s
-        if self._looking_since_s is not None and self.time_s - self._looking_since_s > self._dispatch.look_around_s:
+            self._looking_since_s = time_s
+        if self._looking_since_s is not None and time_s - self._looking_since_s > self._dispatch.look_around_s:
             self._missing = (*self._missing, (order.victim, order.time_s))
             self._seen.pop(order.victim, None)
             self._order = self._looking_since_s = None
@@ -147,12 +138,12 @@ class FirefighterController(PathController):
     def _nearest_safe_place(self, position: Point) -> Point:
         return min(self._safe_places, key=lambda place: self.map.distance_m(place, position))
 
-    def _messages(self, position: Point) -> tuple[Message, ...]:
+    def _messages(self, now: Situation) -> tuple[Message, ...]:
         """Return the report to the command centre and the update for those who search, once per iteration."""
-        iteration = self.observation.sim_time_ns // self._iteration_ns
+        iteration = now.observation.sim_time_ns // self._iteration_ns
         if iteration == self._iteration:
             return ()
-        self._iteration = iteration
+        self._iteration, position = iteration, now.position
         self._search.look(position)
         helped = "" if self._assistance is None else self._assistance.victim
         victim = helped or ("" if self._order is None else self._order.victim)

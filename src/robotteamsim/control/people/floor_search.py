@@ -9,10 +9,9 @@ import msgspec
 from robotteamsim.control.cover.floor_cover import FloorCover
 from robotteamsim.control.cover.update import CoverUpdate
 from robotteamsim.control.driving.hot_places import Block, HotPlaces
-from robotteamsim.control.driving.localisation import body_of
 from robotteamsim.scenario.base import Point
-from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.world.placement import placed_robots
+from robotteamsim.scenario.controllers.cover import FloorSearchTuning
+from robotteamsim.setup import Setup
 
 _SLOWEST_MPS = 0.3
 """Who approaches a place more slowly than this, as the crow flies, gives it up."""
@@ -24,12 +23,11 @@ class FloorSearch:
     Robots with the controller `cover` and firefighters exchange `CoverUpdate`, so that nobody searches a place twice.
     """
 
-    def __init__(self, robot_id: int, scenario: Scenario) -> None:
+    def __init__(self, robot_id: int, setup: Setup, tuning: FloorSearchTuning) -> None:
         self._robot_id = robot_id
-        self._tuning = scenario.control.cover
-        start = placed_robots(scenario)[robot_id].start_pose
-        radius_m = body_of(robot_id, scenario).reach_m
-        self._cover = FloorCover(scenario.plan, radius_m, start[:2], self._tuning.radius_m)
+        self._tuning = tuning
+        reach_m, start = setup.robots[robot_id].reach_m, setup.start_m(robot_id)
+        self._cover = FloorCover(setup.building, reach_m, start, tuning.radius_m)
         self._others: dict[int, CoverUpdate] = {}
         self._avoided: list[tuple[Point, float]] = []
         """Places that could not be reached, and until when they are avoided [s]."""

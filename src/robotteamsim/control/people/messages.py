@@ -10,7 +10,7 @@ Time = Annotated[float, msgspec.Meta(ge=0.0, le=1e9)]
 """Time of the mission [s]."""
 
 
-class Order(msgspec.Struct, frozen=True, gc=False):
+class Order(msgspec.Struct, frozen=True):
     """A firefighter shall bring a victim to safety, who is at a place in `map` [m] by news of a time."""
 
     firefighter: Index
@@ -19,7 +19,7 @@ class Order(msgspec.Struct, frozen=True, gc=False):
     time_s: Time
 
 
-class Orders(Update, frozen=True, gc=False, tag="orders"):
+class Orders(Update, frozen=True, tag="orders"):
     """All orders of the command centre, which it sends again and again; who is not in it has none."""
 
     robot_id: Index
@@ -27,7 +27,7 @@ class Orders(Update, frozen=True, gc=False, tag="orders"):
     orders: tuple[Order, ...]
 
 
-class FirefighterUpdate(Update, frozen=True, gc=False, tag="firefighter"):
+class FirefighterUpdate(Update, frozen=True, tag="firefighter"):
     """What a firefighter does.
 
     victim:  whom they go to or help; "" for nobody.
@@ -44,14 +44,14 @@ class FirefighterUpdate(Update, frozen=True, gc=False, tag="firefighter"):
     missing: tuple[tuple[str, Time], ...] = ()
 
 
-class RelayUpdate(Update, frozen=True, gc=False, tag="relay"):
+class RelayUpdate(Update, frozen=True, tag="relay"):
     """Where a relay is."""
 
     robot_id: Index
     position: Point
 
 
-class _Whereabouts(msgspec.Struct, frozen=True, gc=False):
+class _Whereabouts(msgspec.Struct, frozen=True):
     robot_id: Index
     position: Point
 

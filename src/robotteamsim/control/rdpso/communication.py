@@ -1,6 +1,5 @@
 """The links of one robot, as far as it knows them, and the attractor x_CB."""
 
-import functools
 import math
 from collections.abc import Mapping, Sequence
 
@@ -9,9 +8,10 @@ import numpy as np
 from robotteamsim import _core, swarm
 from robotteamsim.network import fiedler_value
 from robotteamsim.propagation import RadioField
-from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.building import Building
+from robotteamsim.scenario.controllers.swarms import RdpsoControl
 from robotteamsim.scenario.sections import Radio
+from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
 
@@ -27,12 +27,14 @@ class LinkKeeper:
     crosses now, would be at the endangered threshold.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
-        self._c4 = scenario.control.c4
-        self._is_gated = scenario.control.communication.gated
-        self._keeps_tree = scenario.control.kept_link == "tree"
+    def __init__(self, setup: Setup) -> None:
+        scenario = setup.scenario
+        control = scenario.control.as_kind(RdpsoControl)
+        self._c4 = control.c4
+        self._is_gated = control.communication.gated
+        self._keeps_tree = control.kept_link == "tree"
         self._network = scenario.network
-        self._endangered_fraction = scenario.control.communication.endangered_fraction
+        self._endangered_fraction = control.communication.endangered_fraction
         self._links_by_distance = scenario.network.link == "distance"
         self._tx_power_dbm, self._slope_db = scenario.radio.tx_power_dbm, scenario.radio.slope_db
         lost_dbm, endangered_dbm = scenario.network.lost_below_dbm, scenario.network.endangered_below_dbm
@@ -42,8 +44,8 @@ class LinkKeeper:
         self._reference_dbm = max(signal_at_1_m_dbm, endangered_dbm, lost_dbm + 1e-9)
         at_risk_dbm = max(endangered_dbm, lost_dbm + 1e-9)
         self._endangered_proximity = swarm.robot_proximity_by_signal(at_risk_dbm, lost_dbm, self._reference_dbm)
-        needs_field = self._c4 > 0.0 or scenario.control.adaptation != "none"
-        self._field = _radio_field(scenario.plan, scenario.radio.model_dump_json()) if needs_field else None
+        needs_field = self._c4 > 0.0 or control.adaptation != "none"
+        self._field = setup.building.shared(_radio_field, scenario.radio.model_dump_json()) if needs_field else None
 
     def pull(
         self, position: Vector, heard: Mapping[int, Vector], missing: Mapping[int, Vector], c4: float | None = None
@@ -155,7 +157,6 @@ def strongest_tree(strength: np.ndarray) -> list[tuple[int, int]]:
     return links
 
 
-@functools.lru_cache(maxsize=8)
-def _radio_field(plan: FloorPlan, radio_json: str) -> RadioField:
-    """Return the radio field that all robots on a plan share; its doors must not be changed."""
-    return RadioField(plan, Radio.model_validate_json(radio_json))
+def _radio_field(building: Building, radio_json: str) -> RadioField:
+    """Return the radio field that all robots share; its doors must not be changed."""
+    return RadioField(building.plan, Radio.model_validate_json(radio_json))

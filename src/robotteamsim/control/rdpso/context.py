@@ -7,7 +7,7 @@ import numpy as np
 
 from robotteamsim.control.rdpso.communication import LinkKeeper
 from robotteamsim.interface import SwarmContext
-from robotteamsim.scenario.sections import Control
+from robotteamsim.scenario.controllers.swarms import RdpsoControl
 from robotteamsim.swarm import (
     EXACT_LEVELS,
     PUBLISHED_LEVELS,
@@ -26,7 +26,7 @@ class ContextMeter:
     The robot predicts the links between teammates from the positions that they sent.
     """
 
-    def __init__(self, control: Control, kind: Literal["crisp", "fuzzy"], links: LinkKeeper) -> None:
+    def __init__(self, control: RdpsoControl, kind: Literal["crisp", "fuzzy"], links: LinkKeeper) -> None:
         self._kind: Literal["crisp", "fuzzy"] = kind
         self._levels = PUBLISHED_LEVELS if control.memory == "published" else EXACT_LEVELS
         self._max_step_m = control.max_step_speed_mps * control.iteration_s

@@ -4,12 +4,11 @@ import math
 from collections.abc import Mapping, Sequence
 
 import msgspec
-import numpy as np
 
 from robotteamsim import swarm
 from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import known_map
-from robotteamsim.control.driving.localisation import Localiser, body_of
+from robotteamsim.control.driving.localisation import Localiser
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.control.driving.wander import Wander
 from robotteamsim.control.rdpso.common_view import CommonView
@@ -27,8 +26,8 @@ from robotteamsim.control.runtime.streams import robot_stream
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import OUTSIDE, Decision, Observation, SwarmContext, Task
 from robotteamsim.network.messages import EVERYBODY, Message, batch_of
-from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.sections import Control
+from robotteamsim.scenario.controllers.swarms import RdpsoControl
+from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
 
@@ -44,39 +43,41 @@ class RdpsoController:
     membership: type[Membership] = Membership
     """The rules by which robots leave, join and found swarms."""
 
-    def __init__(self, robot_id: int, scenario: Scenario, arrival: int = 1) -> None:
-        control = scenario.control
-        body = body_of(robot_id, scenario)
+    def __init__(
+        self, robot_id: int, setup: Setup, arrival: int = 1, *, memory: tuple[float, ...] | None = None
+    ) -> None:
+        """Args: memory: the weights of v[t], v[t-1], ... in v[t+1]; None: those of the fractional memory."""
+        scenario, body = setup.scenario, setup.robots[robot_id]
+        control = scenario.control.as_kind(RdpsoControl)
         self._robot_id = robot_id
         self._control = control
         self._weights = swarm.Weights(control.c1, control.c2, control.c3, 0.0)
         """Weights of the terms of eq. (22); that of communication is 0 while no link is endangered."""
         self._iteration_ns = round(control.iteration_s * 1e9)
         self._timeout_ns = round(control.update_timeout_share * control.iteration_s * 1e9)
-        self._plan, self._reach_m = scenario.plan, body.reach_m
-        self._localiser = Localiser(robot_id, scenario)
+        self._building, self._reach_m = setup.building, body.reach_m
+        self._localiser = Localiser(robot_id, setup)
         self._doors = DoorBeliefs(scenario.plan, body.laser, control.doors)
-        self._map = known_map(scenario.plan, body.reach_m)
+        self._map = known_map(setup.building, body.reach_m)
         self._map_doors = self._doors.changed
         self._hot = HotPlaces(scenario.plan)
         self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
         self._surroundings = Surroundings(body.laser, control.sensing_radius_m)
-        self._links = LinkKeeper(scenario)
+        self._links = LinkKeeper(setup)
         self._meter = None
         """Measures the context; None without adaptation."""
         if control.adaptation != "none":
             self._meter = ContextMeter(control, control.adaptation, self._links)
-        self._ruled_out = RuledOut(scenario)
+        self._ruled_out = RuledOut(scenario, control.rule_out_places)
         self._finder = LocalBestFinder(scenario)
         self._membership = self.membership(robot_id, scenario)
-        self._momentum = Momentum(self.memory(control), control.memory_of)
+        fractional = swarm.memory_coefficients(control.memory, control.alpha, control.memory_terms)
+        self._momentum = Momentum(fractional if memory is None else memory, control.memory_of)
         self._numbers = swarm.uniform_numbers(robot_stream(scenario, "rdpso", robot_id, arrival))
         self._wander = Wander(
             control.wander, robot_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps
         )
 
-        self._observation: Observation | None = None
-        self._task = Task()
         self._team = TeamMemory()
         self._iteration = -1
         self._iteration_ends_ns = 0
@@ -92,34 +93,24 @@ class RdpsoController:
         self._standing = self._decide_to_stand()
         """The decision to stand still."""
 
-    @staticmethod
-    def memory(control: Control) -> tuple[float, ...]:
-        """Return the weights of v[t], v[t-1], ... in v[t+1]."""
-        return swarm.memory_coefficients(control.memory, control.alpha, control.memory_terms)
-
-    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        """Process the observation, the messages that arrived, and the mission's task."""
-        self._observation, self._task = observation, task
+    def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
+        """Return the command and, once per iteration, the message of this step."""
         self._hot.look(observation.robot)
         if inbox:
             self._team = self._team.after(batch_of(inbox))
-
-    def decide(self) -> Decision:
-        """Return the command and the messages of this step."""
-        observation = self._observation
-        if observation is None or not self._task.running:
+        if not task.running:
             return self._standing
         sim_time_ns, ranges_m = observation.sim_time_ns, observation.robot.ranges_m
         pose = self._localiser.map_T_base_link(observation.robot)
         outbox: tuple[Message, ...] = ()
         if self._own is not None and self._has_waited_enough(sim_time_ns):
-            self._choose_next_point(pose, ranges_m, self._own)
+            self._choose_next_point(pose, observation, self._own)
             self._own = None
             self._standing = self._decide_to_stand()
         if not self._sent_ns <= sim_time_ns < self._iteration_ends_ns:
             self._iteration, self._sent_ns = sim_time_ns // self._iteration_ns, sim_time_ns
             self._iteration_ends_ns = (self._iteration + 1) * self._iteration_ns
-            self._own = self._evaluate(pose, observation)
+            self._own = self._evaluate(pose, observation, task)
             outbox = (Message(self._robot_id, EVERYBODY, self._own.to_json()),)
             self._standing = self._decide_to_stand()
         # Drive: towards the next point, or along the legs of a wandering robot.
@@ -143,18 +134,17 @@ class RdpsoController:
             return True
         return not self._team.has_others_of(self._iteration - 1, self._robot_id)
 
-    def _evaluate(self, pose: Pose, observation: Observation) -> RdpsoUpdate:
+    def _evaluate(self, pose: Pose, observation: Observation, task: Task) -> RdpsoUpdate:
         """Phase 1: return the update with the robot's knowledge at the start of an iteration."""
         position, voice = (pose.x_m, pose.y_m), observation.voice
         self._doors.look(pose, observation.robot.ranges_m, self._iteration)
-        self._update_map()
-        if self._task.epoch != self._epoch:
-            self._epoch, self._known_best = self._task.epoch, None
+        self._update_map(observation.sim_time_ns)
+        if task.epoch != self._epoch:
+            self._epoch, self._known_best = task.epoch, None
             self._ruled_out.clear()
         loudest = voice.local_best_m if voice.heard else None
         self._ruled_out.add(position, loudest)
-        area = self._task.area_center_m
-        self._local_best = self._finder.find(self._map, self._ruled_out, voice, area, position)
+        self._local_best = self._finder.find(self._map, self._ruled_out, voice, task.area_center_m, position)
         return RdpsoUpdate(
             robot_id=self._robot_id,
             iteration=self._iteration,
@@ -169,7 +159,7 @@ class RdpsoController:
             hot=self._hot.in_sight or msgspec.UNSET,
         )
 
-    def _choose_next_point(self, pose: Pose, ranges_m: np.ndarray, own: RdpsoUpdate) -> None:
+    def _choose_next_point(self, pose: Pose, observation: Observation, own: RdpsoUpdate) -> None:
         """Phase 2: share the bests, judge the swarm, and set the goal to x[t+1]."""
         position = (pose.x_m, pose.y_m)
         team = self._team.with_update(own)
@@ -183,14 +173,14 @@ class RdpsoController:
         for update in view.updates:
             if update.hot:
                 self._hot.hear(update.hot)
-        self._update_map()
+        self._update_map(observation.sim_time_ns)
         if self._membership.excluded or self._known_best is None or self._local_best is None:
             self._goal = self._context = None
             self._momentum.forget()
             return
         self._wander.stop()
         self._momentum.note(position)
-        velocity = self._next_velocity(pose, ranges_m, team, view, self._local_best, self._known_best)
+        velocity = self._next_velocity(pose, observation, team, view, self._local_best, self._known_best)
         velocity = swarm.limit_speed(velocity, self._control.max_step_speed_mps * self._control.iteration_s)
         self._momentum.note_command(velocity)
         self._goal = swarm.next_position(position, velocity)
@@ -220,11 +210,16 @@ class RdpsoController:
         return None
 
     def _next_velocity(
-        self, pose: Pose, ranges_m: np.ndarray, team: TeamMemory, view: CommonView, local_best: Best, global_best: Best
+        self,
+        pose: Pose,
+        observation: Observation,
+        team: TeamMemory,
+        view: CommonView,
+        local_best: Best,
+        global_best: Best,
     ) -> Vector:
         """Return v[t+1] of eq. (25), before the speed limit."""
-        assert self._observation is not None
-        position = (pose.x_m, pose.y_m)
+        position, ranges_m = (pose.x_m, pose.y_m), observation.robot.ranges_m
         obstacle = self._surroundings.clearest_place(pose, ranges_m)
         heard, missing = self._heard(view), self._missing(team, view)
         weights, c4 = self._weights, self._control.c4
@@ -237,7 +232,7 @@ class RdpsoController:
             weights, c4 = self._adapt(found), found.c4
         x_cb, c4 = self._links.pull(position, heard, missing, c4)
         x_lb = local_best.position
-        if global_best.is_voice and not local_best.is_voice and self._observation.voice.heard:
+        if global_best.is_voice and not local_best.is_voice and observation.voice.heard:
             # Everything that this robot hears is ruled out. While the swarm follows a voice, ignore the area.
             x_lb = position
         attractors = (
@@ -279,12 +274,11 @@ class RdpsoController:
             return place
         return self._map.grid.along_path(position, place, self._control.longest_detour_m)
 
-    def _update_map(self) -> None:
+    def _update_map(self, sim_time_ns: int) -> None:
         """Use the map with doors and hot places as believed now, and discard bests, whose paths may have changed."""
-        assert self._observation is not None
-        if self._hot.update(self._observation.sim_time_ns) or self._doors.changed != self._map_doors:
+        if self._hot.update(sim_time_ns) or self._doors.changed != self._map_doors:
             self._map_doors = self._doors.changed
-            self._map = known_map(self._plan, self._reach_m, self._map_doors, self._hot.blocked)
+            self._map = known_map(self._building, self._reach_m, self._map_doors, self._hot.blocked)
             self._known_best = None
 
     def _decide_to_stand(self) -> Decision:

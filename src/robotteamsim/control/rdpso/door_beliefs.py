@@ -6,7 +6,7 @@ import numpy as np
 
 from robotteamsim.control.rdpso.update import Sighting
 from robotteamsim.geometry import Pose
-from robotteamsim.scenario.control_tuning import DoorTuning
+from robotteamsim.scenario.controllers.driving import DoorTuning
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.sections import Laser
 

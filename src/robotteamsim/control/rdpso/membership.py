@@ -11,6 +11,7 @@ from functools import partial
 from robotteamsim import rng
 from robotteamsim.control.rdpso.common_view import CommonView
 from robotteamsim.interface import OUTSIDE
+from robotteamsim.scenario.controllers.swarms import RdpsoControl
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.swarm import ExclusionRules, SwarmState, Verdict, judge
 
@@ -22,7 +23,8 @@ class Membership:
     """One robot's swarm, and its copy of that swarm's memory."""
 
     def __init__(self, robot_id: int, scenario: Scenario) -> None:
-        exclusion, swarms = scenario.control.exclusion, scenario.control.swarms
+        control = scenario.control.as_kind(RdpsoControl)
+        exclusion, swarms = control.exclusion, control.swarms
         self._robot_id = robot_id
         self._seed = scenario.run.seed
         self._enabled = exclusion.enabled

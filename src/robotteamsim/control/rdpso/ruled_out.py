@@ -17,13 +17,14 @@ class RuledOut(_core.control.RuledOut):
     there; never with `control.rule_out_places: false`. `clear` discards everything, because the voice map has changed.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
+    def __init__(self, scenario: Scenario, is_on: bool = True) -> None:
+        """Args: is_on: `control.rule_out_places`."""
         cell_m = scenario.voice.map_resolution_m
         # A victim may be anywhere in a cell of the voice map.
         save_m = scenario.mission.save_distance_m
         next_to_m = max(0.5 * save_m, save_m - cell_m)
         super().__init__(radius_m=scenario.voice.local_best_radius_m, cell_m=cell_m, next_to_m=next_to_m)
-        self._is_on = scenario.control.rule_out_places
+        self._is_on = is_on
 
     def covers(self, place: Vector) -> bool:
         """Whether no victim can be at a cell, although a voice is heard there."""

@@ -13,7 +13,7 @@ NOTHING = float("-inf")
 """Value of a missing local best: below any other."""
 
 
-class Best(msgspec.Struct, frozen=True, gc=False):
+class Best(msgspec.Struct, frozen=True):
     """A place in `map` [m] and its value: larger is better; a voice is better than any distance."""
 
     value: Annotated[float, msgspec.Meta(ge=-1e9, le=1e9)]
@@ -25,7 +25,7 @@ class Best(msgspec.Struct, frozen=True, gc=False):
         return self.value > 0.0
 
 
-class Sighting(msgspec.Struct, frozen=True, gc=False):
+class Sighting(msgspec.Struct, frozen=True):
     """A door, whether it was closed, and the iteration in which a robot saw that."""
 
     door: str
@@ -33,7 +33,7 @@ class Sighting(msgspec.Struct, frozen=True, gc=False):
     iteration: Index
 
 
-class RdpsoUpdate(Update, frozen=True, gc=False, cache_hash=True, tag="rdpso"):
+class RdpsoUpdate(Update, frozen=True, cache_hash=True, tag="rdpso"):
     """One robot's view at the start of an iteration; positions in `map` [m].
 
     epoch:      of the task; bests of different epochs, or of robots that disagree on doors, are not comparable.

@@ -30,10 +30,7 @@ def with_base(controller: Controller, robot_id: int, scenario: Scenario) -> Cont
 class StandingBase:
     """The controller of a base that stands still; its radio forwards messages like any other."""
 
-    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        """Ignore everything."""
-
-    def decide(self) -> Decision:
+    def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """Return the decision to stand still."""
         return Decision()
 
@@ -47,21 +44,16 @@ class Acknowledger:
     def __init__(self, controller: Controller, robot_id: int) -> None:
         self.controller = controller
         self._robot_id = robot_id
-        self._received: list[tuple[Kind, str]] = []
 
-    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        """Let the controller observe, and note the announcements that arrive."""
-        self.controller.observe(observation, inbox, task)
-        announced = [found for message in inbox for found in announced_in(message.payload)] if task.running else []
-        self._received = list(dict.fromkeys((found.kind, found.name) for found in announced if found.name))
-
-    def decide(self) -> Decision:
+    def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """Return the controller's decision, with an acknowledgement of each discovery announced in this step."""
-        decision = self.controller.decide()
+        decision = self.controller.step(observation, inbox, task)
+        announced = [found for message in inbox for found in announced_in(message.payload)] if task.running else []
+        received = list(dict.fromkeys((found.kind, found.name) for found in announced if found.name))
         # The guard reports a result that is not a Decision.
-        if not self._received or not isinstance(decision, Decision):
+        if not received or not isinstance(decision, Decision):
             return decision
-        answers = [Message(self._robot_id, EVERYBODY, acknowledgement(kind, name)) for kind, name in self._received]
+        answers = [Message(self._robot_id, EVERYBODY, acknowledgement(kind, name)) for kind, name in received]
         return msgspec.structs.replace(decision, outbox=(*decision.outbox, *answers))
 
 
@@ -81,30 +73,24 @@ class Announcer:
         self._undelivered: tuple[Discovery, ...] = ()
         self._due_ns: dict[Discovery, int] = {}
         """The robot's unacknowledged discoveries, and the time of their next announcement [ns]."""
-        self._time_ns = 0
-        self._running = False
 
-    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        """Let the controller observe, and note the robot's new discoveries and the base's acknowledgements."""
+    def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
+        """Return the controller's decision, with the announcements that are due."""
         names = [acknowledged_in(message.payload) for message in inbox]
         if any(names):  # controllers never see acknowledgements
             inbox = [message for message, name in zip(inbox, names, strict=True) if name is None]
-        self.controller.observe(observation, inbox, task)
-        self._time_ns, self._running = observation.sim_time_ns, task.running
+        decision = self.controller.step(observation, inbox, task)
+        time_ns = observation.sim_time_ns
         if task.undelivered != self._undelivered:
             new = [found for found in task.undelivered if found not in self._undelivered]
             self._undelivered = task.undelivered
             own = [found for found in new if found.robot_id == self._robot_id and found.kind in self._kinds]
-            self._due_ns |= dict.fromkeys(own, self._time_ns)
+            self._due_ns |= dict.fromkeys(own, time_ns)
         self._due_ns = {found: due for found, due in self._due_ns.items() if (found.kind, found.name) not in names}
-
-    def decide(self) -> Decision:
-        """Return the controller's decision, with the announcements that are due."""
-        decision = self.controller.decide()
-        due = [found for found, due_ns in self._due_ns.items() if due_ns <= self._time_ns]
+        due = [found for found, due_ns in self._due_ns.items() if due_ns <= time_ns]
         # The guard reports a result that is not a Decision.
-        if not due or not self._running or not isinstance(decision, Decision):
+        if not due or not task.running or not isinstance(decision, Decision):
             return decision
-        self._due_ns |= dict.fromkeys(due, self._time_ns + self._period_ns)
+        self._due_ns |= dict.fromkeys(due, time_ns + self._period_ns)
         announced = [Message(self._robot_id, self._base, announcement(found)) for found in due]
         return msgspec.structs.replace(decision, outbox=(*decision.outbox, *announced))

@@ -55,15 +55,11 @@ class Guard:
             self._stop(error)
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
-        """Let the controller observe and decide, and return its decision.
-
-        Once it has failed, that is the decision to stand still, with the reason.
-        """
+        """Return the controller's decision; once it has failed, that is to stand still, with the reason."""
         if self.fault or self.controller is None:
             return Decision(fault=self.fault)
         try:
-            self.controller.observe(observation, inbox, task)
-            decision = self.controller.decide()
+            decision = self.controller.step(observation, inbox, task)
             self.fault = problem_of(decision, self._robot_id, self._num_robots)
         except (Exception, SystemExit) as error:
             self._stop(error)
@@ -79,18 +75,18 @@ class Guard:
 def problem_of(decision: Any, robot_id: int, num_robots: int) -> str:
     """Return what is wrong with what a controller decided, in a few words; "" where nothing is."""
     if not isinstance(decision, Decision):
-        return f"decide returned {_shown(decision)}; expected a Decision"
+        return f"step returned {_shown(decision)}; expected a Decision"
     twist = decision.twist
     if not _is_twist(twist):
-        return f"decide returned {twist!r:.120}; expected a Twist of finite numbers"
+        return f"step returned {twist!r:.120}; expected a Twist of finite numbers"
     if decision.goal_m is not None and not _is_point(decision.goal_m):
-        return f"decide returned the goal {_shown(decision.goal_m)}; expected finite (x, y), or None"
+        return f"step returned the goal {_shown(decision.goal_m)}; expected finite (x, y), or None"
     if decision.context is not None and not _is_context(decision.context):
-        return f"decide returned the context {_shown(decision.context)}; expected a finite SwarmContext, or None"
+        return f"step returned the context {_shown(decision.context)}; expected a finite SwarmContext, or None"
     if decision.belief is not None and not _is_field(decision.belief):
-        return f"decide returned the belief {_shown(decision.belief)}; expected a finite FieldMap, or None"
+        return f"step returned the belief {_shown(decision.belief)}; expected a finite FieldMap, or None"
     if not isinstance(decision.outbox, (tuple, list)):
-        return f"decide returned the outbox {_shown(decision.outbox)}; expected a tuple of Messages"
+        return f"step returned the outbox {_shown(decision.outbox)}; expected a tuple of Messages"
     for message in decision.outbox:
         problem = _problem_of_message(message, robot_id, num_robots)
         if problem:
@@ -105,7 +101,7 @@ def problem_of(decision: Any, robot_id: int, num_robots: int) -> str:
             decision.done,
         )
     except TypeError:  # not hashable
-        return f"decide returned {_shown(decision)}; expected a status of numbers and text"
+        return f"step returned {_shown(decision)}; expected a status of numbers and text"
 
 
 # A robot's status changes once per iteration, at most.
@@ -115,17 +111,17 @@ def _problem_of_status(
 ) -> str:
     """Return what is wrong with the status in a decision, which ROS messages and bags hold as it is."""
     if not isinstance(excluded, _TRUTHS):
-        return f"decide returned excluded = {excluded!r:.60}; expected True or False"
+        return f"step returned excluded = {excluded!r:.60}; expected True or False"
     if not isinstance(swarm, _WHOLE) or not OUTSIDE <= swarm <= _LARGEST:
-        return f"decide returned swarm = {swarm!r:.60}; expected a number from 0 on, or {OUTSIDE} for none"
+        return f"step returned swarm = {swarm!r:.60}; expected a number from 0 on, or {OUTSIDE} for none"
     if not isinstance(search_counter, _WHOLE) or not 0 <= search_counter <= _LARGEST:
-        return f"decide returned search_counter = {search_counter!r:.60}; expected a number from 0 on"
+        return f"step returned search_counter = {search_counter!r:.60}; expected a number from 0 on"
     if not isinstance(local_best, _NUMBERS):
-        return f"decide returned local_best = {local_best!r:.60}; expected a number"
+        return f"step returned local_best = {local_best!r:.60}; expected a number"
     if not isinstance(fault, str):
-        return f"decide returned fault = {fault!r:.60}; expected text"
+        return f"step returned fault = {fault!r:.60}; expected text"
     if not isinstance(done, str):
-        return f"decide returned done = {done!r:.60}; expected text"
+        return f"step returned done = {done!r:.60}; expected text"
     return ""
 
 
@@ -162,14 +158,14 @@ def _is_point(value: Any) -> bool:
 
 def _problem_of_message(message: object, robot_id: int, num_robots: int) -> str:
     if not isinstance(message, Message) or not isinstance(message.payload, str):
-        return f"decide returned {_shown(message)} to send; expected a Message with text"
+        return f"step returned {_shown(message)} to send; expected a Message with text"
     if not message.payload.isascii() and not _has_utf8(message.payload):
-        return f"decide returned the text {message.payload!r:.60} to send, which cannot be encoded as UTF-8"
+        return f"step returned the text {message.payload!r:.60} to send, which cannot be encoded as UTF-8"
     if not isinstance(message.sender, _WHOLE) or message.sender != robot_id:
-        return f"decide returned a message from sender {message.sender!r}; expected {robot_id}, the robot itself"
+        return f"step returned a message from sender {message.sender!r}; expected {robot_id}, the robot itself"
     if not isinstance(message.receiver, _WHOLE) or not EVERYBODY <= message.receiver < num_robots:
         return (
-            f"decide returned a message to receiver {message.receiver!r}; expected 0 to {num_robots - 1}, or "
+            f"step returned a message to receiver {message.receiver!r}; expected 0 to {num_robots - 1}, or "
             f"{EVERYBODY} for everybody"
         )
     return ""

@@ -2,49 +2,24 @@
 
 import importlib
 import inspect
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from importlib.metadata import EntryPoint, entry_points
 
-from robotteamsim.control.baselines.boustrophedon import BoustrophedonController
-from robotteamsim.control.baselines.conscientious import ConscientiousReactiveController
-from robotteamsim.control.baselines.greedy import GreedyController
-from robotteamsim.control.baselines.infotaxis import InfotaxisController
-from robotteamsim.control.baselines.pso import DpsoController, PsoController, RpsoController
-from robotteamsim.control.baselines.random_walk import RandomWalkController
-from robotteamsim.control.baselines.sebs import SebsController
-from robotteamsim.control.cover.controller import CoverController
 from robotteamsim.control.people.dispatch import DispatchController
 from robotteamsim.control.people.firefighter import FirefighterController
-from robotteamsim.control.people.relay import RelayController
-from robotteamsim.control.rdpso.controller import RdpsoController
 from robotteamsim.control.runtime.base_station import with_base
-from robotteamsim.control.search.controller import SearchController
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.interface import Controller
+from robotteamsim.scenario.controllers import ALGORITHMS
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.setup import Setup
 
 MakeController = Callable[..., Controller]
 """A controller class, or another callable that makes the controller of one robot from its id and the scenario.
 
-If it has a parameter `arrival`, it receives the number of the robot's arrivals, including the start.
+If its second parameter is named `setup`, it receives the `Setup` instead: the scenario with start poses and maps. If it
+has a parameter `arrival`, it receives the number of the robot's arrivals, including the start.
 """
-
-ALGORITHMS: dict[str, MakeController] = {
-    "rdpso": RdpsoController,
-    "random_walk": RandomWalkController,
-    "greedy": GreedyController,
-    "pso": PsoController,
-    "dpso": DpsoController,
-    "rpso": RpsoController,
-    "sebs": SebsController,
-    "conscientious_reactive": ConscientiousReactiveController,
-    "boustrophedon": BoustrophedonController,
-    "infotaxis": InfotaxisController,
-    "cover": CoverController,
-    "search": SearchController,
-    "relay": RelayController,
-}
-"""The controllers of this package."""
 
 _OF_ROLE: dict[str, MakeController] = {"firefighter": FirefighterController, "command_centre": DispatchController}
 """The controllers of people, with firefighters."""
@@ -53,7 +28,7 @@ ENTRY_POINTS = "robotteamsim.controllers"
 """The group of entry points with which other packages register controllers."""
 
 
-def make_controller(robot_id: int, scenario: Scenario, arrival: int = 1) -> Controller:
+def make_controller(robot_id: int, setup: Setup, arrival: int = 1) -> Controller:
     """Return the controller of one robot for `control.algorithm`, of a relay, or of people for their role.
 
     The name is one of ALGORITHMS, or of an entry point in the group `robotteamsim.controllers`, or `module:Class`.
@@ -62,26 +37,35 @@ def make_controller(robot_id: int, scenario: Scenario, arrival: int = 1) -> Cont
     Raises: ScenarioError: no such algorithm, it cannot be imported or is not a controller; no such robot. Exceptions
             of the controller's constructor are not caught.
     """
+    scenario = setup.scenario
     name = scenario.control.algorithm
+    if not 0 <= robot_id < len(setup.robots):
+        raise ScenarioError(f"{scenario.name}: there is no robot {robot_id}, only 0 to {len(setup.robots) - 1}")
     try:
         make = _make_for(robot_id, scenario)
     except _NotFoundError as error:
         raise ScenarioError(f"{scenario.name}: control.algorithm: {error}") from None
-    made = make(robot_id, scenario, **({"arrival": arrival} if _takes_arrival(make) else {}))
-    missing = [method for method in ("observe", "decide") if not callable(getattr(made, method, None))]
-    if missing:
-        raise ScenarioError(
-            f"{scenario.name}: control.algorithm: '{name}' makes a {type(made).__name__}, which has no "
-            f"{' and no '.join(missing)}"
-        )
+    taken = _parameters(make)
+    own = {"arrival": arrival} if "arrival" in taken else {}
+    made = make(robot_id, setup if "setup" in taken else scenario, **own)
+    if not _has(made, "step"):
+        problem = "has no step(observation, inbox, task)"
+        if _has(made, "observe") and _has(made, "decide"):
+            problem = "has observe and decide; step(observation, inbox, task) replaces both"
+        kind = f"{type(made).__module__}.{type(made).__name__}"
+        raise ScenarioError(f"{scenario.name}: control.algorithm: '{name}' makes a {kind}, which {problem}")
     return made if scenario.base is None else with_base(made, robot_id, scenario)
 
 
 def _make_for(robot_id: int, scenario: Scenario) -> MakeController:
     if scenario.firefighters is not None and (role := scenario.role_of(robot_id)) != "robot":
         return _OF_ROLE[role]
-    is_relay = scenario.num_robots - scenario.control.relays <= robot_id < scenario.num_robots
-    return RelayController if is_relay else _find(scenario.control.algorithm)
+    is_relay = scenario.num_robots - scenario.relays.count <= robot_id < scenario.num_robots
+    return _find("relay" if is_relay else scenario.control.algorithm)
+
+
+def _has(made: object, method: str) -> bool:
+    return callable(getattr(made, method, None))
 
 
 def algorithm_names() -> list[str]:
@@ -89,11 +73,11 @@ def algorithm_names() -> list[str]:
     return [*ALGORITHMS, *sorted({point.name for point in entry_points(group=ENTRY_POINTS)} - set(ALGORITHMS))]
 
 
-def _takes_arrival(make: MakeController) -> bool:
+def _parameters(make: MakeController) -> Collection[str]:
     try:
-        return "arrival" in inspect.signature(make).parameters
+        return inspect.signature(make).parameters
     except ValueError:  # a class from a C extension may have no signature
-        return False
+        return ()
 
 
 class _NotFoundError(RobotTeamSimError):
@@ -102,7 +86,7 @@ class _NotFoundError(RobotTeamSimError):
 
 def _find(name: str) -> MakeController:
     if name in ALGORITHMS:
-        return ALGORITHMS[name]
+        return _loaded(name, EntryPoint(name, ALGORITHMS[name].controller, ENTRY_POINTS))
     for point in entry_points(group=ENTRY_POINTS):
         if point.name == name:
             return _loaded(name, point)

@@ -1,6 +1,5 @@
 """The cells of a plan: losses of voices between them, paths between them, and where a victim may be."""
 
-import functools
 import math
 from dataclasses import dataclass
 
@@ -9,13 +8,11 @@ import numpy as np
 from robotteamsim import _core
 from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.propagation import voice_obstacles
-from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.building import Building, Doors
+from robotteamsim.scenario.controllers.search import SearchControl
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Voice
 from robotteamsim.swarm import Vector
-
-Doors = tuple[tuple[str, bool], ...]
-"""The doors that differ from the plan, sorted by name, and whether they are closed."""
 
 Disc = tuple[Vector, float]
 """Centre in `map` and radius [m]."""
@@ -81,7 +78,7 @@ def reachable_cell(
 
 def cell_grid(scenario: Scenario) -> CellGrid:
     """Return the cells of the belief: of `cell_m`, or as many times doubled as `most_cells` demands."""
-    search = scenario.control.search
+    search = scenario.control.as_kind(SearchControl)
     (x_low, y_low), (x_high, y_high) = scenario.plan.bounds.min, scenario.plan.bounds.max
     cell_m = search.cell_m
     while True:
@@ -96,11 +93,8 @@ def loss_step_db(voice: Voice) -> float:
     return max(-voice.constant_db[0], 1.0) / 250.0
 
 
-# Losses and paths depend only on these values: robots and trials share them.
-@functools.lru_cache(maxsize=16)
-def _voice_losses(plan: FloorPlan, voice_json: str, grid: CellGrid, doors: Doors) -> _core.control.VoiceLosses:
-    voice = Voice.model_validate_json(voice_json)
-    faces, unit_db = voice_obstacles(plan, voice)
+def _voice_losses(building: Building, voice: Voice, grid: CellGrid, doors: Doors) -> _core.control.VoiceLosses:
+    faces, unit_db = voice_obstacles(building.plan, voice)
     face_set = faces.core()
     for name, closed in doors:
         face_set.set_active(faces.door_face(name), closed)
@@ -119,20 +113,18 @@ def _voice_losses(plan: FloorPlan, voice_json: str, grid: CellGrid, doors: Doors
     )
 
 
-def voice_losses(scenario: Scenario, grid: CellGrid, doors: Doors) -> _core.control.VoiceLosses:
+def voice_losses(building: Building, voice: Voice, grid: CellGrid, doors: Doors) -> _core.control.VoiceLosses:
     """Return the losses of voices between all cells, with doors as believed."""
     # The noise is not known to the robots.
-    assumed = scenario.voice.model_copy(update={"noise_db": 0.0})
-    return _voice_losses(scenario.plan, assumed.model_dump_json(), grid, doors)
+    return building.shared(_voice_losses, voice.model_copy(update={"noise_db": 0.0}), grid, doors)
 
 
-@functools.lru_cache(maxsize=16)
 def cell_paths(
-    plan: FloorPlan, robot_radius_m: float, grid: CellGrid, doors: Doors, kept_out: Disc | None
+    building: Building, robot_radius_m: float, grid: CellGrid, doors: Doors, kept_out: Disc | None
 ) -> _core.control.CellPaths:
     """Return the paths between all cells for one size of robot, outside a disc."""
     return _core.control.CellPaths(
-        grid=known_map(plan, robot_radius_m, doors).grid,
+        grid=known_map(building, robot_radius_m, doors).grid,
         origin_m=grid.origin_m,
         cell_m=grid.cell_m,
         rows=grid.rows,
@@ -155,9 +147,8 @@ class Places:
     num_open: int
 
 
-@functools.lru_cache(maxsize=16)
 def places(
-    plan: FloorPlan, robot_radius_m: float, grid: CellGrid, start: int, save_distance_m: float, stride: int
+    building: Building, robot_radius_m: float, grid: CellGrid, start: int, save_distance_m: float, stride: int
 ) -> Places:
     """Return the places that matter to a robot.
 
@@ -166,12 +157,12 @@ def places(
     Args: start: cell of a robot, -1 for none.  stride: distance of candidates in cells.
     """
     # Closed doors may open: they do not rule a room out.
-    opened = tuple(sorted((door.name, False) for door in plan.doors if door.closed))
+    opened = tuple(sorted((door.name, False) for door in building.plan.doors if door.closed))
     reached = np.zeros((grid.rows, grid.columns), dtype=bool)
     if start >= 0:
-        lengths = cell_paths(plan, robot_radius_m, grid, opened, None).lengths_from(start)
+        lengths = building.shared(cell_paths, robot_radius_m, grid, opened, None).lengths_from(start)
         reached = np.isfinite(lengths).reshape(reached.shape)
-    free = known_map(plan, robot_radius_m, opened).grid
+    free = known_map(building, robot_radius_m, opened).grid
     prior = np.zeros(grid.size, dtype=np.float32)
     for cell in np.flatnonzero(_beside(reached)):
         near = free.nearest_free(grid.centre_of(int(cell)), save_distance_m)

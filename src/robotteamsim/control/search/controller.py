@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from functools import partial
 
 import msgspec
 import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.control.driving.known_map import known_map
-from robotteamsim.control.driving.localisation import Localiser, body_of
+from robotteamsim.control.driving.localisation import Localiser
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.control.rdpso.door_beliefs import DoorBeliefs
+from robotteamsim.control.search.approach import Approach
 from robotteamsim.control.search.areas import Areas, shut_cells
-from robotteamsim.control.search.cells import NO_CELL, cell_grid, cell_paths, places, reachable_cell
-from robotteamsim.control.search.goals import ListeningGoal, Progress
+from robotteamsim.control.search.cells import NO_CELL, Places, cell_grid, cell_paths, places, reachable_cell
+from robotteamsim.control.search.goals import ListeningGoal
 from robotteamsim.control.search.hunt import Hunt, Hunted
 from robotteamsim.control.search.knowledge import Knowledge
 from robotteamsim.control.search.last_area import EarlyDrive
@@ -26,9 +26,9 @@ from robotteamsim.geometry import Pose
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.propagation import FieldMap
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.controllers.search import SearchControl
+from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
-from robotteamsim.world.placement import placed_robots
 
 _AHEAD_M = 8.0
 """A robot drives to the farthest place on its path that it can reach in a straight line, within this length [m]."""
@@ -48,12 +48,6 @@ _AROUND_M = 5.0
 _FREE_WITHIN_M = 0.3
 """How far from the loudest place the free place may be to which a robot drives [m]."""
 
-_MOVED_M = 2.0
-"""If the estimated source of a voice moves farther, the robot has a new goal [m]."""
-
-_LONGEST_APPROACH = 4.0
-"""A voice that was approached for longer than this, in `progress_timeout_s`, and than its path takes is given up."""
-
 
 class SearchController:
     """Bayesian search, see `docs/search.md`.
@@ -62,26 +56,26 @@ class SearchController:
     plans. It uses its map, its readings, the messages of its teammates and the mission's order of areas.
     """
 
-    def __init__(self, robot_id: int, scenario: Scenario) -> None:
-        control, body = scenario.control, body_of(robot_id, scenario)
-        self._robot_id, self._scenario = robot_id, scenario
-        self._tuning = control.search
+    def __init__(self, robot_id: int, setup: Setup) -> None:
+        scenario, body = setup.scenario, setup.robots[robot_id]
+        control = scenario.control.as_kind(SearchControl)
+        self._robot_id, self._scenario, self._building = robot_id, scenario, setup.building
+        self._tuning = control
         self._speed_mps = control.max_step_speed_mps
         self._iteration_ns = round(control.iteration_s * 1e9)
         self._reach_m = body.reach_m
         self._save_distance_m = scenario.mission.save_distance_m
-        self._localiser = Localiser(robot_id, scenario)
+        self._localiser = Localiser(robot_id, setup)
         self._doors = DoorBeliefs(scenario.plan, body.laser, control.doors)
         self._known_doors = self._doors.changed
         self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
         self._grid = cell_grid(scenario)
-        self._map = known_map(scenario.plan, body.reach_m)
+        self._map = known_map(setup.building, body.reach_m)
         self._areas = Areas(scenario, self._grid)
-        self._start_m = placed_robots(scenario)[robot_id].start_pose[:2]
-        start = self._use_paths(self._start_m)
-        self._find_places = partial(places, scenario.plan, body.reach_m, self._grid, start, self._save_distance_m)
+        self._start_m = setup.start_m(robot_id)
+        self._start = self._use_paths(self._start_m)
         self._places = self._find_places(1)
-        self._knowledge = Knowledge(scenario, self._grid, self._places)
+        self._knowledge = Knowledge(setup, self._grid, self._places)
         self._space_places()
         self._hunt, self._early_drive = Hunt(scenario, self._grid), EarlyDrive()
         self._team = Teammates(robot_id, self._tuning.given_up_s)
@@ -89,9 +83,7 @@ class SearchController:
         self._meanwhile = ListeningGoal(self._tuning.model_copy(update={"victim_worth_s": math.inf}), self._speed_mps)
         """Where a robot listens while a teammate drives to the last area: its time costs nothing."""
 
-        self._observation: Observation | None = None
-        self._task = Task()
-        self._iteration, self._elapsed_ns = -1, 0
+        self._epoch, self._iteration, self._elapsed_ns = 0, -1, 0
         self._last_ns: int | None = None
         """The stamp of the last step in which the mission was running."""
         self._at = self._goal = NO_CELL
@@ -101,13 +93,7 @@ class SearchController:
         self._num_found = 0
         """How many found victims the robot knew in the last iteration."""
         self._was_beside_m: Vector | None = None
-        self._approach = Progress(self._tuning.progress_timeout_s)
-        self._approached_m: Vector | None = None
-        self._approach_until_s = self._detour_m = self._voice_path_m = 0.0
-        self._lost_voice_m: Vector | None = None
-        """The source of the last voice that the robot could not reach, in `map` [m]."""
-        self._given_up: list[tuple[Vector, float]] = []
-        """Sources of voices that the robot could not reach, and until when it ignores them [s]."""
+        self._approach = Approach(self._tuning, self._speed_mps)
         self._idle_since_s: float | None = None
         self._done, self._next_shown_s = "", 0.0
         self._standing = Decision()
@@ -118,13 +104,17 @@ class SearchController:
         """What the robot knows about victims."""
         return self._knowledge
 
-    def observe(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
-        """Process the observation, the messages that arrived, and the mission's task."""
-        if task.epoch != self._task.epoch:
+    def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
+        """Return the command and, once per iteration, the message of this step."""
+        self._note(observation, inbox, task)
+        return self._decide(observation, task) if task.running else Decision()
+
+    def _note(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
+        if task.epoch != self._epoch:
+            self._epoch = task.epoch
             self._note_found(observation)
             self._listening.forget_avoided()
-            self._given_up.clear()
-        self._observation, self._task = observation, task
+            self._approach.forget_given_up()
         self._knowledge.noise.note(observation.voice, task.epoch)
         self._was_beside_m = self._hunt.beside(observation.voice) if observation.voice.heard else None
         if task.running:
@@ -136,11 +126,7 @@ class SearchController:
         for message in inbox:
             self._hear(message, observation.sim_time_ns * 1e-9)
 
-    def decide(self) -> Decision:
-        """Return the command and the messages of this step."""
-        observation = self._observation
-        if observation is None or not self._task.running:
-            return Decision()
+    def _decide(self, observation: Observation, task: Task) -> Decision:
         sim_time_ns, robot = observation.sim_time_ns, observation.robot
         pose = self._localiser.map_T_base_link(robot)
         outbox: tuple[Message, ...] = ()
@@ -148,7 +134,7 @@ class SearchController:
         iteration = sim_time_ns // self._iteration_ns
         if iteration != self._iteration:
             self._iteration = iteration
-            self._iterate(pose, observation)
+            self._iterate(pose, observation, task)
             outbox = (Message(self._robot_id, EVERYBODY, self._update(pose).to_json()),)
             belief = self._shown_belief(sim_time_ns * 1e-9)
             self._standing = Decision(goal_m=self._shown_goal(), local_best=self._knowledge.remaining, done=self._done)
@@ -189,7 +175,7 @@ class SearchController:
     def _update(self, pose: Pose) -> SearchUpdate:
         voice = None
         if self._voice is not None and self._work == "voice":
-            voice = HeardVoice(self._voice.source_m, min(self._voice_path_m, LONGEST_PATH_M))
+            voice = HeardVoice(self._voice.source_m, min(self._approach.path_m, LONGEST_PATH_M))
         return SearchUpdate(
             robot_id=self._robot_id,
             position=(pose.x_m, pose.y_m),
@@ -208,16 +194,16 @@ class SearchController:
         place = self._all_paths.place_of(self._goal) if self._goal != NO_CELL else None
         return place or self._target
 
-    def _iterate(self, pose: Pose, observation: Observation) -> None:
+    def _iterate(self, pose: Pose, observation: Observation, task: Task) -> None:
         """Listen, and choose the work and the goal of this iteration."""
         position, time_s = (pose.x_m, pose.y_m), observation.sim_time_ns * 1e-9
         self._team.forget_lost(time_s)
         self._doors.look(pose, observation.robot.ranges_m, self._iteration)
-        areas_changed = self._areas.follow(self._task)
+        areas_changed = self._areas.follow(task)
         doors_changed = self._doors.changed != self._known_doors
         if doors_changed:
             self._known_doors = self._doors.changed
-            self._map = known_map(self._scenario.plan, self._reach_m, self._known_doors)
+            self._map = known_map(self._building, self._reach_m, self._known_doors)
             self._knowledge.use_doors(self._known_doors)
             self._listening.forget_avoided()
         if areas_changed or doors_changed:
@@ -232,7 +218,7 @@ class SearchController:
             self._hunt.forget()
         self._num_found = len(knowledge.found)
         mass = knowledge.mass() if voice.heard or self._hunt.is_on else self._places.prior
-        self._voice = self._hunt.follow(voice, self._task.epoch, position, knowledge.losses, mass, self._places.prior)
+        self._voice = self._hunt.follow(voice, task.epoch, position, knowledge.losses, mass, self._places.prior)
         self._at = start = self._all_paths.start_of(position)
         if start != NO_CELL:
             knowledge.listen(start, voice)
@@ -247,10 +233,14 @@ class SearchController:
         spacing_m = max(self._tuning.place_spacing_m, _SPACING * self._knowledge.hearing_m)
         self._places = self._find_places(max(1, round(spacing_m / self._grid.cell_m)))
 
+    def _find_places(self, stride: int) -> Places:
+        return self._building.shared(places, self._reach_m, self._grid, self._start, self._save_distance_m, stride)
+
     def _use_paths(self, position: Vector) -> int:
         """Use the paths with doors and areas as they are now; return the cell of the robot."""
-        find = partial(cell_paths, self._scenario.plan, self._reach_m, self._grid, self._known_doors)
-        self._all_paths, self._outside = find(None), find(self._areas.kept_out)
+        shared, key = self._building.shared, (self._reach_m, self._grid, self._known_doors)
+        self._all_paths = shared(cell_paths, *key, None)
+        self._outside = shared(cell_paths, *key, self._areas.kept_out)
         self._shut = shut_cells(self._all_paths, self._outside, self._start_m, self._grid.size)
         return self._all_paths.start_of(position)
 
@@ -345,40 +335,20 @@ class SearchController:
 
         Args: start: the cell from which the robot may drive.
         """
-        self._given_up = [(place, until_s) for place, until_s in self._given_up if until_s > time_s]
-        same_m = self._tuning.same_voice_m
-        if any(math.dist(place, voice.source_m) <= same_m for place, _ in self._given_up):
+        if self._approach.has_given_up(voice.source_m, time_s):
             return False
         if math.dist(self._areas.nearest_outside(voice.source_m), voice.source_m) > self._save_distance_m:
             return False  # To save this victim would end the mission.
         goal = reachable_cell(self._paths, self._grid, voice.source_m, start, self._save_distance_m)
         length_m = self._paths.length_m(goal, start) if goal != NO_CELL else math.inf
-        if self._team.approaches(voice.source_m, length_m, same_m):
+        if self._team.approaches(voice.source_m, length_m, self._tuning.same_voice_m):
             return False
-        if self._approached_m is None or self._work != "voice":
-            self._approach_until_s = time_s + _LONGEST_APPROACH * self._tuning.progress_timeout_s
-            self._detour_m = 0.0
-        if self._approached_m is None or math.dist(self._approached_m, voice.source_m) > _MOVED_M:
-            self._approached_m = voice.source_m
-            self._approach.restart(time_s)
-        if not math.isfinite(length_m):
-            self._lost_voice_m = voice.source_m
-            return False  # Further levels may lead to another cell.
-        if self._is_stuck(length_m, time_s):
-            self._given_up.append((voice.source_m, time_s + self._tuning.avoided_s))
-            self._lost_voice_m, self._approached_m = voice.source_m, None
+        if not self._approach.goes_on(voice.source_m, length_m, time_s, was_on=self._work == "voice"):
             return False
-        self._voice_path_m = length_m
         self._set_goal("voice", goal, position, self._paths)
         if voice.follow_m is not None and length_m <= math.dist(position, voice.source_m) + _AROUND_M:
             self._target = self._place_beside(position, voice.follow_m) or self._target
         return True
-
-    def _is_stuck(self, length_m: float, time_s: float) -> bool:
-        """Whether the path to a voice does not become shorter, or the approach takes too long."""
-        self._detour_m = max(self._detour_m, length_m)
-        until_s = self._approach_until_s + 2.0 * self._detour_m / self._speed_mps
-        return self._approach.is_stuck(length_m, time_s) or time_s > until_s
 
     def _place_beside(self, position: Vector, loudest_m: Vector) -> Vector | None:
         """Return the free place at the loudest place; None if no straight line leads to it, as through a wall."""
@@ -486,7 +456,8 @@ class SearchController:
         share = f"{self._knowledge.remaining:.1%} of the floor is unheard, which is worth less than the time"
         if self._areas.next is not None:
             return f"{self._areas.next.name} cannot be reached; {share}"
-        if self._lost_voice_m is not None and not self._is_found(self._lost_voice_m, self._knowledge.found):
-            x_m, y_m = self._lost_voice_m
+        lost_m = self._approach.lost_m
+        if lost_m is not None and not self._is_found(lost_m, self._knowledge.found):
+            x_m, y_m = lost_m
             return f"a voice near ({x_m:.1f}, {y_m:.1f}) cannot be reached; {share}"
         return share

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from robotteamsim import _core
 from robotteamsim.control.search.cells import NO_CELL
-from robotteamsim.scenario.search_tuning import SearchTuning
+from robotteamsim.scenario.controllers.search import SearchControl
 
 _PROGRESS_M = 0.5
 """A path that becomes shorter by less is no progress [m]."""
@@ -46,7 +46,7 @@ class ListeningGoal:
     avoided for some time.
     """
 
-    def __init__(self, tuning: SearchTuning, speed_mps: float) -> None:
+    def __init__(self, tuning: SearchControl, speed_mps: float) -> None:
         self._tuning, self._speed_mps = tuning, speed_mps
         self._progress = Progress(tuning.progress_timeout_s)
         self._avoided: dict[int, float] = {}

@@ -42,7 +42,7 @@ class Hunted:
 
     cell:     where the victim probably is.
     source_m: the centre of that cell, in `map` [m].
-    follow_m: the loudest place, if the robot is beside the victim; None if it is not.
+    follow_m: the loudest place, if the robot is next to the victim; None if it is not.
     """
 
     cell: int
@@ -54,7 +54,7 @@ class Hunt:
     """Estimates where the voice comes from that a robot hears, from the levels at all places since it first heard it.
 
     The path around a wall may lead where the voice is not heard: the source is kept until the belief excludes it. A
-    robot that has been beside a cell would have saved the victim there.
+    robot that has been next to a cell would have saved the victim there.
     """
 
     def __init__(self, scenario: Scenario, grid: CellGrid) -> None:
@@ -119,7 +119,7 @@ class Hunt:
         self._fix = self._source = None
 
     def beside(self, voice: VoiceReading) -> Vector | None:
-        """Return the loudest place that a robot perceives, if the victim must be beside it; else None."""
+        """Return the loudest place that a robot perceives, if the victim must be next to it; else None."""
         return voice.local_best_m if voice.heard and voice.local_best_level_db >= self._beside_db else None
 
     def _is_likely(self, cell: int, mass: np.ndarray, prior: np.ndarray) -> bool:

@@ -9,7 +9,6 @@ import numpy as np
 from robotteamsim import _core
 from robotteamsim.control.search.cells import (
     CellGrid,
-    Doors,
     Places,
     loss_step_db,
     unheard,
@@ -17,8 +16,10 @@ from robotteamsim.control.search.cells import (
 )
 from robotteamsim.control.search.listening import ListeningLog, entries_in, limited
 from robotteamsim.control.search.noise import NoiseEstimate
-from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.building import Doors
+from robotteamsim.scenario.controllers.search import SearchControl
 from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
 _NOISE_STEP_DB = 0.25
@@ -36,9 +37,10 @@ class Knowledge:
     [the posterior mean of a Poisson process with a gamma prior].
     """
 
-    def __init__(self, scenario: Scenario, grid: CellGrid, places: Places) -> None:
-        search, voice = scenario.control.search, scenario.voice
-        self._scenario, self._grid, self._places = scenario, grid, places
+    def __init__(self, setup: Setup, grid: CellGrid, places: Places) -> None:
+        scenario = setup.scenario
+        search, voice = scenario.control.as_kind(SearchControl), scenario.voice
+        self._voice, self._building, self._grid, self._places = voice, setup.building, grid, places
         self._mean_victims = search.expected_victims
         self._step_db = loss_step_db(voice)
         self._found_within_m = 2.0 * scenario.mission.save_distance_m + voice.map_resolution_m
@@ -46,7 +48,7 @@ class Knowledge:
         """The robot's own estimate, from its readings."""
         self._noise_db = search.assumed_noise_db
         self.log = ListeningLog()
-        self.losses = voice_losses(scenario, grid, ())
+        self.losses = voice_losses(setup.building, voice, grid, ())
         self.belief = _core.control.VictimBelief(self.losses, places.prior)
         self.belief.set_unheard(unheard(voice, self._noise_db))
         self.found: list[Vector] = []
@@ -84,13 +86,13 @@ class Knowledge:
     @property
     def hearing_m(self) -> float:
         """The distance at which a middling voice is heard without walls [m]."""
-        voice = self._scenario.voice
+        voice = self._voice
         over_db = -0.5 * sum(voice.constant_db) - self._noise_db
         return float(10.0 ** (over_db / (5.0 * sum(voice.exponent)))) + voice.local_best_radius_m
 
     def use_doors(self, doors: Doors) -> None:
         """Listen through the doors as they are believed to be now; what was heard before stays valid."""
-        self.losses = voice_losses(self._scenario, self._grid, doors)
+        self.losses = voice_losses(self._building, self._voice, self._grid, doors)
         self.belief.set_losses(self.losses)
 
     def agree_on_noise(self, of_teammates_db: list[float]) -> bool:
@@ -102,7 +104,7 @@ class Knowledge:
         if abs(noise_db - self._noise_db) < _NOISE_STEP_DB:
             return False
         self._noise_db = noise_db
-        self.belief.set_unheard(unheard(self._scenario.voice, noise_db))
+        self.belief.set_unheard(unheard(self._voice, noise_db))
         self._remaining = None
         return True
 

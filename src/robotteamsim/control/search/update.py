@@ -19,7 +19,7 @@ LONGEST_PATH_M = 1e6
 """A longer path is announced as this [m]."""
 
 
-class HeardVoice(msgspec.Struct, frozen=True, gc=False):
+class HeardVoice(msgspec.Struct, frozen=True):
     """A voice that a robot approaches: where the victim seems to be, in `map` [m], and the length of the path [m]."""
 
     source: Point
@@ -30,7 +30,7 @@ CellNumber = Annotated[int, msgspec.Meta(ge=-1, le=65_535)]
 """A cell; -1 for none."""
 
 
-class SearchUpdate(Update, frozen=True, gc=False, tag="search"):
+class SearchUpdate(Update, frozen=True, tag="search"):
     """What one robot does and knows.
 
     position:  in `map` [m].

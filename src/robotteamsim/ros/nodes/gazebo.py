@@ -1,5 +1,6 @@
 """The node `gazebo`: writes the scenario as a world of Gazebo and becomes gzserver, whose plugins are the world."""
 
+import logging
 import os
 import shlex
 import shutil
@@ -8,13 +9,16 @@ from pathlib import Path
 from typing import get_args
 
 import rospkg
+import rospy
 
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.gazebo import export_world
 from robotteamsim.gazebo.robots import DriveKind
-from robotteamsim.recording.ros_messages import robot_name
-from robotteamsim.ros.transport.node import ParameterError, logger, parameter, published_topics, run, wait_for_shutdown
-from robotteamsim.ros.transport.settings import PARAMETERS, Settings, read_settings
+from robotteamsim.message_parts import robot_name
+from robotteamsim.ros.node import ParameterError, parameter, run, wait_for_shutdown
+from robotteamsim.ros.settings import Settings, read_settings
+
+logger = logging.getLogger(__name__)
 
 START_TIMEOUT_S = 60.0
 """Gazebo starts without controllers that have not started after this time [s, wall]."""
@@ -60,10 +64,8 @@ def _prepare() -> list[str]:
 def _check(settings: Settings) -> None:
     """Reject what Gazebo's world cannot do. Raises: ParameterError."""
     scenario = settings.scenario
-    if settings.lockstep:
-        raise ParameterError(f"{PARAMETERS}/lockstep: does not work with Gazebo; expected false")
     if parameter("~follow_clock", False):
-        return  # our own world runs beside it
+        return  # our own world runs next to it
     for what, is_used in (("fire", scenario.fire is not None), ("people who move", scenario.moves_people)):
         if is_used:
             raise ParameterError(f"{scenario.name}: Gazebo's world has no {what}; expected world:=true")
@@ -87,7 +89,7 @@ def _find_plugins(folder: str) -> None:
 
 
 def _write_world(settings: Settings, drive: DriveKind) -> Path:
-    export = export_world(settings.scenario, drive)
+    export = export_world(settings.setup, drive)
     for note in export.notes:
         logger.warning("%s", note)
     folder = Path(rospkg.get_ros_home())
@@ -99,10 +101,11 @@ def _write_world(settings: Settings, drive: DriveKind) -> Path:
 
 
 def _wait_for_controllers(settings: Settings) -> None:
-    """Wait until every controller has started: simulated time begins when Gazebo starts."""
+    """Wait until simulation and controllers have started: simulated time begins when Gazebo starts."""
     deadline_s = time.monotonic() + START_TIMEOUT_S
     wanted = {f"/{robot_name(robot_id)}/cmd_vel_stamped" for robot_id in settings.controlled}
-    while missing := wanted - set(published_topics()):
+    wanted.add("/mission/status")
+    while missing := wanted - {name for name, _ in rospy.get_published_topics()}:
         if time.monotonic() > deadline_s:
             logger.warning("starting without %s", ", ".join(sorted(missing)))
             return

@@ -1,4 +1,4 @@
-"""Starts rviz with a view that just fits the building of the run."""
+"""Starts rviz with a view that just fits the building of the run, and with the robots' scans."""
 
 import os
 import sys
@@ -6,22 +6,25 @@ from pathlib import Path
 from typing import Any
 
 import rospkg
+import rospy
 import yaml
 
+from robotteamsim import palette
 from robotteamsim.errors import RobotTeamSimError
-from robotteamsim.ros.scene.view import unit
-from robotteamsim.ros.transport.node import parameter
-from robotteamsim.ros.transport.settings import PARAMETERS
-from robotteamsim.scenario import Bounds, load
+from robotteamsim.ros.launched import read_scenario
+from robotteamsim.ros.scene.shapes import unit
+from robotteamsim.scenario import Scenario
+from robotteamsim.scenario.sections import Team
+
+MAX_SCANS = 20
+"""Largest number of robots whose scans are shown."""
 
 
 def main() -> None:
     """Replace this process by rviz, with the same arguments; the view is written to the folder of logs."""
-    packages = rospkg.RosPack()
-    config = Path(packages.get_path("robotteamsim"), "rviz", "robotteamsim.rviz")
+    config = Path(rospkg.RosPack().get_path("robotteamsim"), "rviz", "robotteamsim.rviz")
     try:
-        bounds = load(parameter(f"{PARAMETERS}/scenario", ""), parameter(f"{PARAMETERS}/set", "").split()).plan.bounds
-        settings, folder = fitted(config, bounds), Path(rospkg.get_log_dir())
+        settings, folder = fitted(config, read_scenario(rospy.get_param)), Path(rospkg.get_log_dir())
         folder.mkdir(parents=True, exist_ok=True)
         config = folder / f"robotteamsim-{os.getpid()}.rviz"
         config.write_text(yaml.safe_dump(settings), encoding="utf-8")
@@ -32,14 +35,30 @@ def main() -> None:
     os.execvp("rviz", ["rviz", "-d", str(config), *sys.argv[1:]])
 
 
-def fitted(config: Path, bounds: Bounds) -> dict[str, Any]:
-    """Return rviz's settings with views at distances at which the building just fits."""
+def fitted(config: Path, scenario: Scenario) -> dict[str, Any]:
+    """Return rviz's settings with views from where the building just fits, and the lasers and sonars of robots."""
     settings: dict[str, Any] = yaml.safe_load(config.read_text(encoding="utf-8"))
-    scale = unit(bounds)
-    views = settings["Visualization Manager"]["Views"]
+    scale = unit(scenario.plan.bounds)
+    manager = settings["Visualization Manager"]
+    views = manager["Views"]
     for view in (views["Current"], *views["Saved"]):
         for key, factor in (("Distance", scale), ("Scale", 1.0 / scale)):
             if key in view:
                 view[key] *= factor
     views["Current"]["Focal Point"]["Y"] *= scale
+    team = scenario.robots
+    robots = [team] * team.count if isinstance(team, Team) else team
+    for robot_id, robot in enumerate(robots[:MAX_SCANS]):
+        red, green, blue = (round(255.0 * part) for part in palette.rgb(palette.robot_colour(robot_id)))
+        tint: dict[str, Any] = {"Color": f"{red}; {green}; {blue}", "Enabled": True}
+        scan: dict[str, Any] = {"Class": "rviz/LaserScan", "Color Transformer": "FlatColor", "Style": "Points"}
+        scan |= tint | {"Size (Pixels)": 4, "Queue Size": 1, "Selectable": False}
+        sonar = tint | {"Class": "rviz/Range", "Alpha": 0.3, "Queue Size": 1}
+        lasers = ["base_scan", *(sensor.name for sensor in robot.sensors if sensor.kind == "laser")]
+        for kind, names in (
+            (scan, lasers),
+            (sonar, [sensor.name for sensor in robot.sensors if sensor.kind == "sonar"]),
+        ):
+            topics = [f"/robot_{robot_id}/{name}" for name in names]
+            manager["Displays"] += [kind | {"Name": topic, "Topic": topic} for topic in topics]
     return settings

@@ -1,78 +1,75 @@
-"""The node `scene`: converts the topics of a run, or of a bag, to markers for rviz."""
+"""The node `scene`: draws the public topics of a run, or of a bag, as markers for rviz."""
 
+import re
+import sys
 import time
-from collections.abc import Iterable, Sequence
+from collections import deque
+from collections.abc import Callable, Iterable
+from typing import Any, Generic, TypeVar
 
 import numpy as np
+import rospy
 import shapely
-from geometry_msgs.msg import Point, TransformStamped
-from nav_msgs.msg import OccupancyGrid
-from sensor_msgs.msg import PointCloud2
-from tf2_msgs.msg import TFMessage
+import tf2_ros
+from geometry_msgs.msg import TransformStamped
+from nav_msgs.msg import OccupancyGrid, Odometry
 from visualization_msgs.msg import Marker, MarkerArray
 
-from robotteamsim import _ros_transport as roscpp
 from robotteamsim import msg
-from robotteamsim.recording.hazard_messages import FIRE_GRID, SMOKE_GRID
-from robotteamsim.recording.ros_messages import robot_name
-from robotteamsim.ros.scene import fire as scene_fire
-from robotteamsim.ros.scene import laser as scene_laser
-from robotteamsim.ros.scene import mission as scene_mission
-from robotteamsim.ros.scene import objects as scene_objects
-from robotteamsim.ros.scene import plan as scene_plan
-from robotteamsim.ros.scene import sensors as scene_sensors
-from robotteamsim.ros.scene import team as scene_team
-from robotteamsim.ros.scene.feed import Feed, robot_topics
-from robotteamsim.ros.scene.legend import legend_markers
-from robotteamsim.ros.scene.lettering import Lettering, Written
-from robotteamsim.ros.scene.network import NetworkFeed
-from robotteamsim.ros.scene.poses import PoseFeed, TfPoses, TruePoses
-from robotteamsim.ros.scene.robot import RobotFeed
-from robotteamsim.ros.scene.shapes import FRAME, Shown
-from robotteamsim.ros.scene.view import unit
-from robotteamsim.ros.transport.node import is_running, parameter, published_topics, run, wait_for_shutdown
-from robotteamsim.ros.transport.presence import ROBOTS
-from robotteamsim.ros.transport.settings import read_settings
-from robotteamsim.ros.transport.tf_pose import TfPose
-from robotteamsim.ros.transport.topics import Output
-from robotteamsim.scenario import Bounds, Scenario, occupancy_grid
-from robotteamsim.scenario.plan import OCCUPIED, grid_shape
+from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.geometry import PoseReading
+from robotteamsim.recording.topics.world import FIRE, SMOKE
+from robotteamsim.ros.launched import read_scenario
+from robotteamsim.ros.scene.building import building_markers, door_markers, openings_at_start
+from robotteamsim.ros.scene.maps import fire_markers, smoke_markers, voice_markers
+from robotteamsim.ros.scene.mission import (
+    VictimPictures,
+    area_markers,
+    headline_marker,
+    headline_words,
+    legend_markers,
+)
+from robotteamsim.ros.scene.shapes import FRAME, WHITE, marker, unit
+from robotteamsim.ros.scene.team import Links, RobotPicture, link_markers, links_of, team_markers, trail_marker
+from robotteamsim.scenario import Bounds, Scenario
 from robotteamsim.scenario.sections import Robot
-from robotteamsim.view.frame import Gait, enclosed_of, fallen_of, gait_now, gait_of
-from robotteamsim.world.placement import placed_robots
+from robotteamsim.setup import resolve
 
 DRAW_PERIOD_S = 0.1
-TRAIL_PERIOD_S = 0.5
-DISCOVERY_PERIOD_S = 0.5
-IDLE_SHARE = 4.0
+IDLE_RATIO = 4.0
 """After each update the node waits for this multiple of its duration, up to a limit: more robots, fewer updates."""
 MAX_IDLE_S = 0.5
-RESEND_PERIOD_S = 5.0
+DISCOVERY_PERIOD_S = 0.5
+TRAIL_PERIOD_S = 0.5
+RESEND_PERIOD_S = 3.0
 """rviz deletes all markers when time jumps backwards, and with its Reset button."""
-RESEND_DELAY_S = 1.0
-"""Time for rviz to notice that time has jumped backwards [s, wall]."""
+REPORT_S = 10.0
+"""Delay before a mistake in the scenario is reported: the world reports it at once, which ends the launch."""
 TRAIL_POINTS = 6_000
 """Of all robots together."""
-WALL_HEIGHT_M = 1.1
+WALL_HEIGHT_M, LOW_WALLS_PER_UNIT_M = 1.1, 3.0
 """Where walls are cut by default; lower in small buildings, where so high walls would hide the floor."""
-LOW_WALLS_PER_UNIT_M = 3.0
-SENSORS = ("sonars", "gps")
-"""Layers of additional sensors."""
+TEXT_ABOVE_WALLS_M = 0.8
+"""Height of the middle of texts above walls, which would hide them, in a building of 60 x 40 m."""
+UNREADABLE = (ValueError, KeyError, ArithmeticError, shapely.errors.ShapelyError)
+T = TypeVar("T")
+TRUTH, ODOMETRY = "base_pose_ground_truth", "odom"
 
 
 def main() -> None:
     """Run the node. Its parameter ~wall_height_m is the height at which walls are cut, to look in from above."""
-    run("scene", _serve)
-
-
-def _serve() -> None:
-    scenario = read_settings().placed
-    scene = Scene(scenario, parameter("~wall_height_m", wall_height(scenario.plan.bounds)))
-    while is_running():
+    rospy.init_node("scene", disable_rostime=True)
+    try:
+        scenario = read_scenario(rospy.get_param)
+    except RobotTeamSimError as error:
+        rospy.rostime.wallsleep(REPORT_S)
+        sys.exit(f"scene: {error}")
+    scene = Scene(scenario, float(rospy.get_param("~wall_height_m", wall_height(scenario.plan.bounds))))
+    while not rospy.is_shutdown():
         started_s = time.monotonic()
         scene.step(started_s)
         drawing_s = time.monotonic() - started_s
-        wait_for_shutdown(max(DRAW_PERIOD_S - drawing_s, min(IDLE_SHARE * drawing_s, MAX_IDLE_S)))
+        rospy.rostime.wallsleep(max(DRAW_PERIOD_S - drawing_s, min(IDLE_RATIO * drawing_s, MAX_IDLE_S)))
 
 
 def wall_height(bounds: Bounds) -> float:
@@ -80,304 +77,202 @@ def wall_height(bounds: Bounds) -> float:
     return min(WALL_HEIGHT_M, LOW_WALLS_PER_UNIT_M * unit(bounds))
 
 
-class Canvas:
-    """One latched topic of markers, and its current contents."""
+class Newest(Generic[T]):
+    """What the newest message of a topic contains, if it was not drawn yet."""
 
-    def __init__(self, topic: str) -> None:
-        self._output = Output(topic, MarkerArray, latched=True)
-        self._shown = Shown()
-        self.markers: list[Marker] = []
-        """The contents of the topic."""
+    def __init__(self, topic: str, message_class: Any, read: Callable[[Any], T]) -> None:
+        """Subscribe. Args: read: returns what is drawn, or raises one of UNREADABLE."""
+        self._topic, self._read = topic, read
+        self._messages: deque[Any] = deque(maxlen=1)
+        rospy.Subscriber(topic, message_class, self._messages.append, queue_size=1, buff_size=2**24)
 
-    def draw(self, markers: Iterable[Marker]) -> None:
-        """Replace the contents of the topic."""
-        self.markers = list(markers)
-        self._output.publish(MarkerArray(self._shown.update(self.markers)))
-
-    @property
-    def watched(self) -> bool:
-        """Whether the topic has a subscriber now."""
-        return self._output.num_subscribers > 0
+    def take(self) -> T | None:
+        """Return it once; None if there is no new message, or one that does not fit to the scenario."""
+        try:
+            return self._read(self._messages.pop()) if self._messages else None
+        except UNREADABLE as error:
+            rospy.logwarn_throttle(60.0, f"{self._topic}: ignoring a message that cannot be drawn: {error!r}")
+            return None
 
 
-_LAYERS = (
-    "building",
-    "doors",
-    "fire",
-    "smoke",
-    "voice",
-    "areas",
-    "victims",
-    "trails",
-    "links",
-    "robots",
-    "headline",
-    *SENSORS,
-)
+class Layer:
+    """A latched topic of markers."""
+
+    def __init__(self, name: str, markers: Iterable[Marker] = ()) -> None:
+        self._publisher = rospy.Publisher(f"/scene/{name}", MarkerArray, queue_size=1, latch=True)
+        self._markers: list[Marker] = []
+        self.draw(markers, gone=[_deletion("", 0, Marker.DELETEALL)])  # those of an earlier run
+
+    def draw(self, markers: Iterable[Marker], gone: Iterable[Marker] = ()) -> None:
+        """Replace the contents of the topic. Args: gone: further deletions."""
+        found = list(markers)
+        left = {(item.ns, item.id): None for item in self._markers}  # in their order
+        for item in found:
+            left.pop((item.ns, item.id), None)
+        deletions = [*gone, *(_deletion(*key, Marker.DELETE) for key in left)]
+        self._publisher.publish(MarkerArray(deletions + found))
+        self._markers = found
+
+    def draw_again(self) -> None:
+        """Publish the contents again."""
+        self._publisher.publish(MarkerArray(self._markers))
+
+
+def _deletion(namespace: str, marker_id: int, action: int) -> Marker:
+    result = marker(namespace, marker_id, Marker.ARROW, WHITE)
+    result.action = action
+    return result
+
+
+class Team:
+    """The robots, their trails and links; each robot is drawn from its first pose on."""
+
+    def __init__(self, scenario: Scenario, text_z_m: float) -> None:
+        """Args: text_z_m: height of texts, above the walls."""
+        self._scenario, self._text_z_m, self._size = scenario, text_z_m, unit(scenario.plan.bounds)
+        self._models = resolve(scenario).robots
+        self._robots: dict[int, RobotPicture] = {}
+        self._statuses: dict[int, Newest[msg.ControllerStatus]] = {}
+        self._present = Newest("/world/robots", msg.Robots, lambda message: bytes(message.present))
+        self._absent: set[int] = set()
+        self._newest_links = Newest("/network/links", msg.NetworkLinks, links_of)
+        self._links = Links()
+        self.layers = {name: Layer(name) for name in ("trails", "links", "robots")}
+        self._transforms: tf2_ros.Buffer | None = None
+        if scenario.control.localisation == "tf":
+            self._transforms = tf2_ros.Buffer()
+            self._listener = tf2_ros.TransformListener(self._transforms)
+        self._changed = False
+        self._trails_due_s = 0.0
+
+    def discover(self) -> None:
+        """Subscribe to the topics of further robots; a single robot without a namespace is robot 0."""
+        names = TRUTH if self._transforms is None else f"{TRUTH}|{ODOMETRY}"
+        for topic, _ in rospy.get_published_topics():
+            found = re.fullmatch(rf"(/(?:robot_(\d+)/)?)({names})", topic)
+            if found and int(found[2] or 0) not in self._robots:
+                self._add(int(found[2] or 0), found[1])
+
+    def _add(self, robot_id: int, prefix: str) -> None:
+        scenario = self._scenario
+        model = self._models[robot_id] if robot_id < len(self._models) else Robot()
+        robot = RobotPicture(robot_id, model, scenario.role_of(robot_id), scenario.base == robot_id)
+        if self._transforms is None:
+            rospy.Subscriber(prefix + TRUTH, Odometry, self._move, callback_args=robot, buff_size=2**16)
+        self._statuses[robot_id] = Newest(f"{prefix}controller/status", msg.ControllerStatus, lambda message: message)
+        self._robots = dict(sorted([*self._robots.items(), (robot_id, robot)]))
+
+    def _move(self, message: Odometry, robot: RobotPicture) -> None:
+        place, turn = message.pose.pose.position, message.pose.pose.orientation
+        pose = PoseReading(place.x, place.y, turn.z, turn.w).pose
+        if np.isfinite((pose.x_m, pose.y_m, pose.yaw_rad)).all():
+            robot.move(message.header.stamp.to_sec(), pose)
+            self._changed = True
+
+    def _look_up(self, transforms: tf2_ros.Buffer) -> None:
+        for robot_id, robot in self._robots.items():
+            try:
+                found = transforms.lookup_transform(FRAME, f"robot_{robot_id}/base_link", rospy.Time(0))
+            except tf2_ros.TransformException:
+                continue
+            odometry = Odometry(header=found.header)
+            odometry.pose.pose.position = found.transform.translation
+            odometry.pose.pose.orientation = found.transform.rotation
+            self._move(odometry, robot)
+
+    def update(self, now_s: float) -> None:
+        """Draw new messages; trails twice per second [s, wall]."""
+        if self._transforms is not None:
+            self._look_up(self._transforms)
+        self._read()
+        if not self._changed:
+            return
+        self._changed = False
+        seen = [robot for robot in self._robots.values() if robot.pose and robot.robot_id not in self._absent]
+        self.layers["robots"].draw(team_markers(seen, self._size, self._text_z_m))
+        positions_m = {robot.robot_id: (robot.pose.x_m, robot.pose.y_m) for robot in seen if robot.pose}
+        self.layers["links"].draw(link_markers(self._links, positions_m, self._size))
+        if now_s < self._trails_due_s:
+            self._changed = True
+            return
+        self._trails_due_s = now_s + TRAIL_PERIOD_S
+        trails = {robot.robot_id: list(robot.trail_m) for robot in self._robots.values()}
+        points = max(100, TRAIL_POINTS // max(1, len(trails)))
+        self.layers["trails"].draw(
+            trail_marker(robot_id, trail[-points:], self._size) for robot_id, trail in trails.items() if len(trail) > 1
+        )
+
+    def _read(self) -> None:
+        """Note what robots, controllers and the network have published."""
+        present, links = self._present.take(), self._newest_links.take()
+        if present is not None:
+            absent = {robot_id for robot_id, is_present in enumerate(present) if not is_present}
+            for robot_id in self._absent - absent & self._robots.keys():
+                self._robots[robot_id].trail_m.clear()
+            self._changed |= absent != self._absent
+            self._absent = absent
+        if links is not None:
+            self._links, self._changed = links, True
+        several_swarms = self._scenario.control.several_swarms
+        for robot_id, newest in self._statuses.items():
+            status = newest.take()
+            if status is not None:
+                robot = self._robots[robot_id]
+                robot.excluded, robot.swarm = status.excluded, status.swarm if several_swarms else None
 
 
 class Scene:
     """Publishes markers when something has changed."""
 
     def __init__(self, scenario: Scenario, wall_height_m: float) -> None:
-        self._scenario = scenario
-        self._wall_height_m = wall_height_m
-        self._lettering = Lettering.of(scenario, wall_height_m)
-        self._placed = placed_robots(scenario)
-        self._gaits = {victim.name: gait_of(victim) for victim in scenario.mission.victims}
-        self._fallen: frozenset[str] = frozenset()
-        self._enclosed: frozenset[str] = frozenset()
-        self._canvas = {layer: Canvas(f"/scene/{layer}") for layer in _LAYERS}
-        self._laser = Output("/scene/laser", PointCloud2)
-        self._transforms = roscpp.TransformListener() if scenario.control.localisation == "tf" else None
-        self._robots: dict[int, RobotFeed] = {}
-        self._missing: set[int] = set()
-        self._status = Feed("/mission/status", msg.MissionStatus)
-        self._events = Feed("/mission/events", msg.MissionEvent, keep=1000)
-        self._doors = Feed("/world/doors", msg.Doors)
-        self._has_doors = False
-        self._areas = Feed("/mission/areas", msg.Areas)
-        self._victims = Feed("/mission/victims", msg.Victims)
-        self._people = Feed("/world/people", msg.People)
-        self._presence = Feed(ROBOTS, msg.Robots)
-        self._absent: frozenset[int] = frozenset()
-        self._network = NetworkFeed(scenario.num_robots)
-        self._voice = Feed("/voice_map/values", msg.FloatMap)
-        has_fire = scenario.fire is not None
-        self._fire = Feed(FIRE_GRID, OccupancyGrid) if has_fire else None
-        self._smoke = Feed(SMOKE_GRID, OccupancyGrid) if has_fire else None
-        self._links: list[scene_team.LinkView] = []
-        self._scans: dict[tuple[int, str], scene_laser.ScanView] = {}
-        self._mission: msg.MissionStatus | None = None
-        self._headline = ""
-        self._stamp_ns = 0
-        self._discovery_due_s = self._trails_due_s = self._resend_due_s = 0.0
-        self._trails_stale = False
-        self._numbers: dict[int, Written] = {}
-        self._shown_areas: Sequence[msg.Area] = ()
-        self._shown_victims: Sequence[msg.Victim] = ()
-        self._objects = Feed("/world/objects", MarkerArray) if scenario.objects else None
-        self._covered: shapely.Geometry = shapely.MultiPolygon()
-        self._frame = _publish_frame(scenario.plan.bounds)
-        self._draw_start()
+        plan, size = scenario.plan, unit(scenario.plan.bounds)
+        text_z_m = wall_height_m + TEXT_ABOVE_WALLS_M * size
+        victims = VictimPictures(scenario, text_z_m)
+        at_start, legend = openings_at_start(plan), list(legend_markers(scenario))
 
-    def _draw_start(self) -> None:
-        mission, plan = self._scenario.mission, self._scenario.plan
-        self._canvas["building"].draw(scene_plan.building_markers(plan, self._wall_height_m))
-        self._draw_doors(scene_plan.openings_at_start(plan))
-        areas = [msg.Area(name=a.name, center=Point(*a.center, 0.0), radius_m=a.radius_m) for a in mission.areas]
-        self._draw_areas(areas)
-        waiting = [msg.Victim(victim.name, Point(*victim.position, 0.0), "waiting") for victim in mission.victims]
-        self._draw_victims(waiting)
-        for layer in ("fire", "smoke", "voice", "trails", "links", "robots", *SENSORS):
-            self._canvas[layer].draw([])
-        self._canvas["headline"].draw(legend_markers(self._scenario))
+        def draw_doors(doors: msg.Doors) -> list[Marker]:
+            openings = at_start | {door.name: door.opening for door in doors.doors}
+            return door_markers(plan, openings, wall_height_m)
 
-    def _draw_areas(self, areas: Sequence[msg.Area]) -> None:
-        self._shown_areas = areas
-        self._area_numbers = scene_mission.area_numbers(areas, self._lettering, self._covered)
-        self._canvas["areas"].draw(scene_mission.area_markers(areas, self._lettering, self._area_numbers))
+        def draw_headline(status: msg.MissionStatus) -> list[Marker]:
+            return [headline_marker(headline_words(status), scenario), *legend]
 
-    def _draw_victims(self, victims: Sequence[msg.Victim]) -> None:
-        self._shown_victims = victims
-        distance_m = self._scenario.mission.save_distance_m
-        gaits = self._gaits_now()
-        names = scene_mission.victim_names(victims, distance_m, self._lettering, self._area_numbers, gaits)
-        self._names = names
-        markers = scene_mission.victim_markers(victims, distance_m, self._lettering, names, gaits)
-        self._canvas["victims"].draw(markers)
-
-    def _gaits_now(self) -> dict[str, Gait]:
-        return {name: gait_now(name, gait, self._fallen, self._enclosed) for name, gait in self._gaits.items()}
-
-    def _draw_doors(self, openings: dict[str, float]) -> None:
-        self._openings = openings
-        self._canvas["doors"].draw(scene_plan.door_markers(self._scenario.plan, openings, self._wall_height_m))
+        self._pictures = (
+            (Newest("/world/doors", msg.Doors, draw_doors), Layer("doors", draw_doors(msg.Doors()))),
+            (Newest("/mission/areas", msg.Areas, lambda found: list(area_markers(found.areas, size))), Layer("areas")),
+            (
+                Newest("/mission/victims", msg.Victims, lambda found: list(victims.markers(found.victims))),
+                Layer("victims"),
+            ),
+            (Newest("/mission/status", msg.MissionStatus, draw_headline), Layer("headline", legend)),
+            (Newest("/voice_map/values", msg.FloatMap, voice_markers), Layer("voice")),
+            (Newest(FIRE.name, OccupancyGrid, fire_markers), Layer("fire")),
+            (Newest(SMOKE.name, OccupancyGrid, smoke_markers), Layer("smoke")),
+        )
+        self._team = Team(scenario, text_z_m)
+        building = Layer("building", building_markers(plan, wall_height_m))
+        self._layers = [building, *(layer for _, layer in self._pictures), *self._team.layers.values()]
+        self._discovery_due_s = 0.0
+        self._resend_due_s = RESEND_PERIOD_S + time.monotonic()
+        _publish_frame(plan.bounds)
 
     def step(self, now_s: float) -> None:
-        """Process new messages and draw them; now_s is wall time, as in rviz."""
+        """Draw new messages; now_s is wall time, as in rviz."""
         if now_s >= self._discovery_due_s:
             self._discovery_due_s = now_s + DISCOVERY_PERIOD_S
-            self._discover()
-            self._follow_objects()
+            self._team.discover()
+        for newest, layer in self._pictures:
+            markers = newest.take()
+            if markers is not None:
+                layer.draw(markers)
+        self._team.update(now_s)
         if now_s >= self._resend_due_s:
             self._resend_due_s = now_s + RESEND_PERIOD_S
-            for canvas in self._canvas.values():
-                canvas.draw(canvas.markers)
-        self._draw_mission()
-        self._draw_voice()
-        self._draw_hazards()
-        self._draw_team(now_s)
-        self._draw_headline()
-        self._draw_laser()
-
-    def _note_time(self, now_s: float) -> None:
-        """Restart when the world does: doors are as in the plan again."""
-        stamp_ns = max((robot.stamp_ns for robot in self._robots.values()), default=0)
-        if stamp_ns < self._stamp_ns:
-            self._resend_due_s = now_s + RESEND_DELAY_S
-            self._draw_doors(scene_plan.openings_at_start(self._scenario.plan))
-            self._fallen = frozenset()
-        self._stamp_ns = stamp_ns
-
-    def _discover(self) -> None:
-        """Follow the published robots; the last ones stay on display when a run or a bag has ended."""
-        published = published_topics()
-        with_truth = robot_topics(published)
-        found = with_truth if self._transforms is None else robot_topics(published, "odom") | with_truth
-        if not found:
-            return
-        gone = self._robots.keys() - found.keys()
-        for robot_id in gone & self._missing:  # twice in a row: an ending run unregisters its topics one by one
-            self._robots.pop(robot_id).close()
-            self._scans = {key: scan for key, scan in self._scans.items() if key[0] != robot_id}
-        self._missing = gone
-        for robot_id in found.keys() - self._robots.keys():
-            robot = self._placed[robot_id] if robot_id < len(self._placed) else Robot()
-            poses = self._pose_feed(robot_id, found[robot_id], robot_id in with_truth)
-            several_swarms, base = self._scenario.control.swarms.max > 1, self._scenario.base == robot_id
-            role = self._scenario.role_of(robot_id)
-            self._robots[robot_id] = RobotFeed(robot_id, found[robot_id], robot, poses, several_swarms, base, role)
-        self._robots = dict(sorted(self._robots.items()))
-
-    def _pose_feed(self, robot_id: int, prefix: str, has_truth: bool) -> PoseFeed:
-        if has_truth or self._transforms is None:
-            return TruePoses(prefix)
-        tf = TfPose(self._transforms, robot_name(robot_id), self._scenario.control.tf_timeout_s)
-        return TfPoses(prefix, self._transforms, tf)
-
-    def _draw_mission(self) -> None:
-        areas, victims, people = self._areas.newest(), self._victims.newest(), self._people.newest()
-        if areas is not None:
-            self._draw_areas(areas.areas)
-        events = self._events.take()
-        enclosed = self._enclosed if people is None else enclosed_of(people.people)
-        seen = () if victims is None else victims.victims
-        # Events are not latched: a scene that starts late knows earlier collapses by the states.
-        fallen = self._fallen | fallen_of(events) | {victim.name for victim in seen if victim.state == "collapsed"}
-        if victims is not None or (enclosed, fallen) != (self._enclosed, self._fallen):
-            self._enclosed, self._fallen = enclosed, fallen
-            self._draw_victims(self._shown_victims if victims is None else victims.victims)
-        changes = dict(filter(None, map(scene_plan.door_change, events)))
-        doors = self._doors.newest()
-        if doors is not None:
-            self._has_doors, changes = True, {door.name: door.opening for door in doors.doors}
-        elif self._has_doors:  # another kind of world may only have events
-            changes = {}
-        openings = self._openings | {name: changes[name] for name in self._openings if name in changes}
-        if openings != self._openings:
-            self._draw_doors(openings)
-
-    def _follow_objects(self) -> None:
-        """Move the numbers of areas away from objects."""
-        message = self._objects.newest() if self._objects else None
-        if message is not None:
-            self._covered = scene_objects.covered(message.markers, self._lettering.eye_m)
-            self._draw_areas(self._shown_areas)
-            self._draw_victims(self._shown_victims)
-
-    def _texts(self) -> list[shapely.Geometry]:
-        """Return what the numbers of robots avoid, besides walls and robots."""
-        return [self._covered, *(text.box for text in (*self._names, *self._area_numbers))]
-
-    def _draw_headline(self) -> None:
-        self._mission = status = self._status.newest() or self._mission
-        if status is None:
-            return
-        words = scene_mission.headline_words(status, self._network.num_endangered)
-        if words != self._headline:
-            self._headline = words
-            bounds = self._scenario.plan.bounds
-            headline = scene_mission.headline_marker(words, bounds, self._lettering)
-            self._canvas["headline"].draw([headline, *legend_markers(self._scenario)])
-
-    def _draw_voice(self) -> None:
-        voice = self._voice.newest()
-        if voice is not None:
-            levels_db = np.asarray(voice.data).reshape(voice.height, voice.width)
-            origin_m = (voice.origin.x, voice.origin.y)
-            plan = self._scenario.plan
-            same = plan.bounds.min == origin_m and grid_shape(plan, voice.resolution_m) == levels_db.shape
-            solid = occupancy_grid(plan, voice.resolution_m).cells == OCCUPIED if same else None
-            self._canvas["voice"].draw(scene_mission.voice_markers(origin_m, voice.resolution_m, levels_db, solid))
-
-    def _draw_hazards(self) -> None:
-        for layer, feed, markers_of in (
-            ("fire", self._fire, scene_fire.fire_markers),
-            ("smoke", self._smoke, scene_fire.smoke_markers),
-        ):
-            grid = feed.newest() if feed else None
-            if grid is not None:
-                place = grid.info.origin.position
-                cells = np.array(grid.data, dtype=np.int8).reshape(grid.info.height, grid.info.width)
-                self._canvas[layer].draw(markers_of((place.x, place.y), grid.info.resolution, cells))
-
-    def _draw_team(self, now_s: float) -> None:
-        num_seen = sum(robot.view() is not None for robot in self._robots.values())
-        trail_points = max(100, TRAIL_POINTS // max(1, num_seen))
-        changed = [robot.look(trail_points) for robot in self._robots.values()]
-        changed.append(self._follow_presence())
-        has_news = self._network.look()
-        if any(changed) or has_news:
-            self._note_time(now_s)
-            views = [view for view in (robot.view() for robot in self._seen().values()) if view is not None]
-            positions_m = {view.robot_id: (view.pose.x_m, view.pose.y_m) for view in views}
-            if has_news:
-                self._links = self._network.links(positions_m)
-            self._numbers = scene_team.team_numbers(views, self._lettering, self._texts(), self._numbers)
-            self._canvas["robots"].draw(scene_team.team_markers(views, self._lettering, self._numbers))
-            self._canvas["links"].draw(scene_team.link_markers(self._links, positions_m, self._lettering))
-            self._draw_sensors()
-            self._trails_stale = True
-        if self._trails_stale and now_s >= self._trails_due_s:
-            self._trails_stale, self._trails_due_s = False, now_s + TRAIL_PERIOD_S
-            trails = {robot_id: robot.trail.points_m for robot_id, robot in self._robots.items()}
-            self._canvas["trails"].draw(
-                scene_team.trail_marker(robot_id, points, self._lettering.unit)
-                for robot_id, points in trails.items()
-                if len(points) > 1
-            )
-
-    def _follow_presence(self) -> bool:
-        """Return whether robots have left or arrived; the trails of robots that left stay."""
-        message = self._presence.newest()
-        absent = self._absent if message is None else frozenset(i for i, here in enumerate(message.present) if not here)
-        if absent == self._absent:
-            return False
-        for robot_id in self._absent - absent:
-            if robot_id in self._robots:
-                self._robots[robot_id].trail = scene_team.Trail()
-        self._absent = absent
-        self._scans = {key: scan for key, scan in self._scans.items() if key[0] not in absent}
-        return True
-
-    def _seen(self) -> dict[int, RobotFeed]:
-        """Return the robots that are present."""
-        return {robot_id: robot for robot_id, robot in self._robots.items() if robot_id not in self._absent}
-
-    def _draw_sensors(self) -> None:
-        watched = self._canvas["sonars"].watched
-        sonars = {robot_id: robot.sonars(watched) for robot_id, robot in self._seen().items()}
-        fixes = {robot_id: robot.fixes() for robot_id, robot in self._seen().items()}
-        for layer, markers in (
-            ("sonars", scene_sensors.sonar_markers(sonars)),
-            ("gps", scene_sensors.fix_markers(fixes)),
-        ):
-            if markers or self._canvas[layer].markers:
-                self._canvas[layer].draw(markers)
-
-    def _draw_laser(self) -> None:
-        fresh = {
-            (robot_id, name): scan
-            for robot_id, robot in self._seen().items()
-            for name, scan in robot.scans(self._laser.wanted).items()
-        }
-        if fresh:
-            self._scans |= fresh
-            self._laser.publish(scene_laser.cloud([self._scans[key] for key in sorted(self._scans)]))
+            for layer in self._layers:
+                layer.draw_again()
 
 
-def _publish_frame(bounds: Bounds) -> Output:
+def _publish_frame(bounds: Bounds) -> None:
     """Publish the frame `building` at the centre of the plan, at which rviz's camera looks.
 
     This also defines `map`, which the world may not publish; rviz warns if its fixed frame does not exist.
@@ -387,6 +282,4 @@ def _publish_frame(bounds: Bounds) -> Output:
     transform.transform.translation.x = (bounds.min[0] + bounds.max[0]) / 2.0
     transform.transform.translation.y = (bounds.min[1] + bounds.max[1]) / 2.0
     transform.transform.rotation.w = 1.0
-    output = Output("/tf_static", TFMessage, latched=True)
-    output.publish(TFMessage([transform]))
-    return output
+    tf2_ros.StaticTransformBroadcaster().sendTransform(transform)

@@ -9,14 +9,8 @@ import time
 import tty
 from collections.abc import Iterator
 
-from geometry_msgs.msg import Twist as TwistMessage
-
-from robotteamsim.geometry import Twist
-from robotteamsim.recording import ros_messages
-from robotteamsim.ros.nodes.commands import STOP
-from robotteamsim.ros.transport.msg_conversion import RosTypes
-from robotteamsim.ros.transport.node import ParameterError, is_running, parameter, run
-from robotteamsim.ros.transport.topics import Output
+import rospy
+from geometry_msgs.msg import Twist
 
 PERIOD_S = 0.1
 FIRST_HOLD_S = 0.6
@@ -42,14 +36,7 @@ _DIRECTIONS = {
     ",": (-1.0, 0.0),
     ".": (-1.0, 1.0),
 }
-_SCALES = {
-    "q": (1.1, 1.1),
-    "z": (0.9, 0.9),
-    "w": (1.1, 1.0),
-    "x": (0.9, 1.0),
-    "e": (1.0, 1.1),
-    "c": (1.0, 0.9),
-}
+_SCALES = {"q": (1.1, 1.1), "z": (0.9, 0.9), "w": (1.1, 1.0), "x": (0.9, 1.0), "e": (1.0, 1.1), "c": (1.0, 0.9)}
 
 
 class Keys:
@@ -73,34 +60,30 @@ class Keys:
         self._held = key
         self._until_s = max(self._until_s if repeated else 0.0, now_s + (REPEAT_HOLD_S if repeated else FIRST_HOLD_S))
 
-    def twist(self, now_s: float) -> Twist:
-        """Return the command at a time [s]; zero if no key is held."""
+    def speeds(self, now_s: float) -> tuple[float, float]:
+        """Return the commanded driving and turning speeds at a time [s]; zero if no key is held."""
         forward, left = _DIRECTIONS.get(self._held, (0.0, 0.0)) if now_s <= self._until_s else (0.0, 0.0)
-        return Twist(forward * self.speed_mps, 0.0, left * self.turn_radps)
+        return forward * self.speed_mps, left * self.turn_radps
 
 
 def main() -> None:
-    """Run the node."""
-    run("teleop", serve)
-
-
-def serve() -> None:
     """Publish ten commands per second while a key is held, and a stop when it is released."""
+    rospy.init_node("teleop", disable_rostime=True)
     if not sys.stdin.isatty():
-        raise ParameterError("teleop: there is no terminal to read keys from")
-    keys = Keys(parameter("~speed_mps", 0.5), parameter("~turn_radps", 1.0))
-    make = RosTypes()
-    output = Output("cmd_vel", TwistMessage)
+        sys.exit("teleop: there is no terminal to read keys from")
+    keys = Keys(float(rospy.get_param("~speed_mps", 0.5)), float(rospy.get_param("~turn_radps", 1.0)))
+    output = rospy.Publisher("cmd_vel", Twist, queue_size=1)
     print(HELP, flush=True)
-    moving = False
+    is_moving = False
     with unbuffered(sys.stdin.fileno()) as terminal:
-        while is_running():
+        while not rospy.is_shutdown():
             for key in read_keys(terminal, PERIOD_S):
                 keys.press(key, time.monotonic())
-            command = keys.twist(time.monotonic())
-            if moving or command != STOP:
-                output.publish(ros_messages.twist(make, command))
-            moving = command != STOP
+            command = Twist()
+            command.linear.x, command.angular.z = speeds = keys.speeds(time.monotonic())
+            if is_moving or any(speeds):
+                output.publish(command)
+            is_moving = any(speeds)
 
 
 @contextlib.contextmanager
@@ -121,5 +104,5 @@ def read_keys(terminal: int, duration_s: float) -> Iterator[str]:
         if select.select([terminal], [], [], left_s)[0]:
             characters = os.read(terminal, 64)
             if not characters:
-                raise ParameterError("teleop: the terminal was closed")
+                sys.exit("teleop: the terminal was closed")
             yield from characters.decode(errors="ignore")

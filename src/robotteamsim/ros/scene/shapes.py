@@ -1,4 +1,4 @@
-"""Building blocks of the 3D scene: colours, markers, triangle meshes, and deletion of markers."""
+"""Building blocks of the 3D scene: colours, markers and triangle meshes."""
 
 import itertools
 import math
@@ -6,25 +6,37 @@ from collections.abc import Iterable, Sequence
 
 import shapely
 from geometry_msgs.msg import Point
+from shapely.geometry.polygon import orient
 from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
 from robotteamsim import palette
+from robotteamsim.scenario import Bounds
 
 FRAME = "map"
 
-# Flat transparent layers on the floor, from top to bottom; see `drawn_below`.
-TRAIL_LAYER = 1
-DISC_LAYER = 2
-CONTOUR_LAYER = 3
-VOICE_LAYER = 4
-SHADOW_LAYER = 5
+FITTED_M = 60.0, 40.0
+"""Width and depth of the building for which the sizes of the scene and rviz/robotteamsim.rviz were made."""
+
+PITCH_RAD = 1.12
+"""Of the camera of the default view, which looks north and down."""
+
+SHADOW_PER_HEIGHT = (0.55, -0.45)
+"""Offset of the shadow of a point 1 m above the floor [m, m]: the sun is in the north-west."""
 
 Colour = tuple[float, float, float, float]
 """Red, green, blue and opacity, each 0..1."""
 
 Position = tuple[float, float, float]
 """x, y, z in the map frame, or in the frame of the marker's own pose [m]."""
+
+_SUN_AZIMUTH_RAD = math.atan2(-SHADOW_PER_HEIGHT[1], -SHADOW_PER_HEIGHT[0])
+
+
+def unit(bounds: Bounds) -> float:
+    """Return the size of a building relative to FITTED_M; sizes in proportion to it are equal on the screen."""
+    sides_m = (high - low for low, high in zip(bounds.min, bounds.max, strict=True))
+    return max(side_m / fitted_m for side_m, fitted_m in zip(sides_m, FITTED_M, strict=True))
 
 
 def colour(code: str, alpha: float = 1.0) -> Colour:
@@ -46,18 +58,10 @@ def shaded(base: Colour, factor: float) -> Colour:
     return (red, green, blue, base[3])
 
 
-def mixed(low: Colour, high: Colour, share: float) -> Colour:
-    """Return the colour at a fraction `share` (0..1) from `low` to `high`."""
-    red, green, blue, alpha = (a + share * (b - a) for a, b in zip(low, high, strict=True))
+def mixed(low: Colour, high: Colour, fraction: float) -> Colour:
+    """Return the colour at a fraction (0..1) from `low` to `high`."""
+    red, green, blue, alpha = (a + fraction * (b - a) for a, b in zip(low, high, strict=True))
     return (red, green, blue, alpha)
-
-
-def gradient(stops: Sequence[tuple[float, Colour]], value: float) -> Colour:
-    """Return the colour of a value on a scale of ascending (value, colour) stops, clamped at both ends."""
-    for (low, low_colour), (high, high_colour) in itertools.pairwise(stops):
-        if value < high:
-            return mixed(low_colour, high_colour, max(0.0, (value - low) / (high - low)))
-    return stops[-1][1]
 
 
 def marker(
@@ -84,21 +88,20 @@ def marker(
 
 
 def label(namespace: str, marker_id: int, words: str, tint: Colour, position: Position, height_m: float) -> Marker:
-    """Return a text that always faces the viewer, in a light tone of `tint` that is readable on a dark ground.
+    """Return a text that faces the viewer, in a light tone of `tint`.
 
-    `height_m` is the height of a capital letter.
+    Args: position: x and y of the place on the floor at which the default view sees it, and its height above the floor.
+          height_m: of a capital letter.
     """
-    light = faded(mixed(tint, WHITE, 0.5), 1.0)
-    result = marker(namespace, marker_id, Marker.TEXT_VIEW_FACING, light, position=position, scale=(0.0, 0.0, height_m))
+    light, (x, y, z) = faded(mixed(tint, WHITE, 0.5), 1.0), position
+    at, scale = (x, y - z / math.tan(PITCH_RAD), z), (0.0, 0.0, height_m)
+    result = marker(namespace, marker_id, Marker.TEXT_VIEW_FACING, light, position=at, scale=scale)
     result.text = words
     return result
 
 
 def lines(
-    namespace: str,
-    marker_id: int,
-    segments: Iterable[tuple[Position, Position, Colour]],
-    width_m: float,
+    namespace: str, marker_id: int, segments: Iterable[tuple[Position, Position, Colour]], width_m: float
 ) -> Marker:
     """Return one marker of many straight lines, each with its own colour."""
     result = marker(namespace, marker_id, Marker.LINE_LIST, WHITE, scale=(width_m, 0.0, 0.0))
@@ -118,15 +121,15 @@ def drawn_below(item: Marker, layer: int) -> Marker:
     """
     depth_m = 100.0 + 5.0 * layer
     item.pose.position.z -= depth_m
-    for point in {id(point): point for point in item.points}.values():  # triangles may share their corners
+    for point in item.points:
         point.z += depth_m
     return item
 
 
-def circle_points(radius_m: float, sides: int, closed: bool = False) -> list[tuple[float, float]]:
-    """Return the corners of a regular polygon around the origin, counter-clockwise, the first again if closed [m]."""
-    angles = (math.tau * i / sides for i in range(sides + closed))
-    return [(radius_m * math.cos(angle), radius_m * math.sin(angle)) for angle in angles]
+def circle_points(radius_m: float, sides: int = 48) -> list[tuple[float, float]]:
+    """Return the corners of a regular polygon around the origin, counter-clockwise, the first one again at the end."""
+    angles_rad = (math.tau * i / sides for i in range(sides + 1))
+    return [(radius_m * math.cos(angle), radius_m * math.sin(angle)) for angle in angles_rad]
 
 
 class Mesh:
@@ -139,9 +142,6 @@ class Mesh:
         self._points: list[Point] = []
         self._colours: list[ColorRGBA] = []
 
-    def __len__(self) -> int:
-        return len(self._points) // 3
-
     def triangle(self, corners: Sequence[Position], tints: Sequence[Colour]) -> None:
         """Add one triangle with a colour per corner."""
         self._points += [Point(*corner) for corner in corners]
@@ -152,39 +152,35 @@ class Mesh:
         for i, j, k in ((0, 1, 2), (0, 2, 3)):
             self.triangle((corners[i], corners[j], corners[k]), (tints[i], tints[j], tints[k]))
 
-    def sheet(self, corners: Sequence[Position], tints: Sequence[Colour], quads: Iterable[Sequence[int]]) -> None:
-        """Add many quadrilaterals that share corners, each given by the indices of its four in order around it."""
-        points = [Point(*corner) for corner in corners]
-        colours = [ColorRGBA(*tint) for tint in tints]
-        for a, b, c, d in quads:
-            for index in (a, b, c, a, c, d):
-                self._points.append(points[index])
-                self._colours.append(colours[index])
-
     def polygon(self, shape: shapely.Geometry, z_m: float, tint: Colour) -> None:
         """Add a flat polygon, with holes or of several parts, at a height."""
         for part in shapely.constrained_delaunay_triangles(shape).geoms:
             self.triangle([(x, y, z_m) for x, y in part.exterior.coords[:3]], [tint] * 3)
 
-    def prism(self, corners: Sequence[tuple[float, float]], low_m: float, high_m: float, tint: Colour) -> None:
-        """Add the top and the darker sides of a vertical prism over a convex polygon, counter-clockwise."""
-        top = [(x, y, high_m) for x, y in corners]
-        for second, third in itertools.pairwise(top[1:]):
-            self.triangle((top[0], second, third), [tint] * 3)
-        dark = shaded(tint, 0.6)
-        for (x0, y0), (x1, y1) in itertools.pairwise([*corners, corners[0]]):
-            self.quad([(x0, y0, low_m), (x1, y1, low_m), (x1, y1, high_m), (x0, y0, high_m)], [dark] * 4)
+    def prism(self, shape: shapely.Geometry, low_m: float, high_m: float, tint: Colour) -> None:
+        """Add the top and the sides of an upright prism over polygons: bright towards the sun, darker below."""
+        self.polygon(shape, high_m, tint)
+        for part in shapely.get_parts(shape):
+            outline = orient(part)  # its inside is to the left of every loop
+            for loop in (outline.exterior, *outline.interiors):
+                for (x0, y0), (x1, y1) in itertools.pairwise(loop.coords):
+                    facing_rad = math.atan2(y1 - y0, x1 - x0) - math.pi / 2.0
+                    light = 0.62 + 0.2 * math.cos(facing_rad - _SUN_AZIMUTH_RAD)
+                    high, low = shaded(tint, light), shaded(tint, 0.62 * light)
+                    corners = [(x0, y0, low_m), (x1, y1, low_m), (x1, y1, high_m), (x0, y0, high_m)]
+                    self.quad(corners, [low, low, high, high])
 
     def ring(
         self, center_m: tuple[float, float], inner_m: float, outer_m: float, z_m: float, tint: Colour, dashes: int = 0
     ) -> None:
         """Add a flat ring, or a disc if the inner radius is 0. Args: dashes: number of dashes; 0: no gaps."""
         x_m, y_m = center_m
-        inside, outside = (circle_points(radius_m, 48, closed=True) for radius_m in (inner_m, outer_m))
-        for i, j in itertools.pairwise(range(len(inside))):
-            if dashes and i * 2 * dashes // (len(inside) - 1) % 2:
+        inside, outside = circle_points(inner_m), circle_points(outer_m)
+        sides = len(inside) - 1
+        for i in range(sides):
+            if dashes and i * 2 * dashes // sides % 2:
                 continue
-            flat = (inside[i], outside[i], outside[j], inside[j])
+            flat = (inside[i], outside[i], outside[i + 1], inside[i + 1])
             self.quad([(x_m + x, y_m + y, z_m) for x, y in flat], [tint] * 4)
 
     def marker(self, namespace: str, marker_id: int) -> Marker:
@@ -192,28 +188,3 @@ class Mesh:
         result = marker(namespace, marker_id, Marker.TRIANGLE_LIST, WHITE)
         result.points, result.colors = self._points, self._colours
         return result
-
-
-class Shown:
-    """Keeps track of the markers on a display, to delete those that are no longer drawn."""
-
-    def __init__(self) -> None:
-        self._keys: dict[tuple[str, int], None] | None = None
-
-    def update(self, markers: Iterable[Marker]) -> list[Marker]:
-        """Return the markers, preceded by deletions; the first time, of all markers of an earlier run."""
-        wanted = list(markers)
-        keys = dict.fromkeys((item.ns, item.id) for item in wanted)
-        if self._keys is None:
-            gone = [_deletion("", 0, Marker.DELETEALL)]
-        else:
-            gone = [_deletion(*key, Marker.DELETE) for key in self._keys if key not in keys]
-        self._keys = keys
-        return gone + wanted
-
-
-def _deletion(namespace: str, marker_id: int, action: int) -> Marker:
-    result = Marker(ns=namespace, id=marker_id, action=action)
-    result.header.frame_id = FRAME
-    result.pose.orientation.w = 1.0
-    return result

@@ -79,7 +79,7 @@ export class Building {
 }
 
 /** Pose of a door's hinge, and opacity of its leaf: the open leaf of an instant door does not exist, and is transparent. */
-export function leafAt({ hinge_m: [x, y], shift_m: [dx, dy], angle_rad, is_instant }, opening) {
+function leafAt({ hinge_m: [x, y], shift_m: [dx, dy], angle_rad, is_instant }, opening) {
   const angle = opening * (is_instant ? Math.PI / 2 : angle_rad);
   return { pose: [x + dx * opening, y + dy * opening, angle], opacity: is_instant && opening > 0 ? 0.45 : 1 };
 }

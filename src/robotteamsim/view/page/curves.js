@@ -3,10 +3,10 @@
 import { lastIndex } from "viewer/recording";
 
 const CURVES = [
-  { key: "areas", name: "areas explored", step: true },
-  { key: "saved", name: "victims saved", step: true },
-  { key: "links", name: "links", step: true },
-  { key: "fiedler", name: "Fiedler value", step: true },
+  { key: "areas", name: "areas explored" },
+  { key: "saved", name: "victims saved" },
+  { key: "links", name: "links" },
+  { key: "fiedler", name: "Fiedler value" },
 ];
 const TOP = 20, LEFT = 36, RIGHT = 6, BOTTOM = 6;
 
@@ -49,7 +49,7 @@ export class Curves {
     });
   }
 
-  _draw(canvas, { key, step }, series) {
+  _draw(canvas, { key }, series) {
     const ratio = window.devicePixelRatio, width = canvas.clientWidth, height = canvas.clientHeight;
     if (!width) return;
     canvas.width = width * ratio;
@@ -70,7 +70,7 @@ export class Curves {
       pen.setLineDash(index ? [4, 3] : []);
       pen.beginPath();
       times.forEach((t, i) => {
-        if (i && step) pen.lineTo(x(t), y(values[i - 1]));
+        if (i) pen.lineTo(x(t), y(values[i - 1]));
         if (i) pen.lineTo(x(t), y(values[i])); else pen.moveTo(x(t), y(values[i]));
       });
       if (times.length) pen.lineTo(x(this.end), y(values.at(-1)));

@@ -4,13 +4,13 @@ import {
   BufferAttribute, BufferGeometry, Color, ConeGeometry, DoubleSide, Group, InstancedMesh, Mesh, MeshBasicMaterial, Object3D,
 } from "three";
 
-export const HOT = 1, BURNT = 2, BURNING = 3; // values of the layer `fire`, see hazard_layers.py
-export const OPACITY = { [HOT]: 0.4, [BURNT]: 0.95, [BURNING]: 0.95 };
+const HOT = 1, BURNT = 2, BURNING = 3; // values of the layer `fire`, see hazard_layers.py
+const OPACITY = { [HOT]: 0.4, [BURNT]: 0.95, [BURNING]: 0.95 };
 const GROUND_Z = 0.025, FLAME_M = 1.2;
 const SHEETS = [[0.04, 0.55], [1.25, 0.5]]; // height [m] and opacity of smoke without any visibility
 
 /** Numbers of cells in maps of fire and smoke, which may be null. */
-export function countCells(fire, smoke) {
+function countCells(fire, smoke) {
   const count = { [HOT]: 0, [BURNT]: 0, [BURNING]: 0 };
   fire?.values.forEach((value) => { if (value) count[value] += 1; });
   const smoky = smoke?.values.reduce((sum, value) => sum + (value > 0), 0) ?? 0;

@@ -1,6 +1,6 @@
 // What has happened to a victim: each state with the time since when.
 
-import { make } from "viewer/panel";
+import { make, table } from "viewer/panel";
 import { shownState } from "viewer/people";
 
 function* lists(mission) {
@@ -27,11 +27,5 @@ export function showVictim(section, view, start) {
   const rows = history(view.mission, victim.name, view.frame.time).map(([state, time]) => [state, `${(time - start).toFixed(1)} s`]);
   const [x, y] = victim.position_m;
   rows.push(["position", `${x.toFixed(2)}, ${y.toFixed(2)} m`]);
-  const table = make("table");
-  for (const [name, value] of rows) {
-    const row = make("tr");
-    row.append(make("td", name), make("td", value));
-    table.append(row);
-  }
-  section.replaceChildren(make("h2", victim.name), table);
+  section.replaceChildren(make("h2", victim.name), table(rows));
 }

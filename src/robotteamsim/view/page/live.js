@@ -1,6 +1,6 @@
 // A live mission: frames arrive from the server as they are computed; commands go back.
 
-import { isSaved, lastIndex } from "viewer/recording";
+import { decodeMap, isSaved, lastIndex } from "viewer/recording";
 
 export class LiveMission {
   isLive = true;
@@ -54,7 +54,7 @@ export class LiveMission {
       if (this.frames.at(-1)?.time_s === frame.time_s) this.frames.pop(); // changed while paused
       this.frames.push(frame);
     }
-    for (const name of Object.keys(update.layers)) this.layers[name] = update.layers[name];
+    for (const name of Object.keys(update.layers)) this.layers[name] = decodeMap(update.layers[name]);
     this.onupdate?.();
   }
 

@@ -3,33 +3,36 @@
 import { LiveControls } from "viewer/controls";
 import { LiveMission } from "viewer/live";
 import { make } from "viewer/panel";
-import { PlanView } from "viewer/plan_view";
 import { Player } from "viewer/player";
 import { decodeMissions } from "viewer/recording";
 import { webgl } from "viewer/surface";
 import { View } from "viewer/view";
 
+const NO_WEBGL = "This page needs WebGL 2, which this browser does not offer: turn on hardware acceleration, or use another browser.";
 const element = (id) => document.getElementById(id);
 
 export async function start() {
   try {
     document.documentElement.dataset.theme = "dark";
     if (window.innerWidth < 500) document.body.classList.add("narrow");
-    const data = element("missions");
-    const kind = webgl();
-    element("note").hidden = kind !== null;
-    document.body.classList.toggle("plan", kind === null);
-    const player = data ? await startRecorded(data, kind) : await startLive(kind);
+    const data = element("missions"), kind = webgl();
+    if (!kind) return fail(NO_WEBGL);
+    const isSlow = kind === "software";
+    const player = data ? await startRecorded(data, isSlow) : await startLive(isSlow);
     await player.begin();
     document.body.dataset.ready = "true";
   } catch (error) {
-    element("failure").hidden = false;
-    element("failure").textContent = `This page cannot be shown: ${error.message}`;
+    fail(`This page cannot be shown: ${error.message}`);
     console.error(error);
   }
 }
 
-function addView(kind, mission, player, name, floor = () => false, door = () => false) {
+function fail(text) {
+  element("failure").hidden = false;
+  element("failure").textContent = text;
+}
+
+function addView(isSlow, mission, player, name, floor = () => false, door = () => false) {
   const container = make("div", "", { className: "view" });
   element("views").append(container);
   const callbacks = {
@@ -38,13 +41,12 @@ function addView(kind, mission, player, name, floor = () => false, door = () => 
     onDoor: door,
     onFloor: floor,
   };
-  const view = kind === null
-    ? new PlanView(container, mission, callbacks) : new View(container, mission, callbacks, kind === "software");
+  const view = new View(container, mission, callbacks, isSlow);
   if (name) container.append(make("div", name, { className: "name" }));
   return view;
 }
 
-async function startRecorded(data, kind) {
+async function startRecorded(data, isSlow) {
   const missions = await decodeMissions(data.textContent);
   const compare = data.dataset.mode === "compare";
   element("title").textContent = compare ? "Comparison" : missions[0].title;
@@ -52,7 +54,7 @@ async function startRecorded(data, kind) {
   const shown = compare ? missions : missions.slice(0, 1);
   document.body.classList.toggle("side-by-side", compare);
   const views = shown.map((mission, index) =>
-    addView(kind, mission, () => player, compare ? `${"AB"[index] ?? index}: ${mission.title}` : ""));
+    addView(isSlow, mission, () => player, compare ? `${"AB"[index] ?? index}: ${mission.title}` : ""));
   player = new Player(views);
   if (!compare && missions.length > 1) chooseAmong(missions, player);
   applyOptions(player, new URLSearchParams(location.hash.slice(1)));
@@ -85,11 +87,11 @@ function chooseAmong(missions, player) {
   });
 }
 
-async function startLive(kind) {
+async function startLive(isSlow) {
   const mission = await LiveMission.connect();
   let player = null, controls = null;
   element("title").textContent = mission.title;
-  const view = addView(kind, mission, () => player, "", (x, y) => controls.floor(x, y), (name) => controls.door(name));
+  const view = addView(isSlow, mission, () => player, "", (x, y) => controls.floor(x, y), (name) => controls.door(name));
   player = new Player([view]);
   player.following = true;
   player.follow(mission.status);
@@ -107,9 +109,6 @@ async function startLive(kind) {
     player.following = true;
     view.rebuild();
   };
-  mission.onclose = () => {
-    element("failure").hidden = false;
-    element("failure").textContent = "The simulation has ended, or its program was closed.";
-  };
+  mission.onclose = () => fail("The simulation has ended, or its program was closed.");
   return player;
 }

@@ -15,6 +15,17 @@ export function make(tag, text = "", attributes = {}) {
   return made;
 }
 
+/** A table of rows [name, value]. */
+export function table(rows) {
+  const made = make("table");
+  for (const [name, value] of rows) {
+    const row = make("tr");
+    row.append(make("td", name), make("td", value));
+    made.append(row);
+  }
+  return made;
+}
+
 const PART = 40; // events of a list that the browser lays out only when it is visible
 
 function setPast(item, isPast) {
@@ -102,12 +113,6 @@ export class Panel {
       ["swarm", swarm === undefined ? "–" : swarm < 0 ? "excluded" : String(swarm)],
       ["links", links.join(", ") || "none"],
     ];
-    const table = make("table");
-    for (const [name, value] of rows) {
-      const row = make("tr");
-      row.append(make("td", name), make("td", value));
-      table.append(row);
-    }
-    section.replaceChildren(make("h2", mission.scene.robots[selected].name), table);
+    section.replaceChildren(make("h2", mission.scene.robots[selected].name), table(rows));
   }
 }

@@ -154,7 +154,6 @@ export class Player {
 
   /** Whether there are data of a layer; a live mission computes all but fire and smoke. */
   _has(name) {
-    if (this.views.some((view) => view.lacks?.includes(name))) return false;
     if (name === "fire" || name === "smoke") return this.missions.some((mission) => mission.scene.has_fire);
     if (this.isLive) return true;
     if (name === "laser") return this.missions.some((mission) => mission.scans.length > 0);

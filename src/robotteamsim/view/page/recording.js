@@ -36,6 +36,12 @@ export function lastIndex(entries, wanted, key = (entry) => entry) {
 
 const valueAt = (changes, index) => changes.length ? changes[lastIndex(changes, index, (change) => change[0])][1] : undefined;
 
+/** Give a map its values, of which only the differences were written. */
+export function decodeMap(map) {
+  map.values = cumulated(map.values, 1);
+  return map;
+}
+
 export class Recording {
   isLive = false;
 
@@ -52,9 +58,7 @@ export class Recording {
     this.changes = document.changes;
     this.scans = document.scans;
     this.layers = { voice: document.voice, radio: document.radio };
-    for (const maps of Object.values(this.layers)) {
-      for (const map of maps) map.values = cumulated(map.values, 1);
-    }
+    for (const maps of Object.values(this.layers)) maps.forEach(decodeMap);
     for (const [name, packed] of Object.entries(document.films)) this.layers[name] = packed && new Film(packed);
   }
 

@@ -7,7 +7,7 @@ import {
 import { prism } from "viewer/building";
 import { Lines } from "viewer/lines";
 
-export const TRAIL_S = 40, MOST_TRAILS = 60;
+const TRAIL_S = 40, MOST_TRAILS = 60;
 const TRAIL_STEP_M = 0.15; // nearer points of a trail are left out
 const LINK_Z = 0.6, TRAIL_Z = 0.05;
 const LEAST_SIZE = 0.0085; // of a robot's radius, as a share of its distance from the camera: far robots are enlarged

@@ -11,7 +11,8 @@ from robotteamsim.palette import BARREL, BOX, robot_colour
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import Corners
 from robotteamsim.scenario.sections import PlacedRobot
-from robotteamsim.world.mujoco.cameras import add_camera, camera_name
+from robotteamsim.scenario.sensors import MountedLaser
+from robotteamsim.world.mujoco.cameras import add_camera, camera_name, cameras_of
 from robotteamsim.world.mujoco.looks import add_dome
 from robotteamsim.world.mujoco.shapes import (
     BODIES,
@@ -69,11 +70,12 @@ def add_robot(
         **keys,
     )
     # A laser on top of a robot must see other robots, which have lasers on top, too.
-    top_m = max(laser.height_m for laser in (robot.laser, *robot.lasers)) + _ABOVE_LASER_M
+    lasers = [sensor for sensor in robot.sensors if isinstance(sensor, MountedLaser)]
+    top_m = max(laser.height_m for laser in (robot.laser, *lasers)) + _ABOVE_LASER_M
     if top_m > robot.height_m:
         _add_outline(spec, body, f"{name}/head", robot, (robot.height_m, top_m), contype=0, conaffinity=0, **keys)
     add_dome(body, name, robot, max(top_m, robot.height_m))
-    for camera in robot.cameras:
+    for camera in cameras_of(robot):
         add_camera(body, camera_name(name, camera), camera)
     _set_mass(body, robot, chassis)
     add_wheels(spec, body, name, robot)

@@ -11,14 +11,19 @@ import numpy as np
 
 from robotteamsim.errors import CameraError
 from robotteamsim.scenario.mujoco import Light
-from robotteamsim.scenario.sensors import Camera, LightSensor
-from robotteamsim.world.contract import Fan
+from robotteamsim.scenario.sections import Robot
+from robotteamsim.scenario.sensors import Camera
 from robotteamsim.world.mujoco.lamps import Lamps
 from robotteamsim.world.mujoco.rays import Bodies, Rays
 from robotteamsim.world.mujoco.shapes import about_z
 
 _AHEAD = [0.5, 0.5, -0.5, -0.5]
 """The quaternion of a camera that looks along the x axis, with z up."""
+
+
+def cameras_of(robot: Robot) -> list[Camera]:
+    """Return the cameras of a robot."""
+    return [sensor for sensor in robot.sensors if isinstance(sensor, Camera)]
 
 
 def camera_name(robot_name: str, camera: Camera) -> str:
@@ -36,27 +41,19 @@ def add_camera(body: Any, name: str, camera: Camera) -> None:
 
 
 class Scene:
-    """What sensors measure: rays, illuminance, and images of cameras."""
+    """Rays of sensors, lamps, and images of cameras."""
 
     def __init__(self, bodies: Bodies, lights: Sequence[Light]) -> None:
         self._bodies = bodies
-        self._rays = Rays(bodies)
-        self.lamps = Lamps(lights, self._rays)
+        self.rays = Rays(bodies)
+        self.lamps = Lamps(lights, self.rays)
         self._model: mujoco.MjModel | None = None
         self._renderers: dict[tuple[int, int], mujoco.Renderer] = {}
         self._shown = mujoco.MjvOption()
         self._shown.geomgroup[:] = 1  # objects and wheels, too
 
-    def ranges_m(self, robot_id: int, fan: Fan) -> np.ndarray:
-        """See `contract.Scene`."""
-        return self._rays.ranges_m(robot_id, fan)
-
-    def illuminance_lx(self, robot_id: int, sensor: LightSensor) -> float:
-        """See `contract.Scene`."""
-        return self.lamps.illuminance_lx(robot_id, sensor)
-
     def image(self, robot_id: int, camera: Camera) -> np.ndarray:
-        """See `contract.Scene`."""
+        """See `AnyWorld.image`."""
         body = self._bodies.body_id(robot_id)
         if body is None:
             shape = (camera.height_px, camera.width_px)
@@ -87,7 +84,7 @@ class Scene:
             # The bindings of OpenGL raise errors of many types where a library or a device is missing.
             except Exception as error:
                 raise CameraError(
-                    f"robots.cameras: no image can be drawn ({type(error).__name__}); install EGL, on Debian "
+                    f"robots.sensors: no image can be drawn ({type(error).__name__}); install EGL, on Debian "
                     "`apt-get install libegl1 libgl1-mesa-dri`, and set MUJOCO_GL=egl if mujoco is imported first"
                 ) from error
         return self._renderers[size]

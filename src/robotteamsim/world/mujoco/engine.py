@@ -100,17 +100,12 @@ class Engine:
         rows[self._present] = self._bodies.poses()[: self._num_present]
         return rows
 
-    def twists(self) -> np.ndarray:
-        """Return the mean velocities in the last step, in base_link."""
-        return self._twists.copy()
-
-    def motions(self) -> np.ndarray:
-        """Return the motions of the last step."""
-        return self._motions.copy()
-
-    def in_contact(self) -> np.ndarray:
-        """Return whether each robot touched something in the last step."""
-        return np.isin(np.arange(len(self._robots)), list(self._touches))
+    def team(self) -> _core.world.TeamMotion:
+        """Return the last step of the robots."""
+        in_contact = np.isin(np.arange(len(self._robots)), list(self._touches))
+        return _core.world.TeamMotion(
+            poses=self.poses(), twists=self._twists, motions=self._motions, in_contact=in_contact
+        )
 
     def contact_angles(self) -> dict[int, tuple[float, ...]]:
         """Return the directions of the last contacts in the last step."""

@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.world.mujoco.building import leaf_name
 from robotteamsim.world.mujoco.leaves import Leaves
 from robotteamsim.world.mujoco.model import make_spec
 from robotteamsim.world.mujoco.shapes import about_z
-from robotteamsim.world.placement import check_places, placed_robots
 
 
-def mjcf(scenario: Scenario) -> str:
-    """Return the model of a scenario at its start, as the world of MuJoCo compiles it, in MJCF.
-
-    Raises: PlacementError: a robot or object has no room.
-    """
-    check_places(scenario)
-    robots = {
-        robot_id: (robot, Pose(*robot.start_pose))
-        for robot_id, robot in enumerate(placed_robots(scenario))
-        if robot.present
-    }
+def mjcf(scenario: Scenario, team: Sequence[PlacedRobot]) -> str:
+    """Return the model of a scenario and its team at the start, as the world of MuJoCo compiles it, in MJCF."""
+    robots = {robot_id: (robot, Pose(*robot.start_pose)) for robot_id, robot in enumerate(team) if robot.present}
     objects = [(obj, Pose(*obj.pose)) for obj in scenario.objects]
     spec, leaves = make_spec(scenario.plan, robots, objects, scenario.run), Leaves(scenario.plan)
     for index, door in enumerate(scenario.plan.doors):

@@ -14,6 +14,7 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.world.mujoco.bodies import add_object, add_robot
 from robotteamsim.world.mujoco.building import add_building
+from robotteamsim.world.mujoco.cameras import cameras_of
 from robotteamsim.world.mujoco.lamps import add_lamps
 from robotteamsim.world.mujoco.looks import set_looks
 from robotteamsim.world.mujoco.ramps import add_ramps, ground_m
@@ -38,7 +39,7 @@ def make_spec(
     spec = mujoco.MjSpec()
     spec.modelname = plan.name
     _set_options(spec, run.mujoco, run.step_s / run.physics_substeps / steps_per_substep(run))
-    set_looks(spec, plan, [camera for robot, _ in robots.values() for camera in robot.cameras], run.mujoco.lights)
+    set_looks(spec, plan, [camera for robot, _ in robots.values() for camera in cameras_of(robot)], run.mujoco.lights)
     add_lamps(spec, run.mujoco.lights)
     add_building(spec, plan, run.mujoco.body_friction)
     ramps = run.mujoco.ramps

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import mujoco
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.body import Body
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.sensors import Camera
 from robotteamsim.world.mujoco.bodies import robot_name
 from robotteamsim.world.mujoco.building import leaf_name
@@ -19,7 +20,6 @@ from robotteamsim.world.mujoco.looks import add_shadows
 from robotteamsim.world.mujoco.model import make_spec
 from robotteamsim.world.mujoco.ramps import ground_m
 from robotteamsim.world.mujoco.team_state import FreeBodies
-from robotteamsim.world.placement import placed_robots
 
 _OUT_OF_SIGHT_M = -100.0
 
@@ -27,11 +27,11 @@ _OUT_OF_SIGHT_M = -100.0
 class Puppets:
     """The bodies of a scenario; doors, objects and lamps are as at the start."""
 
-    def __init__(self, scenario: Scenario, viewer: int, camera: Camera) -> None:
-        """Args: viewer: id of the robot that gets the camera. Raises: PlacementError: a robot has no room."""
+    def __init__(self, scenario: Scenario, team: Sequence[PlacedRobot], viewer: int, camera: Camera) -> None:
+        """Args: viewer: id of the robot that gets the camera."""
         self._viewer, self._camera, self._ramps = viewer, camera, scenario.run.mujoco.ramps
-        self._robots = list(placed_robots(scenario))
-        self._robots[viewer] = self._robots[viewer].model_copy(update={"cameras": (camera,)})
+        self._robots = list(team)
+        self._robots[viewer] = self._robots[viewer].model_copy(update={"sensors": (camera,)})
         placed = {robot_id: (robot, Pose(*robot.start_pose)) for robot_id, robot in enumerate(self._robots)}
         spec = make_spec(scenario.plan, placed, [(obj, Pose(*obj.pose)) for obj in scenario.objects], scenario.run)
         leaves = Leaves(scenario.plan)

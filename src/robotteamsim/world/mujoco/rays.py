@@ -9,7 +9,7 @@ import mujoco
 import numpy as np
 
 from robotteamsim.scenario.sensors import LightSensor
-from robotteamsim.world.contract import Fan
+from robotteamsim.scenario.sensors.base import Fan
 from robotteamsim.world.mujoco.shapes import BUILDING_GROUP, FLOOR_GROUP, OBJECT_GROUP, ROBOT_GROUP
 
 _SEEN = np.zeros(mujoco.mjNGROUP, dtype=np.uint8)
@@ -31,14 +31,17 @@ class Rays:
 
     def __init__(self, bodies: Bodies) -> None:
         self._bodies = bodies
+        self._directions: dict[Fan, np.ndarray] = {}
 
     def ranges_m(self, robot_id: int, fan: Fan) -> np.ndarray:
-        """See `contract.Scene`."""
+        """Return how far each beam of a robot reaches, float64, shape (beams,) [m]; see `AnyWorld.cast`."""
         body = self._bodies.body_id(robot_id)
         if body is None:
-            return np.full(len(fan.angles_rad), np.inf)
+            return np.full(fan.beams, np.inf)
+        if fan not in self._directions:
+            self._directions[fan] = _directions(fan)
         turn, origin = self._placed(body, (fan.forward_m, fan.left_m, fan.height_m))
-        return self.cast_m(robot_id, origin, fan.directions @ turn.T, fan.range_max_m)
+        return self.cast_m(robot_id, origin, self._directions[fan] @ turn.T, fan.range_max_m)
 
     def axis(self, robot_id: int, sensor: LightSensor) -> tuple[np.ndarray, np.ndarray] | None:
         """Return place and direction of a robot's sensor in `map`, each of shape (3,); None for an absent robot."""
@@ -50,7 +53,7 @@ class Rays:
         return origin, turn @ (level * math.cos(sensor.yaw_rad), level * math.sin(sensor.yaw_rad), up)
 
     def cast_m(self, robot_id: int, origin: np.ndarray, directions: np.ndarray, range_max_m: float) -> np.ndarray:
-        """Return how far rays in `map` reach that the body of a present robot does not stop, as in `contract.Scene`.
+        """Return how far rays in `map` reach that the body of a present robot does not stop; inf without a return.
 
         Args: origin: shape (3,) [m].  directions: unit vectors, shape (rays, 3).
         """
@@ -77,3 +80,9 @@ class Rays:
         """Return the rotation of a body, shape (3, 3), and the place of what is mounted on it, in `map`."""
         turn = self._bodies.data.xmat[body].reshape(3, 3)
         return turn, self._bodies.data.xpos[body] + turn @ mount
+
+
+def _directions(fan: Fan) -> np.ndarray:
+    """Return the beams as unit vectors in base_link, float64, shape (beams, 3)."""
+    angles_rad = np.linspace(fan.angle_min_rad, fan.angle_max_rad, fan.beams)
+    return np.column_stack((np.cos(angles_rad), np.sin(angles_rad), np.zeros(fan.beams)))

@@ -10,6 +10,8 @@ from msgspec.structs import astuple
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.sections import Run
+from robotteamsim.scenario.sensors import Camera, LightSensor
+from robotteamsim.scenario.sensors.base import Fan
 from robotteamsim.world.base_world import BaseWorld
 from robotteamsim.world.contract import Mishap
 from robotteamsim.world.mujoco.cameras import Scene
@@ -29,10 +31,9 @@ class MujocoWorld(BaseWorld):
     engine: Engine
     """Model and state of MuJoCo."""
 
-    @property
-    def scene(self) -> Scene:
-        """What sensors measure."""
-        return self._scene
+    def cast(self, fan: Fan, robot_ids: Sequence[int]) -> np.ndarray:
+        """See `AnyWorld.cast`."""
+        return np.stack([self._scene.rays.ranges_m(robot_id, fan) for robot_id in robot_ids])
 
     def _make_physics(self, run: Run) -> Engine:
         self.engine = Engine(self.plan, self._robots, run, self._objects)
@@ -91,6 +92,14 @@ class MujocoWorld(BaseWorld):
         super().remove_object(name)
         self._note_loads()
 
+    def illuminance_lx(self, robot_id: int, sensor: LightSensor) -> float:
+        """See `AnyWorld.illuminance_lx`."""
+        return self._scene.lamps.illuminance_lx(robot_id, sensor)
+
+    def image(self, robot_id: int, camera: Camera) -> np.ndarray:
+        """See `AnyWorld.image`."""
+        return self._scene.image(robot_id, camera)
+
     def reset_positions(self) -> None:
         """See `AnyWorld.reset_positions`."""
         super().reset_positions()
@@ -113,6 +122,7 @@ class MujocoWorld(BaseWorld):
         loads = self.engine.loads
         if loads != self.loads:
             self.loads = loads
+            self.team_version += 1
 
     def _note_mishaps(self) -> None:
         tipped = self.engine.lean_rad() > self._tipped_rad  # not for NaN
@@ -124,6 +134,7 @@ class MujocoWorld(BaseWorld):
         mishaps = dict(sorted((left | mishaps).items()))
         if mishaps != self.mishaps:
             self.mishaps = mishaps
+            self.team_version += 1
 
     def _has_left(self) -> np.ndarray:
         """Return whether each robot is completely beyond the bounds of the plan."""

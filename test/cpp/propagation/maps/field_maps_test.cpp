@@ -113,10 +113,12 @@ TEST(FieldMap, CountsWallsExactlyWithTwentyThousandFaces) {
   const FaceSet faces = scenes::Walls(&generator, 5000, 50, 600);
   ASSERT_EQ(faces.Size(), 20'000u);
   const plan::GridShape grid{{0.0, 0.0}, 2.0, 20, 30};
-  const WeightMap weights(faces, {31'003, 17'011}, grid);
+  const PointMm source{31'003, 17'011};
+  const CellCentersMm cells(grid);
+  const std::vector<std::int32_t> weights = WeightsFrom(faces, source, grid);
   for (int row = 0; row < grid.rows; ++row) {
     for (int col = 0; col < grid.cols; ++col) {
-      ASSERT_EQ(weights.At(row, col), reference::Weight(faces, weights.Source(), weights.Cells(), row, col));
+      ASSERT_EQ(weights[row * grid.cols + col], reference::Weight(faces, source, cells, row, col));
     }
   }
 }
@@ -132,43 +134,12 @@ TEST(FieldMap, RefusesWhatDoesNotFit) {
   EXPECT_THROW(WriteHighest(nothing, {{{0, 0}, kRadio}}, kGrid, map, {-1}), std::invalid_argument);
 }
 
-TEST(WeightMap, FollowsDoorsExactlyAndComesBackToTheBit) {
-  std::mt19937 generator(7);
-  for (int plan = 0; plan < 30; ++plan) {
-    FaceSet faces = scenes::Walls(&generator, plan % 3 == 0 ? 600 : 20, 50);
-    const PointMm source{scenes::Draw(&generator, 0, 60'000), scenes::Draw(&generator, 0, 40'000)};
-    const plan::GridShape grid{{0.0, 0.0}, 1.0, 40, 60};
-    WeightMap map(faces, source, grid);
-    MapValues before(grid.rows, grid.cols);
-    map.WriteValues(kRadio, before);
-    std::vector<std::size_t> toggled;
-    for (int i = 0; i < 6; ++i) toggled.push_back(scenes::Draw(&generator, 0, faces.Size() - 1));
-    for (const std::size_t face : toggled) faces.SetActive(face, false);
-    map.Update(faces);
-    const WeightMap anew(faces, source, grid);
-    for (int row = 0; row < grid.rows; ++row) {
-      for (int col = 0; col < grid.cols; ++col) ASSERT_EQ(map.At(row, col), anew.At(row, col));
-    }
-    for (const std::size_t face : toggled) faces.SetActive(face, true);
-    map.Update(faces);
-    MapValues after(grid.rows, grid.cols);
-    map.WriteValues(kRadio, after);
-    ASSERT_TRUE(SameBits(after, before)) << plan;
-    ASSERT_TRUE(SameBits(after, Highest(faces, {{source, kRadio}}, grid))) << plan;
-  }
-}
-
-TEST(WeightMap, RefusesOtherFaces) {
-  WeightMap map(FaceSet({{0, 0, 1, 0}}, {1}), {5, 5}, kGrid);
-  EXPECT_THROW(map.Update(FaceSet({}, {})), std::invalid_argument);
-}
-
-TEST(RowKernels, AreRefusedWhereTheMachineDoesNotHaveThem) {
+TEST(FadeRows, AreRefusedWhereTheMachineDoesNotHaveThem) {
   for (const base::Simd simd : {base::Simd::kPortable, base::Simd::kAvx2, base::Simd::kAvx512}) {
     if (base::IsSupported(simd)) {
-      EXPECT_NO_THROW(RowKernelsFor<std::int16_t>(simd));
+      EXPECT_NO_THROW(FadeRowsFor<std::int16_t>(simd));
     } else {
-      EXPECT_THROW(RowKernelsFor<std::int16_t>(simd), std::invalid_argument);
+      EXPECT_THROW(FadeRowsFor<std::int16_t>(simd), std::invalid_argument);
     }
   }
   EXPECT_TRUE(base::IsSupported(base::BestSimd()));

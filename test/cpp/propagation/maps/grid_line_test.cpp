@@ -10,8 +10,8 @@
 namespace robotteamsim::propagation {
 namespace {
 
-CellCentersMm Cells(double resolution, int rows, int cols) {
-  return CellCentersMm({{-2.0, -1.0}, resolution, rows, cols});
+CellCentersMm Cells(double resolution_m, int rows, int cols) {
+  return CellCentersMm({{-2.0, -1.0}, resolution_m, rows, cols});
 }
 
 TEST(GridLine, PassesCentresBelowItAndStopsAtThoseOnItIfTheyCount) {

@@ -107,25 +107,5 @@ TEST(WallShadows, RefuseWeightsWhoseSumsCouldOverflow) {
   EXPECT_THROW(WallShadows(faces, {5, 5}, CellCentersMm({{0.0, 0.0}, 1.0, 4, 4})), std::invalid_argument);
 }
 
-TEST(ShadowOf, HoldsTheCellsWhoseRayCrossesTheFace) {
-  std::mt19937 generator(7);
-  for (int i = 0; i < 4000; ++i) {
-    const FaceSet faces = scenes::Lattice(&generator, 2, 12, 1);
-    const PointMm source{scenes::Draw(&generator, -2, 13), scenes::Draw(&generator, -2, 13)};
-    const CellCentersMm cells({{-0.003, -0.003}, i % 3 == 0 ? 0.0017 : 0.001, 17, 18});
-    for (std::size_t face = 0; face < faces.Size(); ++face) {
-      const Face one = faces.At(face);
-      const FaceSet alone({{one.start.x, one.start.y, one.end.x, one.end.y}}, {1});
-      const std::vector<IndexRange> runs = ShadowOf(one, source, cells);
-      for (int row = 0; row < 17; ++row) {
-        for (int col = 0; col < 18; ++col) {
-          const bool is_in_run = runs[row].first <= col && col < runs[row].last;
-          ASSERT_EQ(is_in_run, reference::Weight(alone, source, cells, row, col) == 1) << i << " " << row << " " << col;
-        }
-      }
-    }
-  }
-}
-
 }  // namespace
 }  // namespace robotteamsim::propagation

@@ -33,6 +33,6 @@ def test_solver_that_is_never_worse_has_a_profile_that_is_never_lower():
 
 
 @pytest.mark.parametrize("times", [{}, {"a": np.array([])}, {"a": np.array([0.0])}, {"a": np.ones(2), "b": np.ones(3)}])
-def test_times_that_are_no_comparison_are_refused(times):
+def test_times_that_are_no_comparison_are_rejected(times):
     with pytest.raises(ValueError, match="times must be"):
         profiles(times)

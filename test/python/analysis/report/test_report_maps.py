@@ -16,12 +16,12 @@ def test_heat_adds_up_to_the_time_of_all_robots(garage):
     assert field.value_at(10.0, 20.0) == 0.0
 
 
-def test_heat_leaves_no_gap_on_a_straight_way(garage):
+def test_heat_has_no_gap_on_a_straight_path(garage):
     field = heat(read_campaign(garage(10.0, trials=1), "here").cells[0])
     assert all(field.value_at(x_m, 7.0) > 0.0 for x_m in np.arange(4.5, 33.0, field.resolution_m))
 
 
-def test_nearest_other_robot_of_three_by_hand():
+def test_nearest_other_robot_of_three_equals_the_hand_calculation():
     paths_m = np.array([[[0.0, 0.0], [3.0, 4.0], [3.0, 5.0]]])
     assert nearest_other_m(paths_m).tolist() == [[5.0, 1.0, 1.0]]
 

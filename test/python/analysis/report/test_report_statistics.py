@@ -10,18 +10,13 @@ from robotteamsim import rng
 from robotteamsim.analysis.report.statistics import (
     bootstrap_mean,
     clopper_pearson,
-    equivalence,
     fisher_freeman_halton,
-    mean_ratio,
-    median_ratio,
-    sd_ratio,
     survival,
 )
-from robotteamsim.campaign.reference import dissertation_missions
 
-MISSIONS = dissertation_missions()
-TIMES_S = {noise_db: np.array([m.time_s for m in missions]) for noise_db, missions in MISSIONS.items()}
-VICTIMS = {noise_db: np.array([m.victims_saved for m in missions]) for noise_db, missions in MISSIONS.items()}
+TIMES_S = np.array([*range(381, 481, 5), 600.0, 600.0])
+VICTIMS = {10: np.full(30, 4), 20: np.repeat([2, 3, 4], [6, 9, 15]), 30: np.repeat([2, 3, 4], [28, 1, 1])}
+"""Numbers of victims saved in 30 missions at each of three noises."""
 
 
 def generator():
@@ -31,7 +26,7 @@ def generator():
 @pytest.mark.parametrize(
     ("successes", "low", "high"), [(30, 0.884, 1.0), (15, 0.313, 0.687), (24, 0.614, 0.923), (2, 0.008, 0.221)]
 )
-def test_shares_of_the_dissertation_have_their_known_intervals(successes, low, high):
+def test_shares_of_30_have_their_known_intervals(successes, low, high):
     share = clopper_pearson(successes, 30)
     assert (round(share.low, 3), round(share.high, 3)) == (low, high)
 
@@ -44,7 +39,7 @@ def test_share_without_success_has_the_rule_of_its_closed_form():
     assert 0.12 not in share
 
 
-def test_share_of_nothing_is_refused():
+def test_share_of_nothing_is_rejected():
     with pytest.raises(ValueError, match="count must be at least 1"):
         clopper_pearson(0, 0)
 
@@ -62,38 +57,6 @@ def test_equal_values_have_an_interval_of_no_width(values):
     assert (found.value, found.low, found.high) == (3.0, 3.0, 3.0)
 
 
-def ratio(ours, theirs):
-    return equivalence((ours, theirs), mean_ratio, (0.9, 1.1), generator())
-
-
-def test_two_one_sided_tests_agree_with_their_interval():
-    equal = ratio(TIMES_S[10.0], TIMES_S[10.0])
-    assert equal.interval.value == 1.0
-    assert equal.p < 0.05
-    assert 0.9 < equal.interval.low < 1.0 < equal.interval.high < 1.1
-    other = ratio(TIMES_S[30.0], TIMES_S[10.0])
-    assert other.interval.high < 0.9
-    assert other.p > 0.99
-    assert other.outside
-    near = ratio(TIMES_S[10.0] * 0.92, TIMES_S[10.0])
-    assert near.interval.low < 0.9 < near.interval.value
-    assert 0.05 < near.p < 0.5
-    assert not near.outside
-
-
-def test_single_mission_shows_no_equivalence():
-    for theirs in (TIMES_S[10.0], np.array([400.0])):
-        single = ratio(np.array([400.0]), theirs)
-        assert single.p == 1.0
-        assert not single.outside
-
-
-def test_ratios_of_medians_and_standard_deviations_are_those_of_the_samples():
-    stretched = 100.0 + 2.0 * TIMES_S[30.0]
-    assert float(median_ratio(stretched, TIMES_S[30.0], axis=-1)) == pytest.approx((100.0 + 2.0 * 339.5) / 339.5)
-    assert float(sd_ratio(stretched, TIMES_S[30.0], axis=-1)) == pytest.approx(2.0)
-
-
 def test_random_tables_give_the_exact_p_of_all_tables():
     first, second = np.array([2] * 6 + [3] * 2), np.array([2] * 1 + [3] * 3 + [4] * 3)
 
@@ -106,9 +69,9 @@ def test_random_tables_give_the_exact_p_of_all_tables():
     assert fisher_freeman_halton([first, second], generator()) == pytest.approx(exact, abs=0.005)
 
 
-def test_counts_of_the_dissertation_differ_between_levels_and_not_from_themselves():
-    assert fisher_freeman_halton([VICTIMS[10.0], VICTIMS[20.0], VICTIMS[30.0]], generator()) < 1e-4
-    assert fisher_freeman_halton([VICTIMS[20.0], VICTIMS[20.0]], generator()) == 1.0
+def test_counts_of_victims_differ_between_levels_and_not_from_themselves():
+    assert fisher_freeman_halton([VICTIMS[10], VICTIMS[20], VICTIMS[30]], generator()) < 1e-4
+    assert fisher_freeman_halton([VICTIMS[20], VICTIMS[20]], generator()) == 1.0
     assert fisher_freeman_halton([np.array([4, 4]), np.array([4])], generator()) is None
 
 
@@ -116,6 +79,7 @@ def test_single_missions_of_three_settings_tell_nothing():
     assert fisher_freeman_halton([np.array([0]), np.array([1]), np.array([0])], generator()) == 1.0
 
 
+@pytest.mark.slow
 def test_tables_too_large_for_their_probability_to_be_a_number_are_tested_too():
     draws = generator().integers(0, 5, (100, 60))
     assert 0.01 < fisher_freeman_halton(list(draws), generator()) < 0.99
@@ -123,7 +87,7 @@ def test_tables_too_large_for_their_probability_to_be_a_number_are_tested_too():
     assert fisher_freeman_halton(list(draws), generator()) < 0.001
 
 
-def test_survival_curve_of_four_missions_by_hand():
+def test_survival_curve_of_four_missions_equals_the_hand_calculation():
     curve = survival(np.array([1.0, 2.0, 3.0, 4.0]), np.array([True, True, False, False]), 4.0)
     assert curve.time_s.tolist()[:3] == [0.0, 1.0, 2.0]
     assert curve.share.tolist()[:3] == pytest.approx([1.0, 0.75, 0.5])
@@ -136,7 +100,7 @@ def test_survival_curve_of_four_missions_by_hand():
 
 
 def test_area_under_the_survival_curve_is_the_restricted_mean():
-    time_s = TIMES_S[10.0]
+    time_s = TIMES_S
     curve = survival(time_s, time_s < 600.0, 600.0)
     area = float(np.sum(np.diff(curve.time_s) * curve.share[:-1]))
     assert area == pytest.approx(time_s.mean())
@@ -144,5 +108,5 @@ def test_area_under_the_survival_curve_is_the_restricted_mean():
 
 def test_missions_that_never_finish_stay_at_one():
     curve = survival(np.array([20.0, 20.0]), np.array([False, False]), 20.0)
-    assert curve.time_s.tolist() == [0.0, 20.0]
-    assert curve.share.tolist() == [1.0, 1.0]
+    assert (curve.time_s[0], curve.time_s[-1]) == (0.0, 20.0)
+    assert set(curve.share.tolist()) == {1.0}

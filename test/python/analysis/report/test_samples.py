@@ -14,25 +14,14 @@ def test_missions_that_are_cut_short_count_with_the_limit(garage):
     stored = garage(10.0, trials=3)
     first = dataclasses.replace(stored.outcomes[0], end="all_excluded", time_s=50.0)
     campaign = read_campaign(dataclasses.replace(stored, outcomes=(first, *stored.outcomes[1:])), "here")
-    assert campaign.cells[0].ours.restricted_s.tolist() == [600.0, 438.0, 447.0]
+    assert campaign.cells[0].missions.restricted_s.tolist() == [600.0, 438.0, 447.0]
 
 
-def test_dissertations_missions_stand_beside_the_levels_that_it_has(garage):
-    cells = read_campaign(garage(10.0, 15.0, trials=1), "here").cells
-    assert [(cell.name, cell.theirs is None) for cell in cells] == [("10 dB", False), ("15 dB", True)]
-    assert len(cells[0].theirs) == 30
-    assert int((~cells[0].theirs.finished).sum()) == 2
-
-
-def test_garage_at_its_own_noise_is_compared_too(garage):
-    cells = read_campaign(garage(trials=1), "here").cells
-    assert [(cell.name, cell.theirs is None) for cell in cells] == [("garage_sar", False)]
-
-
-def test_other_scenarios_and_other_keys_have_no_reference(arena):
-    stored = arena(Factor("control.alpha", (0.3, 0.5), "--sweep"))
-    cells = read_campaign(stored, "here").cells
-    assert [(cell.name, cell.theirs) for cell in cells] == [("alpha = 0.3", None), ("alpha = 0.5", None)]
+def test_cells_are_named_by_their_settings(garage, arena):
+    assert [cell.name for cell in read_campaign(garage(10.0, 15.0, trials=1), "here").cells] == ["10 dB", "15 dB"]
+    assert [cell.name for cell in read_campaign(garage(trials=1), "here").cells] == ["garage_sar"]
+    cells = read_campaign(arena(Factor("control.alpha", (0.3, 0.5), "--sweep")), "here").cells
+    assert [cell.name for cell in cells] == ["alpha = 0.3", "alpha = 0.5"]
     assert [cell.scenario.control.alpha for cell in cells] == [0.3, 0.5]
 
 
@@ -44,13 +33,13 @@ def test_failed_trials_and_cells_without_missions_are_omitted_and_counted(garage
     assert (campaign.empty, campaign.failed, campaign.done, campaign.total) == (("20 dB",), 2, 3, 4)
 
 
-def test_campaign_without_a_mission_is_refused(garage):
+def test_campaign_without_a_mission_is_rejected(garage):
     empty = dataclasses.replace(garage(10.0, trials=1), outcomes=())
     with pytest.raises(CampaignError, match=r"^here: no mission of this campaign has ended yet; nothing to report$"):
         read_campaign(empty, "here")
 
 
-def test_scenario_that_cannot_be_read_is_refused(garage):
+def test_unreadable_scenario_is_rejected(garage):
     stored = garage(10.0, trials=1)
     broken = {**stored.settings, "scenario": {**stored.settings["scenario"], "robots": "none"}}
     with pytest.raises(CampaignError, match=r"^here: its scenario cannot be read by this version$"):
@@ -62,8 +51,7 @@ def test_plan_that_a_cell_names_by_file_omits_only_its_maps(garage):
     settings = {**stored.settings, "keys": ["plan"], "cells": [["elsewhere/plan.yaml"]]}
     (cell,) = read_campaign(dataclasses.replace(stored, settings=settings), "here").cells
     assert cell.scenario is None
-    assert cell.theirs is None
-    assert np.isfinite(cell.ours.time_s).all()
+    assert np.isfinite(cell.missions.time_s).all()
 
 
 def test_campaigns_of_one_design_and_different_seeds_are_pooled(garage):
@@ -72,8 +60,8 @@ def test_campaigns_of_one_design_and_different_seeds_are_pooled(garage):
     campaign = pooled([first, second], ["first", "second"])
     assert campaign.seeds == (1, 7)
     assert (campaign.planned, campaign.done, campaign.total) == (4, 8, 8)
-    assert campaign.cells[0].ours.time_s.tolist() == [426.0, 438.0, 426.0, 438.0]
-    assert campaign.cells[0].ours.numbers.tolist() == [1, 2, 3, 4]
+    assert campaign.cells[0].missions.time_s.tolist() == [426.0, 438.0, 426.0, 438.0]
+    assert campaign.cells[0].missions.numbers.tolist() == [1, 2, 3, 4]
 
 
 def test_campaigns_that_differ_are_not_pooled(garage, arena):

@@ -36,7 +36,7 @@ def test_instant_door_stops_robots_only_while_it_is_closed(world_of):
     assert world.poses()[0].x_m > 6.5
 
 
-def test_instant_door_pushes_a_robot_in_its_way_aside(world_of):
+def test_instant_door_pushes_a_robot_aside(world_of):
     world = world_of((6.05, 3.0, 0.0))
     world.set_door("gate", closed=True)
     drive(world, steps=30)

@@ -1,0 +1,469 @@
+"""What can happen in a mission: each event is a value, and the words for people are next to its attributes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, Literal, Protocol
+
+import msgspec
+
+from robotteamsim.mission.status import END_TEXTS, MissionEnd
+from robotteamsim.wording import counted
+from robotteamsim.world.doors import LeafMotion
+
+NOBODY = -1
+
+Names = Callable[[int], str]
+"""Returns the name of a member of the team by id, such as "robot 1"; see `Scenario.name_of`."""
+
+
+class Happening(msgspec.Struct, frozen=True, kw_only=True):
+    """Base class of all events; each has its words, and a subject if it concerns more than the mission itself.
+
+    robot_id: of the member of the team that caused it; NOBODY if none did.
+    """
+
+    robot_id: int = NOBODY
+
+    @property
+    def kind(self) -> str:
+        """The name of the event in messages and files."""
+        return str(self.__struct_config__.tag)
+
+    @property
+    def subject(self) -> str:
+        """What it concerns: the name of an area, victim, door, object, link or swarm; "" for the mission itself."""
+        return self._subject()
+
+    def words(self, name: Names) -> str:
+        """Return a description in one line."""
+        return self._words(name)
+
+    def _subject(self) -> str:
+        return ""
+
+    def _words(self, name: Names) -> str:
+        raise NotImplementedError
+
+
+class AnyEvent(Protocol):
+    """An event of the mission: of this run, or with the same attributes from a bag or a message on /mission/events."""
+
+    @property
+    def time_s(self) -> float:
+        """Time of the mission's clock [s]."""
+
+    @property
+    def kind(self) -> str:
+        """As in `Happening`."""
+
+    @property
+    def subject(self) -> str:
+        """As in `Happening`."""
+
+    @property
+    def robot_id(self) -> int:
+        """As in `Happening`."""
+
+    @property
+    def detail(self) -> str:
+        """A description in one line."""
+
+
+class Event(msgspec.Struct, frozen=True):
+    """An event of a mission.
+
+    time_s: of the mission's clock [s].  what: the event as a value.  detail: a description in one line.
+    """
+
+    time_s: float
+    what: Happening
+    detail: str
+
+    @property
+    def kind(self) -> str:
+        """As in `Happening`."""
+        return self.what.kind
+
+    @property
+    def subject(self) -> str:
+        """As in `Happening`."""
+        return self.what.subject
+
+    @property
+    def robot_id(self) -> int:
+        """As in `Happening`."""
+        return self.what.robot_id
+
+    def row(self) -> dict[str, Any]:
+        """Return what messages and files have of every event, by key."""
+        what = self.what
+        values = self.time_s, what.kind, what.subject, what.robot_id, self.detail
+        return dict(zip(("time_s", "kind", "subject", "robot_id", "detail"), values, strict=True))
+
+
+class MissionStarted(Happening, frozen=True, tag="start"):
+    """The mission starts."""
+
+    num_areas: int
+    num_victims: int
+    noise_db: float
+
+    def _words(self, name: Names) -> str:
+        areas, victims = counted(self.num_areas, "area"), counted(self.num_victims, "victim")
+        return f"mission starts: {areas}, {victims}, {self.noise_db:g} dB noise"
+
+
+class MissionPaused(Happening, frozen=True, tag="pause"):
+    """Robots and clock stop."""
+
+    def _words(self, name: Names) -> str:
+        return "mission is paused"
+
+
+class MissionResumed(Happening, frozen=True, tag="resume"):
+    """The mission goes on."""
+
+    def _words(self, name: Names) -> str:
+        return "mission is resumed"
+
+
+class MissionEnded(Happening, frozen=True, tag="end"):
+    """The mission ends. why: the team's own reason, if its search is over."""
+
+    end: MissionEnd
+    num_explored: int
+    num_areas: int
+    num_saved: int
+    num_victims: int
+    why: str = ""
+
+    def _words(self, name: Names) -> str:
+        why = f": {self.why}" if self.why else ""
+        count = f"{self.num_explored}/{self.num_areas} areas, {self.num_saved}/{self.num_victims} victims"
+        return f"mission ends: {END_TEXTS[self.end]}{why}; {count}"
+
+
+class NoiseChanged(Happening, frozen=True, tag="noise"):
+    """The background noise has changed, and with it the voice map."""
+
+    noise_db: float
+
+    def _words(self, name: Names) -> str:
+        return f"background noise is {self.noise_db:g} dB"
+
+
+class AreaExplored(Happening, frozen=True, tag="area_explored"):
+    """A robot has explored an area, the `count`-th of `total`."""
+
+    area: str
+    count: int
+    total: int
+
+    def _subject(self) -> str:
+        return self.area
+
+    def _words(self, name: Names) -> str:
+        return f"robot {self.robot_id} explores {self.area} ({self.count} of {self.total})"
+
+
+class DiscoveryDelivered(Happening, frozen=True, tag="discovery_delivered"):
+    """The base knows of an explored area or a reached victim, which `robot_id` has discovered."""
+
+    discovery: str
+    delay_s: float
+
+    def _subject(self) -> str:
+        return self.discovery
+
+    def _words(self, name: Names) -> str:
+        delay = f"{self.delay_s:.1f} s after its discovery by robot {self.robot_id}"
+        return f"{self.discovery} is delivered to the base, {delay}"
+
+
+class OfDoor(Happening, frozen=True):
+    """Base class of the events of a door."""
+
+    door: str
+
+    def _subject(self) -> str:
+        return self.door
+
+
+class DoorChanged(OfDoor, frozen=True, tag="door"):
+    """A door was opened or closed, which changes the voice map."""
+
+    closed: bool
+
+    def _words(self, name: Names) -> str:
+        return f"door {self.door} is {'closed' if self.closed else 'opened'}"
+
+
+_MOTION: dict[LeafMotion, str] = {"still": "stops", "opens": "opens", "closes": "closes", "held": "is blocked"}
+
+
+class DoorMoves(OfDoor, frozen=True, tag="door_moves"):
+    """The leaf of a door starts, is blocked or stops. opening: 0 closed .. 1 open."""
+
+    motion: LeafMotion
+    opening: float
+
+    def _words(self, name: Names) -> str:
+        return f"door {self.door} {_MOTION[self.motion]}, {self.opening:.0%} open"
+
+
+class OfVictim(Happening, frozen=True):
+    """Base class of the events of a victim."""
+
+    victim: str
+
+    def _subject(self) -> str:
+        return self.victim
+
+
+class VictimPlaced(OfVictim, frozen=True, tag="victim"):
+    """A victim is new, or somewhere else, in `map` [m], and calls."""
+
+    position_m: tuple[float, float]
+
+    def _words(self, name: Names) -> str:
+        x_m, y_m = self.position_m
+        return f"victim {self.victim} calls at ({x_m:.1f}, {y_m:.1f})"
+
+
+class VictimHeard(OfVictim, frozen=True, tag="victim_heard"):
+    """Somebody hears a victim for the first time."""
+
+    level_db: float
+
+    def _words(self, name: Names) -> str:
+        return f"{name(self.robot_id)} hears {self.victim} at {self.level_db:.1f} dB"
+
+
+class VictimSaved(OfVictim, frozen=True, tag="victim_saved"):
+    """A robot saves a victim, the `count`-th of `total`."""
+
+    count: int
+    total: int
+
+    def _words(self, name: Names) -> str:
+        return f"robot {self.robot_id} saves {self.victim} ({self.count} of {self.total})"
+
+
+class VictimLocated(OfVictim, frozen=True, tag="victim_located"):
+    """Somebody locates a victim, `error_m` away from the true position."""
+
+    by: Literal["sight", "voice"]
+    error_m: float
+
+    def _words(self, name: Names) -> str:
+        return f"{name(self.robot_id)} locates {self.victim} by {self.by}, {self.error_m:.2f} m off"
+
+
+class VictimReported(OfVictim, frozen=True, tag="victim_reported"):
+    """The command centre knows where a victim is."""
+
+    def _words(self, name: Names) -> str:
+        return f"the command centre knows where {self.victim} is"
+
+
+class VictimReached(OfVictim, frozen=True, tag="victim_reached"):
+    """A firefighter reaches a victim."""
+
+    def _words(self, name: Names) -> str:
+        return f"{name(self.robot_id)} reaches {self.victim}"
+
+
+class VictimCarried(OfVictim, frozen=True, tag="victim_carried"):
+    """A firefighter leaves with a victim, who walks or is carried."""
+
+    walks: bool
+
+    def _words(self, name: Names) -> str:
+        return f"{name(self.robot_id)} {'leads' if self.walks else 'carries'} {self.victim}"
+
+
+class VictimLeft(OfVictim, frozen=True, tag="victim_left"):
+    """A victim is alone again, because their firefighter has left the team."""
+
+    def _words(self, name: Names) -> str:
+        return f"{self.victim} is left by {name(self.robot_id)}"
+
+
+class VictimSafe(OfVictim, frozen=True, tag="victim_safe"):
+    """A victim is in safety."""
+
+    def _words(self, name: Names) -> str:
+        return f"{self.victim} is safe"
+
+
+class OfHarm(OfVictim, frozen=True):
+    """Base class of what smoke and heat do to a victim. gas, heat: the fractional effective doses."""
+
+    gas: float
+    heat: float
+
+    def _harm(self, does: str) -> str:
+        return f"{self.victim} {does}: FED {self.gas:.2f} from gas, {self.heat:.2f} from heat"
+
+
+class VictimCollapsed(OfHarm, frozen=True, tag="victim_collapsed"):
+    """A victim collapses."""
+
+    def _words(self, name: Names) -> str:
+        return self._harm("collapses")
+
+
+class VictimDied(OfHarm, frozen=True, tag="victim_dead"):
+    """A victim dies."""
+
+    def _words(self, name: Names) -> str:
+        return self._harm("dies")
+
+
+class PersonEnclosed(OfVictim, frozen=True, tag="person_enclosed"):
+    """No path to an exit is open to somebody who flees."""
+
+    def _words(self, name: Names) -> str:
+        return f"{self.victim} waits, because no path to an exit is open"
+
+
+class LinkEndangered(Happening, frozen=True, tag="link_endangered"):
+    """The link between two robots is weak, or lost; rssi_dbm: NaN if it cannot be measured."""
+
+    first: int
+    second: int
+    lost: bool
+    rssi_dbm: float
+
+    def _subject(self) -> str:
+        return f"{self.first}-{self.second}"
+
+    def _words(self, name: Names) -> str:
+        at = "" if math.isnan(self.rssi_dbm) else f" at {self.rssi_dbm:.1f} dBm"
+        return f"link {self.subject} is {'lost' if self.lost else 'endangered'}{at}"
+
+
+class MessageTooLarge(Happening, frozen=True, tag="message_too_large"):
+    """A robot cannot send a message of this size."""
+
+    num_bytes: int
+    limit_bytes: int
+
+    def _words(self, name: Names) -> str:
+        return f"robot {self.robot_id} cannot send {self.num_bytes} bytes, the limit is {self.limit_bytes}"
+
+
+class ControllerFailed(Happening, frozen=True, tag="controller_failed"):
+    """A controller was stopped; its robot stands still."""
+
+    fault: str
+
+    def _words(self, name: Names) -> str:
+        return f"robot {self.robot_id} is stopped: {self.fault}"
+
+
+class OfSwarm(Happening, frozen=True):
+    """Base class of the events of a swarm."""
+
+    swarm: int
+
+    def _subject(self) -> str:
+        return f"swarm {self.swarm}"
+
+
+class RobotExcluded(OfSwarm, frozen=True, tag="robot_excluded"):
+    """A robot leaves a swarm."""
+
+    def _words(self, name: Names) -> str:
+        return f"robot {self.robot_id} is excluded from {self.subject}"
+
+
+class RobotIncluded(OfSwarm, frozen=True, tag="robot_included"):
+    """A robot joins a swarm."""
+
+    def _words(self, name: Names) -> str:
+        return f"robot {self.robot_id} is included in {self.subject}"
+
+
+class SwarmFounded(OfSwarm, frozen=True, tag="swarm_founded"):
+    """Robots found a swarm; `robot_id` is the first of them."""
+
+    founders: tuple[int, ...]
+
+    def _words(self, name: Names) -> str:
+        plural = "s" if len(self.founders) > 1 else ""
+        return f"{self.subject} is founded by robot{plural} {', '.join(map(str, self.founders))}"
+
+
+class SwarmDissolved(OfSwarm, frozen=True, tag="swarm_dissolved"):
+    """The last robot has left a swarm."""
+
+    def _words(self, name: Names) -> str:
+        return f"{self.subject} is dissolved"
+
+
+class RobotRemoved(Happening, frozen=True, tag="robot_removed"):
+    """A member of the team has left the world."""
+
+    def _words(self, name: Names) -> str:
+        return f"{name(self.robot_id)} is removed"
+
+
+class RobotSpawned(Happening, frozen=True, tag="robot_spawned"):
+    """A member of the team has arrived."""
+
+    def _words(self, name: Names) -> str:
+        return f"{name(self.robot_id)} is spawned"
+
+
+class RobotFailedByHeat(Happening, frozen=True, tag="robot_failed_by_heat"):
+    """A robot has failed, and has left the world."""
+
+    def _words(self, name: Names) -> str:
+        return f"{name(self.robot_id)} fails from heat"
+
+
+class FirefighterCollapsed(Happening, frozen=True, tag="firefighter_collapsed"):
+    """A firefighter has collapsed, and has left the world."""
+
+    def _words(self, name: Names) -> str:
+        return f"{name(self.robot_id)} collapses"
+
+
+class RobotTippedOver(Happening, frozen=True, tag="robot_tipped_over"):
+    """A robot lies on its side and cannot go on."""
+
+    def _words(self, name: Names) -> str:
+        return f"robot {self.robot_id} tips over"
+
+
+class RobotLeftWorld(Happening, frozen=True, tag="robot_left_world"):
+    """A robot has fallen off the floor."""
+
+    def _words(self, name: Names) -> str:
+        return f"robot {self.robot_id} leaves the world"
+
+
+class OfObject(Happening, frozen=True):
+    """Base class of the events of an object."""
+
+    object_name: str
+
+    def _subject(self) -> str:
+        return self.object_name
+
+
+class ObjectLifted(OfObject, frozen=True, tag="object_lifted"):
+    """A robot's gripper holds an object."""
+
+    def _words(self, name: Names) -> str:
+        return f"robot {self.robot_id} lifts {self.object_name}"
+
+
+class ObjectDropped(OfObject, frozen=True, tag="object_dropped"):
+    """A robot's gripper has let an object go."""
+
+    def _words(self, name: Names) -> str:
+        return f"robot {self.robot_id} drops {self.object_name}"

@@ -1,0 +1,74 @@
+"""The victims of a mission: where they are, in which state, and who calls."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from itertools import repeat
+
+from robotteamsim.mission.status import OUT_OF_DANGER, SAVED, SILENT, VictimState
+from robotteamsim.scenario.base import Point
+from robotteamsim.scenario.victims import Victim
+
+
+class Victims:
+    """All victims, in the order in which they were added. They change only by the methods."""
+
+    def __init__(self, victims: tuple[Victim, ...]) -> None:
+        self.all = victims
+        """At their current positions."""
+        self.states: list[VictimState] = ["waiting"] * len(victims)
+        """Of each; changed by `change`."""
+        self._note_who_calls()
+
+    def index(self, name: str) -> int | None:
+        """Return the index of a victim; None if there is none of that name."""
+        return next((index for index, victim in enumerate(self.all) if victim.name == name), None)
+
+    def place(self, name: str, position_m: Point) -> int:
+        """Add a victim, or move the one of that name, who then waits and calls; return the index."""
+        found = self.index(name)
+        index = len(self.all) if found is None else found
+        self.all = (*self.all[:index], Victim(name=name, position=position_m), *self.all[index + 1 :])
+        self.states[index : index + 1] = ["waiting"]
+        self._note_who_calls()
+        return index
+
+    def move(self, places: Mapping[str, Point]) -> bool:
+        """Move victims who are still in danger, by name [m, map]; return whether anybody has moved."""
+        moved = tuple(
+            victim
+            if state in OUT_OF_DANGER or places.get(victim.name, victim.position) == victim.position
+            else victim.model_copy(update={"position": places[victim.name]})
+            for victim, state in zip(self.all, self.states, strict=True)
+        )
+        if moved == self.all:
+            return False
+        self.all = moved
+        self._note_who_calls()
+        return True
+
+    def change(self, index: int, state: VictimState) -> bool:
+        """Set a victim's state; return whether they have fallen silent or call again, which changes the voice map."""
+        was_silent = self.states[index] in SILENT
+        self.states[index] = state
+        if was_silent == (state in SILENT):
+            return False
+        self._note_who_calls()
+        return True
+
+    def nearest_caller(self, place_m: Point) -> int | None:
+        """Return the index of the victim nearest to a place who may be heard there; None if nobody calls."""
+        if not self._calling:
+            return None  # the last voice of a victim who was saved in the step before
+        distances_m = list(map(math.dist, self._calling_m, repeat(place_m)))
+        return self._calling[distances_m.index(min(distances_m))]
+
+    def _note_who_calls(self) -> None:
+        named = list(zip(self.all, self.states, strict=True))
+        self.silent = tuple([victim.name for victim, state in named if state in SILENT])
+        """Names of the victims who call no more."""
+        self.saved = tuple([victim.name for victim, state in named if state in SAVED])
+        """Names of the saved victims."""
+        self._calling = [i for i, (victim, state) in enumerate(named) if state not in SILENT and victim.calling]
+        self._calling_m = [self.all[index].position for index in self._calling]

@@ -1,0 +1,189 @@
+"""What a row of the table of topics contains, and the parts and checks that messages share.
+
+A row describes one topic for all its users: bags and MCAP files, the nodes, readers of messages, and the test of the
+tables in docs/ros_api.md. Rows and the functions that make and read their messages are side by side, by subject.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+import numpy as np
+
+from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.message_parts import MAP_FRAME, Make, header, point
+from robotteamsim.network.compact import LinksEncoder
+from robotteamsim.propagation import FieldMap
+from robotteamsim.scenario import Scenario
+from robotteamsim.scenario.plan import OccupancyGrid
+from robotteamsim.setup import Setup
+
+FARTHEST_M = 1e6
+"""Limit of coordinates, as in the propagation models."""
+
+
+class When(Enum):
+    """When a topic has a message, as docs/ros_api.md says it."""
+
+    STEP = "per step"
+    CHANGE = "on change"
+    EVENT = "when something happens"
+    FIRE = "when fire and smoke advance"
+    ONCE = "once"
+    CLOCK = "50 times per simulated second"
+    SEARCH = "every 5 s"
+    REQUEST = "on subscription, then once a second"
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """What values are taken from, next to a step. links: remembers the links of the last /network/links."""
+
+    setup: Setup
+    links: LinksEncoder = field(default_factory=LinksEncoder)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Topic:
+    """A topic of the team, or one below /robot_<id>/.
+
+    values:   of (source, step) or, for each robot, of (source, step, robot_id), in the form of the arguments of
+              `message`; None if the step has no message. A step is a `StepRecord`, or a part of one.
+    message:  makes the message of (make, time [ns], *values).
+    latched:  whether later subscribers get the last message.
+    version:  of a step's contents, for a latched topic that rarely changes: bags have a message per change.
+    several:  whether the values are those of several messages.
+    is_in:    whether a scenario has the topic.   in_bags: whether bags have it, too.
+    read:     returns the value of (message, setup, robot_id), for nodes that receive it. Raises: ValueError.
+    """
+
+    name: str
+    type_name: str
+    when: When
+    values: Callable[..., Sequence[Any] | None]
+    message: Callable[..., Any]
+    latched: bool = False
+    version: Callable[[Any], Any] | None = None
+    several: bool = False
+    is_in: Callable[[Scenario], bool] = lambda _: True
+    in_bags: bool = True
+    read: Callable[..., Any] | None = None
+
+    def messages(self, make: Make, time_ns: int, values: Sequence[Any] | None) -> list[Any]:
+        """Return the messages of a step's values."""
+        if values is None:
+            return []
+        return [self.message(make, time_ns, *one) for one in (values if self.several else (values,))]
+
+
+class Changes:
+    """Remembers the version of what each topic has shown."""
+
+    def __init__(self) -> None:
+        """Start without any."""
+        self._shown: dict[str, Any] = {}
+
+    def note(self, topic: Topic, step: Any) -> bool:
+        """Return whether a topic's contents have changed; a topic without versions always has."""
+        if topic.version is None:
+            return True
+        version = topic.version(step)
+        if topic.name in self._shown and self._shown[topic.name] == version:
+            return False
+        self._shown[topic.name] = version
+        return True
+
+
+def pose(make: Make, reading: PoseReading) -> Any:
+    """geometry_msgs/Pose."""
+    return make(
+        "geometry_msgs/Pose", position=point(make, (reading.x_m, reading.y_m)), orientation=quaternion(make, reading)
+    )
+
+
+def quaternion(make: Make, reading: PoseReading) -> Any:
+    """geometry_msgs/Quaternion."""
+    return make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=reading.qz, w=reading.qw)
+
+
+def twist(make: Make, command: Twist) -> Any:
+    """geometry_msgs/Twist."""
+    return make(
+        "geometry_msgs/Twist",
+        linear=make("geometry_msgs/Vector3", x=command.linear_x_mps, y=command.linear_y_mps, z=0.0),
+        angular=make("geometry_msgs/Vector3", x=0.0, y=0.0, z=command.angular_z_radps),
+    )
+
+
+def occupancy_grid(make: Make, time_ns: int, grid: OccupancyGrid) -> Any:
+    """nav_msgs/OccupancyGrid."""
+    rows, columns = grid.cells.shape
+    origin = PoseReading(float(grid.origin_m[0]), float(grid.origin_m[1]), 0.0, 1.0)
+    return make(
+        "nav_msgs/OccupancyGrid",
+        header=header(make, time_ns, MAP_FRAME),
+        info=make(
+            "nav_msgs/MapMetaData",
+            map_load_time=make.time(time_ns),
+            resolution=grid.resolution_m,
+            width=columns,
+            height=rows,
+            origin=pose(make, origin),
+        ),
+        data=np.asarray(grid.cells, dtype=np.int8).ravel(),
+    )
+
+
+def field_map_picture(make: Make, time_ns: int, field: FieldMap) -> Any:
+    """nav_msgs/OccupancyGrid of a map of levels, or of a belief in per cent, for rviz: integers from 0 to 100."""
+    levels = np.clip(np.round(field.values), 0, 100).astype(np.int8)
+    return occupancy_grid(make, time_ns, OccupancyGrid(field.origin_m, field.resolution_m, levels))
+
+
+def field_map(make: Make, time_ns: int, field: FieldMap, quantity: str, unit: str) -> Any:
+    """robotteamsim/FloatMap, such as quantity "voice_level" in unit "dB"."""
+    rows, columns = field.values.shape
+    return make(
+        "robotteamsim/FloatMap",
+        header=header(make, time_ns, MAP_FRAME),
+        quantity=quantity,
+        unit=unit,
+        resolution_m=field.resolution_m,
+        width=columns,
+        height=rows,
+        origin=point(make, field.origin_m),
+        data=np.asarray(field.values, dtype=np.float32).ravel(),
+    )
+
+
+def read_twist(message: Any) -> Twist:
+    """Return a command in the plane. Raises: ValueError: it is not finite."""
+    command = Twist(message.linear.x, message.linear.y, message.angular.z)
+    if not command.is_finite:
+        raise ValueError("a command that is not finite")
+    return command
+
+
+def read_point(name: str, message: Any) -> tuple[float, float]:
+    """Return a place on the floor [m]. Raises: ValueError: see `check_place`."""
+    check_place(name, message.x, message.y)
+    return message.x, message.y
+
+
+def check_place(name: str, *coordinates: float) -> None:
+    """Raises: ValueError: a coordinate [m] is not finite or beyond 1000 km."""
+    for coordinate in coordinates:
+        if not abs(coordinate) <= FARTHEST_M:
+            shown = ", ".join(f"{value:g}" for value in coordinates)
+            raise ValueError(f"{name}: ({shown}); expected finite numbers within 1000 km")
+
+
+def check_finite(name: str, *values: float) -> None:
+    """Raises: ValueError: a number is not finite."""
+    for value in values:
+        if not math.isfinite(value):
+            raise ValueError(f"{name}: {value:g}; expected finite numbers")

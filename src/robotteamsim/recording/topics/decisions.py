@@ -1,0 +1,107 @@
+"""The topics of each robot's decisions."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+from robotteamsim.geometry import Twist
+from robotteamsim.interface import Decision, SwarmContext
+from robotteamsim.message_parts import MAP_FRAME, Make, header, point, robot_frame
+from robotteamsim.recording.topics.base import Topic, When, field_map_picture, read_point, read_twist, twist
+from robotteamsim.recording.topics.radio import network_messages, read_outbox
+
+
+def twist_stamped(make: Make, time_ns: int, robot_id: int, command: Twist) -> Any:
+    """geometry_msgs/TwistStamped, of `cmd_vel_stamped`: carries the stamp of the step it answers."""
+    return make(
+        "geometry_msgs/TwistStamped",
+        header=header(make, time_ns, robot_frame(robot_id, "base_link")),
+        twist=twist(make, command),
+    )
+
+
+def controller_status(make: Make, time_ns: int, robot_id: int, decision: Decision) -> Any:
+    """robotteamsim/ControllerStatus."""
+    return make(
+        "robotteamsim/ControllerStatus",
+        header=header(make, time_ns, MAP_FRAME),
+        robot_id=robot_id,
+        excluded=bool(decision.excluded),
+        swarm=int(decision.swarm),
+        has_goal=decision.goal_m is not None,
+        goal=point(make, decision.goal_m or (0.0, 0.0)),
+        local_best=float(decision.local_best),
+        search_counter=int(decision.search_counter),
+        context=[] if decision.context is None else [swarm_context(make, decision.context)],
+        fault=decision.fault,
+        done=decision.done,
+    )
+
+
+def swarm_context(make: Make, context: SwarmContext) -> Any:
+    """robotteamsim/SwarmContext."""
+    return make("robotteamsim/SwarmContext", **msgspec.structs.asdict(context))
+
+
+def read_decision(message: Any) -> Decision:
+    """Return the published part of a decision; twist and outbox have topics of their own. Raises: ValueError."""
+    context = message.context[0] if message.context else None
+    names = SwarmContext.__struct_fields__
+    return Decision(
+        excluded=message.excluded,
+        swarm=message.swarm,
+        goal_m=read_point("goal", message.goal) if message.has_goal else None,
+        local_best=message.local_best,
+        search_counter=message.search_counter,
+        context=None if context is None else SwarmContext(*(getattr(context, name) for name in names)),
+        fault=message.fault,
+        done=message.done,
+    )
+
+
+OUTBOX = Topic(
+    "network/tx",
+    "robotteamsim/NetworkMessages",
+    When.STEP,
+    lambda _, step, i: (step.decisions[i].outbox,),
+    network_messages,
+    read=lambda message, setup, i: read_outbox(message, i, setup.scenario.team_size),
+)
+COMMAND = Topic(
+    "cmd_vel",
+    "geometry_msgs/Twist",
+    When.STEP,
+    lambda _, step, i: (step.decisions[i].twist,),
+    lambda make, _, command: twist(make, command),
+    read=lambda message, *_: read_twist(message),
+)
+STAMPED_COMMAND = Topic(
+    "cmd_vel_stamped",
+    "geometry_msgs/TwistStamped",
+    When.STEP,
+    lambda _, step, i: (i, step.decisions[i].twist),
+    twist_stamped,
+    latched=True,
+    in_bags=False,
+    read=lambda message, *_: read_twist(message.twist),
+)
+STATUS = Topic(
+    "controller/status",
+    "robotteamsim/ControllerStatus",
+    When.STEP,
+    lambda _, step, i: (i, step.decisions[i]),
+    controller_status,
+    read=lambda message, *_: read_decision(message),
+)
+BELIEF = Topic(
+    "controller/belief",
+    "nav_msgs/OccupancyGrid",
+    When.SEARCH,
+    lambda _, step, i: None if step.decisions[i].belief is None else (step.decisions[i].belief,),
+    field_map_picture,
+    latched=True,
+)
+DECISION_TOPICS = (OUTBOX, COMMAND, STAMPED_COMMAND, STATUS, BELIEF)
+"""What a controller publishes."""

@@ -1,0 +1,160 @@
+"""The topics of the mission."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from robotteamsim.interface import Assistance, Discovery, Task
+from robotteamsim.message_parts import MAP_FRAME, Make, header, point
+from robotteamsim.mission.events import Event, VictimLocated
+from robotteamsim.mission.status import DeliveredDiscoveries, MissionStatus, VictimState
+from robotteamsim.recording.topics.base import Topic, When, check_finite, read_point
+from robotteamsim.scenario.sections import Area, Victim
+
+_NOTHING_DELIVERED = DeliveredDiscoveries()
+
+
+def mission_status(make: Make, time_ns: int, scenario_name: str, status: MissionStatus, noise_db: float) -> Any:
+    """robotteamsim/MissionStatus."""
+    task, delivered = status.task, status.delivered or _NOTHING_DELIVERED
+    return make(
+        "robotteamsim/MissionStatus",
+        header=header(make, time_ns, MAP_FRAME),
+        scenario=scenario_name,
+        state=status.state,
+        end=status.end,
+        time_s=status.time_s,
+        explored=np.array(status.explored, dtype=np.uint8),
+        victims=list(status.victims),
+        target_area=status.target_area,
+        endangered_links=status.endangered_links,
+        noise_db=float(noise_db),
+        running=task.running,
+        epoch=task.epoch,
+        has_area=task.area_center_m is not None,
+        area_center=point(make, task.area_center_m or (0.0, 0.0)),
+        area_radius_m=float(task.area_radius_m),
+        has_base=status.delivered is not None,
+        discoveries_delivered=delivered.count,
+        mean_delivery_delay_s=delivered.mean_delay_s,
+        max_delivery_delay_s=delivered.max_delay_s,
+        undelivered=[_discovery(make, discovery) for discovery in task.undelivered],
+        assistance=[
+            make("robotteamsim/Assistance", **msgspec.structs.asdict(assistance)) for assistance in task.assistance
+        ],
+    )
+
+
+def _discovery(make: Make, discovery: Discovery) -> Any:
+    return make(
+        "robotteamsim/Discovery",
+        kind=discovery.kind,
+        name=discovery.name,
+        robot_id=discovery.robot_id,
+        position=point(make, discovery.position_m),
+        time_s=discovery.time_s,
+    )
+
+
+def read_task(message: Any, num_robots: int) -> Task:
+    """Return the task of the team in a MissionStatus. Raises: ValueError: unknown ids, or impossible places."""
+    for one in message.assistance:
+        if not 0 <= one.robot_id < num_robots:
+            raise ValueError(f"assistance: robot {one.robot_id}; expected the id of a firefighter")
+    check_finite("area_radius_m", message.area_radius_m)
+    return Task(
+        running=message.running,
+        epoch=message.epoch,
+        area_center_m=read_point("area_center", message.area_center) if message.has_area else None,
+        area_radius_m=message.area_radius_m,
+        undelivered=tuple(
+            Discovery(find.kind, find.name, find.robot_id, read_point("undelivered", find.position), find.time_s)
+            for find in message.undelivered
+        ),
+        assistance=tuple(Assistance(one.robot_id, one.victim, one.moving, one.collapsed) for one in message.assistance),
+    )
+
+
+def mission_event(make: Make, time_ns: int, event: Event) -> Any:
+    """robotteamsim/MissionEvent."""
+    return make(
+        "robotteamsim/MissionEvent",
+        header=header(make, time_ns, MAP_FRAME),
+        **event.row(),
+        error_m=event.what.error_m if isinstance(event.what, VictimLocated) else 0.0,
+    )
+
+
+def victims(make: Make, time_ns: int, all_victims: Sequence[Victim], states: Sequence[VictimState]) -> Any:
+    """robotteamsim/Victims."""
+    return make(
+        "robotteamsim/Victims",
+        header=header(make, time_ns, MAP_FRAME),
+        victims=[
+            make("robotteamsim/Victim", name=victim.name, position=point(make, victim.position), state=state)
+            for victim, state in zip(all_victims, states, strict=True)
+        ],
+    )
+
+
+def areas(make: Make, time_ns: int, all_areas: Sequence[Area], status: MissionStatus) -> Any:
+    """robotteamsim/Areas."""
+    return make(
+        "robotteamsim/Areas",
+        header=header(make, time_ns, MAP_FRAME),
+        areas=[
+            make(
+                "robotteamsim/Area",
+                name=area.name,
+                center=point(make, area.center),
+                radius_m=area.radius_m,
+                explored=status.explored[index],
+                target=index == status.target_area,
+            )
+            for index, area in enumerate(all_areas)
+        ],
+    )
+
+
+MISSION_STATUS = Topic(
+    "/mission/status",
+    "robotteamsim/MissionStatus",
+    When.STEP,
+    lambda source, record: (source.setup.scenario.name, record.mission, record.noise_db),
+    mission_status,
+    latched=True,
+    read=lambda message, setup, _: read_task(message, setup.scenario.team_size),
+)
+MISSION_TOPICS = (
+    MISSION_STATUS,
+    Topic(
+        "/mission/events",
+        "robotteamsim/MissionEvent",
+        When.EVENT,
+        lambda _, record: [(event,) for event in record.events],
+        mission_event,
+        several=True,
+    ),
+    Topic(
+        "/mission/victims",
+        "robotteamsim/Victims",
+        When.CHANGE,
+        lambda _, record: (record.victims, record.mission.victims),
+        victims,
+        latched=True,
+        version=lambda record: (record.victims, record.mission.victims),
+    ),
+    Topic(
+        "/mission/areas",
+        "robotteamsim/Areas",
+        When.CHANGE,
+        lambda source, record: (source.setup.scenario.mission.areas, record.mission),
+        areas,
+        latched=True,
+        version=lambda record: (record.mission.explored, record.mission.target_area),
+    ),
+)

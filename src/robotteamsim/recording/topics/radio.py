@@ -1,0 +1,205 @@
+"""The topics of voices, of messages between robots, and of their network."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from robotteamsim.message_parts import MAP_FRAME, Make, header, point
+from robotteamsim.network.compact import CompactLinks
+from robotteamsim.network.messages import Message, NetworkState, Traffic
+from robotteamsim.propagation import FieldMap
+from robotteamsim.recording.topics.base import Source, Topic, When, field_map, field_map_picture, read_point
+from robotteamsim.scenario.sensors.base import expect_within
+from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.simulation import StepRecord
+
+LOUDEST_DB = 1e6
+
+
+def voice(make: Make, time_ns: int, reading: VoiceReading) -> Any:
+    """robotteamsim/Voice."""
+    return make(
+        "robotteamsim/Voice",
+        header=header(make, time_ns, MAP_FRAME),
+        level_db=float(reading.level_db),
+        heard=bool(reading.heard),
+        local_best=point(make, reading.local_best_m),
+        local_best_level_db=float(reading.local_best_level_db),
+    )
+
+
+def read_voice(message: Any) -> VoiceReading:
+    """Return what a robot hears. Raises: ValueError: impossible levels or places."""
+    expect_within("level_db", message.level_db, 0.0, LOUDEST_DB)
+    expect_within("local_best_level_db", message.local_best_level_db, 0.0, LOUDEST_DB)
+    place_m = read_point("local_best", message.local_best)
+    return VoiceReading(message.level_db, bool(message.heard), place_m, message.local_best_level_db)
+
+
+def radio_map_picture(make: Make, time_ns: int, field: FieldMap) -> Any:
+    """nav_msgs/OccupancyGrid of a map of signal strengths, for rviz: 0 at -100 dBm and below, 100 at 0 dBm."""
+    return field_map_picture(make, time_ns, FieldMap(field.origin_m, field.resolution_m, field.values + 100.0))
+
+
+def network_messages(make: Make, time_ns: int, messages: Iterable[Message]) -> Any:
+    """robotteamsim/NetworkMessages, of `network/tx` and `network/rx`."""
+    return make(
+        "robotteamsim/NetworkMessages",
+        header=header(make, time_ns, ""),
+        messages=[
+            make("robotteamsim/NetworkMessage", sender=m.sender, receiver=m.receiver, payload=m.payload)
+            for m in messages
+        ],
+    )
+
+
+def read_network_messages(message: Any, num_robots: int) -> list[Message]:
+    """Return the messages of `network/tx` or `network/rx`, in their order. Raises: ValueError: unknown ids."""
+    for one in message.messages:
+        if not 0 <= one.sender < num_robots or not -1 <= one.receiver < num_robots:
+            raise ValueError(f"a message from {one.sender} to {one.receiver}; expected ids below {num_robots}")
+    return [Message(one.sender, one.receiver, one.payload) for one in message.messages]
+
+
+def read_outbox(message: Any, robot_id: int, num_robots: int) -> list[Message]:
+    """Return the messages of a robot's `network/tx`. Raises: ValueError: unknown ids, or another sender."""
+    sent = read_network_messages(message, num_robots)
+    for one in sent:
+        if one.sender != robot_id:
+            raise ValueError(f"a message from {one.sender}; expected only from {robot_id}")
+    return sent
+
+
+def network_state(make: Make, time_ns: int, network: NetworkState) -> Any:
+    """robotteamsim/NetworkState."""
+    return make(
+        "robotteamsim/NetworkState",
+        header=header(make, time_ns, MAP_FRAME),
+        num_robots=len(network.adjacency),
+        rssi_dbm=network.rssi_dbm.ravel(),
+        link=network.link.ravel(),
+        adjacency=network.adjacency.astype(np.uint8).ravel(),
+        hop_count=network.hop_count.astype(np.int32).ravel(),
+        break_matrix=network.break_matrix.ravel(),
+        fiedler_value=float(network.fiedler_value),
+        swarm_connectivity=float(network.swarm_connectivity),
+        endangered=network.endangered.astype(np.uint8).ravel(),
+        num_endangered=network.num_endangered,
+        **_traffic(network.traffic),
+    )
+
+
+def network_links(make: Make, time_ns: int, links: CompactLinks) -> Any:
+    """robotteamsim/NetworkLinks."""
+    first, second = (np.ascontiguousarray(ids, dtype=np.uint32) for ids in links.weakened.T)
+    return make(
+        "robotteamsim/NetworkLinks",
+        header=header(make, time_ns, MAP_FRAME),
+        num_robots=len(links.present),
+        present=links.present.astype(np.uint8),
+        adjacency=links.adjacency.ravel(),
+        endangered=links.endangered.ravel(),
+        num_links=links.num_links,
+        num_endangered=links.num_endangered,
+        fiedler_value=float(links.fiedler_value),
+        swarm_connectivity=float(links.swarm_connectivity),
+        weakened_first=first,
+        weakened_second=second,
+        weakened_rssi_dbm=links.weakened_rssi_dbm,
+        **_traffic(links.traffic),
+    )
+
+
+def _traffic(traffic: Traffic) -> dict[str, Any]:
+    """Return the attributes that NetworkState and NetworkLinks have for the messages of a step."""
+    return {
+        "delivered": traffic.delivered,
+        "lost": traffic.lost,
+        "cut_off": traffic.cut_off,
+        "mean_delay_s": float(traffic.mean_delay_s),
+        "refused_senders": np.array([refusal.sender for refusal in traffic.refused], dtype=np.uint32),
+        "refused_bytes": np.array([refusal.num_bytes for refusal in traffic.refused], dtype=np.uint32),
+        "max_message_bytes": traffic.refused[0].limit_bytes if traffic.refused else 0,
+    }
+
+
+VOICE = Topic(
+    "voice",
+    "robotteamsim/Voice",
+    When.STEP,
+    lambda _, step, i: (step.voices[i],),
+    voice,
+    read=lambda message, *_: read_voice(message),
+)
+INBOX = Topic(
+    "network/rx",
+    "robotteamsim/NetworkMessages",
+    When.STEP,
+    lambda _, step, i: (step.inboxes[i],),
+    network_messages,
+    read=lambda message, setup, _: read_network_messages(message, setup.scenario.team_size),
+)
+HEARD_TOPICS = (VOICE, INBOX)
+"""What a robot hears and receives."""
+
+RADIO_MAP = Topic(
+    "radio_map/values",
+    "robotteamsim/FloatMap",
+    When.REQUEST,
+    lambda _, signals, __: (signals, "rssi", "dBm"),
+    field_map,
+    in_bags=False,
+)
+RADIO_MAP_TOPICS = (
+    Topic(
+        "radio_map",
+        "nav_msgs/OccupancyGrid",
+        When.REQUEST,
+        lambda _, signals, __: (signals,),
+        radio_map_picture,
+        in_bags=False,
+    ),
+    RADIO_MAP,
+)
+"""The signal of a robot over the floor: here, the step is that `FieldMap`."""
+
+
+def _voice_map(_: Source, record: StepRecord) -> tuple[FieldMap] | None:
+    return None if record.voice_map is None else (record.voice_map,)
+
+
+VOICE_MAP = Topic(
+    "/voice_map/values",
+    "robotteamsim/FloatMap",
+    When.CHANGE,
+    _voice_map,
+    partial(field_map, quantity="voice_level", unit="dB"),
+    latched=True,
+)
+VOICE_MAP_TOPICS = (
+    Topic("/voice_map", "nav_msgs/OccupancyGrid", When.CHANGE, _voice_map, field_map_picture, latched=True),
+    VOICE_MAP,
+)
+
+NETWORK_STATE = Topic(
+    "/network/state",
+    "robotteamsim/NetworkState",
+    When.STEP,
+    lambda _, record: (record.network,),
+    network_state,
+    is_in=lambda scenario: scenario.network.publish_matrices,
+)
+NETWORK_TOPICS = (
+    Topic(
+        "/network/links",
+        "robotteamsim/NetworkLinks",
+        When.STEP,
+        lambda source, record: (source.links.encode(record.network),),
+        network_links,
+    ),
+    NETWORK_STATE,
+)

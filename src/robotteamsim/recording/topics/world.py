@@ -1,0 +1,192 @@
+"""The topics of the world: time, map, doors, who is present, people, fire and smoke."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from robotteamsim.hazards import BURNING, BURNT_OUT, HazardField
+from robotteamsim.hazards.field import FARTHEST_SIGHT_M
+from robotteamsim.message_parts import MAP_FRAME, Make, header, point
+from robotteamsim.propagation import FieldMap
+from robotteamsim.recording.topics.base import Topic, When, field_map, occupancy_grid
+from robotteamsim.scenario.plan import OccupancyGrid
+from robotteamsim.scenario.published_map import published_map
+from robotteamsim.world.contract import Mishap
+from robotteamsim.world.doors import DoorStates
+from robotteamsim.world.people import PersonState
+
+MISHAPS: tuple[Mishap | None, ...] = (None, "tipped_over", "left_world")
+"""Each value of `mishaps` in robotteamsim/Robots."""
+BURNING_VALUE, BURNT_OUT_VALUE = 100, 50
+"""Values of cells in /fire/grid; others are 0."""
+
+
+class TeamPresence(msgspec.Struct, frozen=True):
+    """Which robots are present, and how often each has arrived, by id."""
+
+    present: tuple[bool, ...]
+    arrivals: tuple[int, ...]
+
+
+def clock(make: Make, time_ns: int) -> Any:
+    """rosgraph_msgs/Clock."""
+    return make("rosgraph_msgs/Clock", clock=make.time(time_ns))
+
+
+def doors(make: Make, time_ns: int, states: DoorStates) -> Any:
+    """robotteamsim/Doors."""
+    return make(
+        "robotteamsim/Doors",
+        header=header(make, time_ns, MAP_FRAME),
+        doors=[
+            make("robotteamsim/Door", name=name, closed=door.closed, opening=float(door.opening), motion=door.motion)
+            for name, door in states.items()
+        ],
+    )
+
+
+def read_doors(message: Any) -> Mapping[str, bool]:
+    """Return whether each door is closed, by name."""
+    return {door.name: bool(door.closed) for door in message.doors}
+
+
+def people(make: Make, time_ns: int, states: Sequence[PersonState]) -> Any:
+    """robotteamsim/People."""
+    return make(
+        "robotteamsim/People",
+        header=header(make, time_ns, MAP_FRAME),
+        people=[
+            make("robotteamsim/Person", name=one.name, position=point(make, one.position_m), motion=one.motion)
+            for one in states
+        ],
+    )
+
+
+def robots(
+    make: Make,
+    time_ns: int,
+    present: np.ndarray,
+    arrivals: Sequence[int],
+    mishaps: Mapping[int, Mishap] = MappingProxyType({}),
+    failed: Collection[int] = (),
+    loads: Mapping[int, str] = MappingProxyType({}),
+) -> Any:
+    """robotteamsim/Robots.
+
+    Args: present: bool, shape (n,).  mishaps, loads: by id.
+    """
+    numbers = [MISHAPS.index(mishaps.get(robot_id)) for robot_id in range(len(arrivals))] if mishaps else []
+    return make(
+        "robotteamsim/Robots",
+        header=header(make, time_ns, MAP_FRAME),
+        present=present.astype(np.uint8),
+        mishaps=np.array(numbers, dtype=np.uint8),
+        arrivals=np.array(arrivals, dtype=np.uint32),
+        failed_by_heat=np.array([robot_id in failed for robot_id in range(len(arrivals))], dtype=np.uint8),
+        loads=[loads.get(robot_id, "") for robot_id in range(len(arrivals))] if loads else [],
+    )
+
+
+def read_robots(message: Any, num_robots: int) -> TeamPresence:
+    """Return which robots are present. Raises: ValueError: another number of robots."""
+    for name in ("present", "arrivals"):
+        count = len(getattr(message, name))
+        if count != num_robots:
+            raise ValueError(f"{name}: {count} entries; expected {num_robots}")
+    return TeamPresence(tuple(map(bool, message.present)), tuple(message.arrivals))
+
+
+def fire_cells(field: HazardField) -> np.ndarray:
+    """Return the cells of /fire/grid, int8, shape (rows, cols)."""
+    cells = np.zeros(field.states.shape, dtype=np.int8)
+    cells[field.states == BURNING] = BURNING_VALUE
+    cells[field.states == BURNT_OUT] = BURNT_OUT_VALUE
+    return cells
+
+
+def smoke_cells(field: HazardField) -> np.ndarray:
+    """Return the cells of /smoke/grid, int8, shape (rows, cols): 0 for a visibility of 30 m, 100 for none."""
+    soot = field.fire.soot
+    extinction_per_m = np.maximum(soot.extinction_m2_g * field.soot_g_m3, soot.visibility_c / FARTHEST_SIGHT_M)
+    visibility_m = soot.visibility_c / extinction_per_m
+    return np.round(100.0 * (1.0 - visibility_m / FARTHEST_SIGHT_M)).astype(np.int8)
+
+
+def _hazards(name: str, type_name: str, message: Callable[[Make, int, HazardField], Any]) -> Topic:
+    return Topic(
+        name,
+        type_name,
+        When.FIRE,
+        lambda _, record: None if record.hazards is None else (record.hazards,),
+        message,
+        latched=True,
+        is_in=lambda scenario: scenario.fire is not None,
+    )
+
+
+def _hazard_grid(name: str, cells: Callable[[HazardField], np.ndarray]) -> Topic:
+    def message(make: Make, time_ns: int, field: HazardField) -> Any:
+        return occupancy_grid(make, time_ns, OccupancyGrid(field.origin_m, field.resolution_m, cells(field)))
+
+    return _hazards(name, "nav_msgs/OccupancyGrid", message)
+
+
+def _hazard_map(name: str, values: Callable[[HazardField], np.ndarray], quantity: str, unit: str) -> Topic:
+    def message(make: Make, time_ns: int, field: HazardField) -> Any:
+        numbers = FieldMap(field.origin_m, field.resolution_m, values(field))
+        return field_map(make, time_ns, numbers, quantity, unit)
+
+    return _hazards(name, "robotteamsim/FloatMap", message)
+
+
+CLOCK = Topic("/clock", "rosgraph_msgs/Clock", When.CLOCK, lambda *_: (), clock, latched=True)
+MAP = Topic(
+    "/map",
+    "nav_msgs/OccupancyGrid",
+    When.ONCE,
+    lambda source, _: (published_map(source.setup.scenario),),
+    occupancy_grid,
+    latched=True,
+    version=lambda _: 0,
+)
+DOORS = Topic(
+    "/world/doors",
+    "robotteamsim/Doors",
+    When.STEP,
+    lambda _, record: (record.doors,) if record.doors else None,
+    doors,
+    latched=True,
+    version=lambda record: record.doors.version,
+    read=lambda message, *_: read_doors(message),
+)
+ROBOTS = Topic(
+    "/world/robots",
+    "robotteamsim/Robots",
+    When.STEP,
+    lambda _, record: (record.present, record.arrivals, record.mishaps, record.failed, record.loads),
+    robots,
+    latched=True,
+    version=lambda record: record.team_version,
+    read=lambda message, setup, _: read_robots(message, setup.scenario.team_size),
+)
+PEOPLE = Topic(
+    "/world/people",
+    "robotteamsim/People",
+    When.STEP,
+    lambda _, record: (record.people,) if record.people else None,
+    people,
+    latched=True,
+    version=lambda record: record.people_version,
+    is_in=lambda scenario: scenario.moves_people,
+)
+FIRE = _hazard_grid("/fire/grid", fire_cells)
+TEMPERATURE = _hazard_map("/fire/temperature", lambda field: field.temperatures_c, "temperature", "degC")
+SMOKE = _hazard_grid("/smoke/grid", smoke_cells)
+SOOT = _hazard_map("/smoke/soot", lambda field: field.soot_g_m3, "soot", "g/m^3")
+WORLD_TOPICS = (DOORS, PEOPLE, FIRE, TEMPERATURE, SMOKE, SOOT)
+"""Topics of the record that need no mission. Time, map, presence and tf have a time of their own in a step."""

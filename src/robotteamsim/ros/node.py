@@ -1,0 +1,141 @@
+"""Start, log, parameters and end of a node."""
+
+import contextlib
+import logging
+import signal
+import sys
+import threading
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+import rosgraph
+import rospy
+
+from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.extras import missing_extra
+from robotteamsim.ros.launched import ParameterError
+
+MASTER_PERIOD_S = 0.2
+"""Interval of checks whether the master has started [s, wall]."""
+
+_KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
+
+__all__ = [
+    "ParameterError",
+    "end",
+    "is_running",
+    "on_shutdown",
+    "parameter",
+    "run",
+    "wait_for_shutdown",
+]
+
+logger = logging.getLogger(__name__)
+
+
+class _Shutdown:
+    """Whether the node should stop, and what to close then."""
+
+    def __init__(self) -> None:
+        self._begun = threading.Event()
+        self._to_close: deque[Callable[[], None]] = deque()
+
+    def begin(self) -> None:
+        """Close everything; from any thread, and from a signal handler."""
+        self._begun.set()
+        with contextlib.suppress(IndexError):
+            while True:
+                self._to_close.popleft()()
+
+    def wait(self, timeout_s: float) -> bool:
+        """Wait until the node is shut down, with a timeout [s, wall]; return whether it was."""
+        return self._begun.wait(timeout_s)
+
+    def call(self, close: Callable[[], None]) -> None:
+        """Register a callback for the shutdown; it must not block, because a signal handler may call it."""
+        self._to_close.append(close)
+        if self._begun.is_set():
+            self.begin()
+
+
+_shutdown = _Shutdown()
+
+
+def run(name: str, serve: Callable[[], None]) -> None:
+    """Run a node until it is done or shut down; a user's mistake ends it with one line and status 2."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: _shutdown.begin())
+    _wait_for_master()
+    if not is_running():
+        return
+    # Nodes need no time but that of their messages.
+    rospy.init_node(name, disable_signals=True, disable_rostime=True)
+    rospy.on_shutdown(_shutdown.begin)
+    _forward_logging()
+    try:
+        serve()
+    except RobotTeamSimError as error:
+        if is_running():
+            logger.critical("%s", error)
+        sys.exit(2)
+    except ModuleNotFoundError as error:
+        line = missing_extra(error)
+        if line is None:
+            raise
+        logger.critical("%s", line)
+        sys.exit(1)
+    finally:
+        _shutdown.begin()
+        rospy.signal_shutdown("the node is done")
+
+
+def is_running() -> bool:
+    """Whether the node is running and not shutting down."""
+    return not _shutdown.wait(0.0)
+
+
+end = _shutdown.begin
+on_shutdown = _shutdown.call
+wait_for_shutdown = _shutdown.wait
+
+
+def parameter(name: str, default: Any) -> Any:
+    """Return a parameter of the type of its default. Raises: ParameterError."""
+    value = rospy.get_param(name, default)
+    if isinstance(default, float) and isinstance(value, int) and not isinstance(value, bool):
+        value = float(value)
+    if isinstance(default, str) and isinstance(value, int | float):
+        value = str(value)
+    if type(value) is not type(default):
+        raise ParameterError(f"{rospy.resolve_name(name)}: {value!r}; expected {_KINDS[type(default)]}")
+    return value
+
+
+def _wait_for_master() -> None:
+    if rosgraph.is_master_online():
+        return
+    sys.stderr.write(f"waiting for the ROS master at {rosgraph.get_master_uri()}\n")
+    while not _shutdown.wait(MASTER_PERIOD_S) and not rosgraph.is_master_online():
+        pass
+
+
+def _forward_logging() -> None:
+    """Send the package's log to the console and to rosout."""
+    package = logging.getLogger("robotteamsim")
+    package.addHandler(_Rosout())
+    package.setLevel(logging.INFO)
+    package.propagate = False
+
+
+class _Rosout(logging.Handler):
+    _LEVELS = (
+        (logging.CRITICAL, rospy.logfatal),
+        (logging.ERROR, rospy.logerr),
+        (logging.WARNING, rospy.logwarn),
+        (logging.INFO, rospy.loginfo),
+    )
+
+    def emit(self, record: logging.LogRecord) -> None:
+        log = next((log for number, log in self._LEVELS if record.levelno >= number), rospy.logdebug)
+        log(self.format(record))

@@ -1,0 +1,71 @@
+"""Runs the controllers of a team: all in one process, or each in its own. The scenario says how many there are."""
+
+import importlib
+import multiprocessing
+import os
+import signal
+import sys
+import threading
+from collections.abc import Sequence
+from multiprocessing.connection import wait as wait_for_any
+from multiprocessing.process import BaseProcess
+from typing import Any
+
+import rosgraph
+
+from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.message_parts import robot_name
+from robotteamsim.ros.launched import PARAMETERS, read_scenario
+
+
+def main() -> None:
+    """Run all controllers in this process, or fork one for each robot but the first, whose controller runs here."""
+    if _parameter(f"{PARAMETERS}/controllers", "nodes") == "team":
+        importlib.import_module("robotteamsim.ros.nodes.controller").main_of_team()
+        return
+    try:
+        num_robots = read_scenario(_parameter).team_size
+    except RobotTeamSimError:
+        num_robots = 1  # whose node reports the mistake
+    children = [_fork(robot_id) for robot_id in range(1, num_robots)]
+    threading.Thread(target=_end_with_any, args=(children,), daemon=True).start()
+    _run_controller(0)
+
+
+def _parameter(name: str, default: Any) -> Any:
+    try:
+        return rosgraph.Master("/controllers").getParam(name)
+    except rosgraph.MasterError:  # It is not set.
+        return default
+
+
+def _fork(robot_id: int) -> BaseProcess:
+    # The modules imported so far are shared in memory.
+    name = f"/{robot_name(robot_id)}/controller"
+    context = multiprocessing.get_context("fork")
+    child = context.Process(target=_run_child, args=(robot_id,), name=name, daemon=True)
+    child.start()
+    return child
+
+
+def _run_child(robot_id: int) -> None:
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    threading.Thread(target=_end_with_any, args=([parent],), daemon=True).start()
+    _run_controller(robot_id)
+
+
+def _end_with_any(processes: Sequence[Any]) -> None:
+    """End this process when one of the others has ended."""
+    ended = wait_for_any([process.sentinel for process in processes]) if processes else []
+    for process in processes:
+        if process.sentinel in ended:
+            sys.stderr.write(f"{process.name} has ended\n")
+            os.kill(os.getpid(), signal.SIGTERM)
+
+
+def _run_controller(robot_id: int) -> None:
+    """Become the node of a robot; rospy reads name and namespace when it is imported."""
+    os.environ["ROS_NAMESPACE"] = f"/{robot_name(robot_id)}"
+    sys.argv = [sys.argv[0], f"_robot_id:={robot_id}"]
+    importlib.import_module("robotteamsim.ros.nodes.controller").main()

@@ -1,0 +1,484 @@
+"""The node `simulation`: steps the simulation of a scenario and publishes its record."""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+
+import rospy
+from nav_msgs.srv import GetMap, GetMapResponse
+from rich.console import Console
+from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerRequest, TriggerResponse
+
+from robotteamsim import srv
+from robotteamsim.propagation import FieldMap
+from robotteamsim.recording import ResultWriter, TumWriter
+from robotteamsim.recording.table import print_totals
+from robotteamsim.recording.topics import Source
+from robotteamsim.recording.topics.radio import HEARD_TOPICS, RADIO_MAP
+from robotteamsim.recording.topics.world import CLOCK, DOORS, MAP
+from robotteamsim.ros.answers import CommandsByTopic, ControllersByTopic, ControllersInside
+from robotteamsim.ros.elsewhere import RobotsElsewhere, SensorsElsewhere
+from robotteamsim.ros.gate import FairLock, Gate, Pacer
+from robotteamsim.ros.inputs import Input
+from robotteamsim.ros.messages import RosTypes
+from robotteamsim.ros.motion import StepMotion
+from robotteamsim.ros.node import ParameterError, is_running, on_shutdown, parameter, run, wait_for_shutdown
+from robotteamsim.ros.nodes.requests import check_noise, check_victim, pose_of, set_object
+from robotteamsim.ros.outputs import (
+    RADIO_MAP_RESOLUTION_M,
+    RadioMapOutputs,
+    RecordOutputs,
+    RobotOutputs,
+    TeamOutputs,
+    output_of,
+)
+from robotteamsim.ros.services import command
+from robotteamsim.ros.settings import SEED, Settings, read_settings
+from robotteamsim.ros.stage import StageRequests
+from robotteamsim.ros.topics import Output
+from robotteamsim.sensing.robots import RobotSensors
+from robotteamsim.simulation import Observer, Simulation, StepRecord, TeamInputs
+from robotteamsim.simulation.trial import Trial
+from robotteamsim.world.making import make_world
+
+logger = logging.getLogger(__name__)
+
+SERVICE_TIMEOUT_S = 5.0
+"""A service waits this long for the current step [s, wall]."""
+START_TIMEOUT_S = 60.0
+"""Without lockstep, the simulation starts without controllers that have not started after this time [s, wall]."""
+START_NS = 1_000_000
+"""Time on the clock before the first step; in ROS, 0 means that there is no time yet."""
+QUIET_S = 1.0
+"""The simulation starts when there was no new subscriber for this time [s, wall]."""
+NAP_S = 0.1
+"""While waiting, the node checks at this interval whether the speed has changed [s, wall]."""
+PATIENCE_S = 0.02
+"""Without lockstep, a step waits this long for the answers of controllers [s, wall]."""
+FAREWELL_S = 0.5
+"""Time for the last messages to reach recorders before the node, and with it the launch, ends [s, wall]."""
+LAST_WORDS = (
+    "The mission has ended, and this ends the launch. roslaunch reports it in red, as 'REQUIRED process [simulation] "
+    "has died'; this is the normal end."
+)
+FINEST_M, COARSEST_M = 0.05, 10.0
+"""Range of the resolution of requested maps; a finer map would be a message of many megabytes."""
+
+
+def main() -> None:
+    """Run the node."""
+    run("simulation", lambda: SimulationNode(read_settings(report_s=0.0)).serve())
+
+
+class SimulationNode:
+    """Steps a simulation with the decisions of the team's controllers; services change it between two steps."""
+
+    def __init__(self, settings: Settings) -> None:
+        self._settings = settings
+        self._make = RosTypes()
+        self._stays = parameter("~stays", False) or not settings.mission
+        out = parameter("~out", "")
+        self._folder = Path(out).expanduser() if out else None
+        self._starts_paused = parameter("~paused", False)
+        self._motion = _motion(settings)
+        self._pacer = _pacer()
+        self._gate = Gate()
+        if self._starts_paused:
+            self._gate.pause(0.0)
+        on_shutdown(self._gate.close)
+        self._lock = FairLock()
+        self._robots = settings.setup.robots
+        self._elsewhere = RobotsElsewhere(settings) if settings.elsewhere else None
+        if self._elsewhere is not None:
+            on_shutdown(self._elsewhere.close)
+        self._controllers = self._make_controllers()
+        self._simulation = self._make_simulation()
+        self._last: StepRecord | None = None
+        self._commands = CommandsByTopic(settings, self._robots)
+        self._team = TeamOutputs(settings, localized=_is_localized())
+        heard = range(settings.num_robots if settings.mission else 0)
+        self._heard = RobotOutputs(HEARD_TOPICS, heard, settings)
+        self._radio_maps = RadioMapOutputs(settings, heard, self._radio_map)
+        self._record = RecordOutputs(settings)
+        self._begin()
+        self._requests = StageRequests(self._pacer.set_speed) if parameter("~stage_requests", False) else None
+        self._offer_services()
+        self._clock: Output | None = None
+        if not settings.is_another_world:
+            self._clock = output_of(CLOCK, settings)
+            self._offer_world()
+
+    def serve(self) -> None:
+        """Step until the mission has ended (or longer, with `~stays`), or the node is shut down."""
+        self._publish_clock(START_NS)
+        if isinstance(self._controllers, ControllersByTopic) and not self._settings.lockstep:
+            for name in self._controllers.wait_for_all(START_TIMEOUT_S):
+                logger.warning("starting without %s", name)
+        if self._starts_paused:
+            self._gate.wait()  # until clients that need the first step have subscribed
+        else:
+            self._wait_for_subscribers()
+        try:
+            self._serve()
+        finally:
+            self._trial.abandon()
+
+    def _serve(self) -> None:
+        while self._gate.wait():
+            if self._gate.reset_wanted:
+                self._reset()
+                self._gate.reset_done()
+                continue
+            stamp_ns = self._wait_for_step()
+            if not is_running():
+                return
+            if self._gate.reset_wanted:
+                continue
+            with self._lock:
+                record = self._step(stamp_ns)
+            has_ended = self._trial.result is not None
+            self._trial.add(record)  # before others see that it has ended, so that its files are complete
+            self._publish(record)
+            self._gate.passed()
+            if self._trial.result is not None and not has_ended and self._settings.mission:
+                self._report()
+                if not self._stays:
+                    wait_for_shutdown(FAREWELL_S)
+                    return
+
+    def _wait_for_step(self) -> int | None:
+        """Wait until the next step is due; return its stamp [ns] if the time is that of another world."""
+        if self._settings.is_another_world:
+            assert self._elsewhere is not None
+            stamp_ns = self._elsewhere.wait(self._is_present)
+            if self._elsewhere.has_jumped_back:
+                logger.warning("simulated time has jumped back: the mission starts again")
+                self._gate.reset_wanted = True
+            return stamp_ns
+        if self._motion is None:
+            self._tick(self._simulation.world.sim_time_ns)
+        return None
+
+    def _is_present(self, robot_id: int) -> bool:
+        return bool(self._simulation.world.present[robot_id])
+
+    def _step(self, stamp_ns: int | None) -> StepRecord:
+        simulation = self._simulation
+        if self._elsewhere is not None:
+            self._elsewhere.follow(simulation.world, stamp_ns)
+        simulation.command(self._commands.at(simulation.world.sim_time_ns))
+        if self._last is None and simulation.scenario.mission.autostart:
+            simulation.mission.start()  # as without ROS, before the schedule's first events
+        record = self._last = simulation.step()
+        for robot_id in range(self._settings.num_robots):
+            if not record.is_there(robot_id):
+                self._commands.stop(robot_id)
+        return record
+
+    def _publish_inputs(self, inputs: TeamInputs) -> None:
+        """Publish what the controllers need."""
+        if self._motion is not None:
+            self._made = inputs  # published after the ticks of this step
+            return
+        self._publish_sensed(inputs)
+
+    def _publish_sensed(self, inputs: TeamInputs) -> None:
+        simulation = self._simulation
+        self._record.publish_presence(inputs.sim_time_ns, simulation.world, simulation.hazards.failed)
+        self._team.publish(inputs)
+        self._heard.publish(inputs)
+        self._publish_clock(inputs.sim_time_ns)
+
+    def _publish(self, record: StepRecord) -> None:
+        """Publish the record of a step."""
+        time_ns = record.sim_time_ns
+        if self._motion is not None:
+            # The step is made when it begins, so its motion is known at each tick.
+            made = self._made
+            self._motion.add(made.readings.state.odometry, record.arrivals)
+            self._tick(time_ns - self._settings.step_ns, made)
+            self._publish_sensed(made)
+        self._record.publish(record)
+        with self._lock:
+            self._record.publish_objects(self._simulation.world)
+        self._radio_maps.publish(time_ns)
+        if self._settings.mission:
+            for event in record.events:
+                logger.info("%.1f s: %s", event.time_s, event.detail)
+
+    def _tick(self, from_ns: int, made: TeamInputs | None = None) -> None:
+        """Wait for the next step, and publish the ticks of the clock up to it. Args: made: that step, if it is made."""
+        ticks, step_ns = self._settings.scenario.run.physics_substeps, self._settings.step_ns
+        for tick in range(1, ticks + 1):
+            time_ns = from_ns + tick * step_ns // ticks
+            while (delay_s := self._delay_s(time_ns)) > 0.0 and self._gate.sleep(min(delay_s, NAP_S)):
+                pass
+            if tick < ticks:
+                if self._motion is not None and made is not None and self._motion.is_known:
+                    self._team.publish_motion(time_ns, self._motion.at(tick / ticks), made.present)
+                self._publish_clock(time_ns)
+
+    def _delay_s(self, time_ns: int) -> float:
+        """Return how long to wait [s, wall] until a time is due; 0 while a reset is wanted, which obeys no pace."""
+        return 0.0 if self._gate.reset_wanted else self._pacer.delay_s(time_ns)
+
+    def _patience_s(self) -> float:
+        """Return how long a step waits for answers [s, wall]: not longer than until the next tick."""
+        next_ns = self._simulation.world.sim_time_ns + self._settings.step_ns
+        return PATIENCE_S if self._pacer.is_flat_out else min(PATIENCE_S, self._pacer.delay_s(next_ns))
+
+    def _wait_for_subscribers(self) -> None:
+        """Wait until there are no new subscribers, because a recorder must get the first step, too."""
+        connected = -1
+        while connected != (now_connected := self._team.num_subscribers):
+            connected = now_connected
+            self._gate.sleep(QUIET_S)
+
+    def _make_controllers(self) -> ControllersByTopic | ControllersInside:
+        if self._settings.controllers == "inside":
+            return ControllersInside(self._settings, self._publish_inputs)
+        controllers = ControllersByTopic(self._settings, self._publish_inputs, self._patience_s)
+        on_shutdown(controllers.close)
+        return controllers
+
+    def _make_simulation(self) -> Simulation:
+        setup, scenario = self._settings.setup, self._settings.scenario
+        world, sensors = make_world(scenario, self._robots), None
+        if self._elsewhere is not None:
+            sensors = SensorsElsewhere(RobotSensors(world, self._robots, scenario.run.seed), self._elsewhere)
+        return Simulation(setup, world=world, sensors=sensors, controllers=self._controllers)
+
+    def _begin(self) -> None:
+        """Begin a trial, and publish its state before the first step."""
+        recorders: list[Observer] = []
+        if self._folder is not None:
+            # mission.json is written last: if it exists, the rest is complete.
+            recorders = [TumWriter(self._folder / "trajectories"), ResultWriter(self._folder)]
+        simulation = self._simulation
+        self._trial = Trial(simulation.setup, recorders)
+        self._last = None
+        self._record.restart()
+        self._radio_maps.restart()
+        self._record.publish_beginning(simulation)
+
+    def _reset(self) -> None:
+        # Before stamps jump back, which makes the controllers start again.
+        rospy.set_param(SEED, str(self._settings.scenario.run.seed))
+        if self._motion is not None:
+            self._motion.clear()
+        if self._elsewhere is not None:
+            self._elsewhere.restart()
+        with self._lock:
+            self._trial.abandon()
+            self._controllers.restart(self._settings)
+            self._simulation = self._make_simulation()
+            for robot_id in range(self._settings.num_robots):
+                self._commands.stop(robot_id)
+            self._begin()
+        self._publish_clock(START_NS)
+        logger.info("the world is reset")
+
+    def _report(self) -> None:
+        result = self._trial.result
+        assert result is not None
+        console = Console()
+        print_totals(console, result, [self._folder])  # The events were logged when they happened.
+        if not self._stays:
+            console.print(LAST_WORDS, soft_wrap=True, markup=False, highlight=False)
+
+    def _publish_clock(self, time_ns: int) -> None:
+        if self._clock is not None:
+            self._clock.publish(CLOCK.message(self._make, time_ns))
+
+    def _offer_world(self) -> None:
+        """Offer what another world would offer itself: its map, time and bodies."""
+        (grid,) = MAP.messages(self._make, 0, MAP.values(Source(self._settings.setup), None))
+        self._map = output_of(MAP, self._settings)
+        self._map.publish(grid)
+        self._static_map = rospy.Service("/static_map", GetMap, lambda _: GetMapResponse(map=grid))
+        self._reset_service = rospy.Service("/reset_positions", Empty, self._reset_positions)
+        locked = partial(command, lock=self._lock)
+        self._of_world = (
+            command("/pause", Trigger, self._pause),
+            command("/resume", Trigger, self._resume),
+            command("/step", srv.Step, self._make_steps),
+            command("/reset", Trigger, self._restart),
+            command("/reset_seed", srv.ResetSeed, self._reset_seed),
+            command("/set_speed", srv.SetSpeed, lambda request: self._pacer.set_speed(request.speed)),
+            locked("/set_pose", srv.SetPose, self._set_pose),
+            locked("/set_object", srv.SetObject, self._set_object),
+            locked("/remove_object", srv.RemoveObject, self._remove_object),
+            locked("/lift_object", srv.LiftObject, self._lift_object),
+            locked("/drop_object", srv.DropObject, lambda request: self._simulation.drop_object(request.robot_id)),
+            locked("/set_light", srv.SetLight, lambda request: self._simulation.set_light(request.name, request.lit)),
+            locked("/ignite", srv.Ignite, self._ignite),
+        )
+
+    def _offer_services(self) -> None:
+        locked = partial(command, lock=self._lock)
+        self._services = (
+            locked("/spawn_robot", srv.SpawnRobot, self._spawn_robot),
+            locked("/remove_robot", srv.RemoveRobot, lambda request: self._simulation.remove_robot(request.robot_id)),
+            command("/set_door", srv.SetDoor, self._set_door),
+            locked("/set_noise", srv.SetNoise, self._set_noise),
+            locked("/set_victim", srv.SetVictim, self._set_victim),
+        )
+        if self._settings.mission:
+            self._get_radio_map = rospy.Service("/get_radio_map", srv.GetRadioMap, self._serve_get_radio_map)
+            self._of_mission = [
+                rospy.Service(f"/mission/{name}", Trigger, self._server_of(name))
+                for name in ("start", "pause", "resume", "abort")
+            ]
+        if self._settings.is_another_world:
+            Input.of(DOORS, self._settings).listen(self._follow_doors)
+
+    def _follow_doors(self, _: str, __: int, doors: Mapping[str, bool]) -> None:
+        """Open and close the doors that another world has opened and closed."""
+        with self._lock:
+            states = self._simulation.world.door_states()
+            for name, closed in doors.items():
+                if name in states and states[name].closed != closed:
+                    self._simulation.set_door(name, closed)
+
+    def _radio_map(self, robot_id: int, resolution_m: float) -> tuple[int, FieldMap] | None:
+        """Return stamp [ns] and radio map of a robot in the last step; None if there is no step or no robot."""
+        with self._lock:
+            record = self._last
+            if record is None or not record.is_there(robot_id):
+                return None
+            reading = record.readings[robot_id].ground_truth
+            radio_map = self._simulation.network.radio_map((reading.x_m, reading.y_m), resolution_m)
+            return record.sim_time_ns, radio_map
+
+    def _serve_get_radio_map(self, request: srv.GetRadioMapRequest) -> srv.GetRadioMapResponse:
+        resolution_m = request.resolution_m or RADIO_MAP_RESOLUTION_M
+        problem, found = self._problem_of(request.robot_id, resolution_m), None
+        if not problem:
+            found = self._radio_map(request.robot_id, resolution_m)
+            problem = self._absence_of(request.robot_id) if found is None else ""
+        if found is None:
+            return srv.GetRadioMapResponse(success=False, message=problem)
+        time_ns, radio_map = found
+        (message,) = RADIO_MAP.messages(self._make, time_ns, RADIO_MAP.values(None, radio_map, request.robot_id))
+        return srv.GetRadioMapResponse(success=True, map=message)
+
+    def _problem_of(self, robot_id: int, resolution_m: float) -> str:
+        """Return why there is no such radio map; empty if there may be one."""
+        if not 0 <= robot_id < self._settings.num_robots:
+            return f"robot_id: {robot_id}; expected 0 to {self._settings.num_robots - 1}"
+        if not FINEST_M <= resolution_m <= COARSEST_M:
+            return f"resolution_m: {resolution_m:g}; expected {FINEST_M:g} to {COARSEST_M:g}, or 0"
+        return ""
+
+    def _absence_of(self, robot_id: int) -> str:
+        if self._last is None:
+            return "no step has been taken yet"
+        return f"robot_id: {robot_id}; the robot is not present"
+
+    def _server_of(self, name: str) -> Callable[[TriggerRequest], TriggerResponse]:
+        def serve(_: TriggerRequest) -> TriggerResponse:
+            with self._lock:
+                mission = self._simulation.mission
+                before = mission.status.state
+                getattr(mission, name)()
+                after = mission.status.state
+            return TriggerResponse(success=before != after, message=f"the mission is {after}")
+
+        return serve
+
+    def _pause(self, _: object) -> str:
+        return "paused" if self._gate.pause(SERVICE_TIMEOUT_S) else "pausing after the current step"
+
+    def _resume(self, _: object) -> str:
+        self._gate.resume()
+        return "resumed"
+
+    def _make_steps(self, request: srv.StepRequest) -> None:
+        if request.steps == 0:
+            raise ValueError("steps: 0; expected at least 1")
+        if not self._gate.step(request.steps):
+            raise ValueError("the world is not paused")
+
+    def _restart(self, _: object) -> str:
+        return "reset" if self._gate.reset(SERVICE_TIMEOUT_S) else "the reset is still under way"
+
+    def _reset_seed(self, request: srv.ResetSeedRequest) -> str:
+        self._settings = self._settings.with_seed(request.seed)
+        return self._restart(request)
+
+    def _reset_positions(self, _: object) -> EmptyResponse:
+        with self._lock:
+            self._simulation.world.reset_positions()
+        return EmptyResponse()
+
+    def _set_pose(self, request: srv.SetPoseRequest) -> None:
+        self._simulation.world.set_pose(request.robot_id, pose_of(request))
+
+    def _spawn_robot(self, request: srv.SpawnRobotRequest) -> None:
+        self._simulation.spawn_robot(request.robot_id, None if request.at_start else pose_of(request))
+        self._commands.stop(request.robot_id)  # of its controller before the robot left
+
+    def _ignite(self, request: srv.IgniteRequest) -> None:
+        self._simulation.ignite((request.position.x, request.position.y))
+
+    def _set_door(self, request: srv.SetDoorRequest) -> None:
+        """Open or close a door; another world that has doors does it itself, and publishes it."""
+        if self._settings.is_another_world:
+            with contextlib.suppress(rospy.ServiceException):  # It has no doors.
+                answer = rospy.ServiceProxy("/world/set_door", srv.SetDoor)(request)
+                if not answer.success:
+                    raise ValueError(answer.message)
+                return
+        with self._lock:
+            self._simulation.set_door(request.name, request.closed)
+
+    def _set_noise(self, request: srv.SetNoiseRequest) -> None:
+        check_noise(request.noise_db)
+        self._simulation.set_noise_db(request.noise_db)
+
+    def _set_victim(self, request: srv.SetVictimRequest) -> None:
+        position_m = (request.position.x, request.position.y)
+        check_victim(self._settings.scenario, request.name, position_m)
+        self._simulation.set_victim(request.name, position_m)
+
+    def _set_object(self, request: srv.SetObjectRequest) -> None:
+        set_object(self._simulation.world, request)
+        self._record.publish_objects(self._simulation.world)  # a paused simulation makes no step, which would
+
+    def _lift_object(self, request: srv.LiftObjectRequest) -> None:
+        self._simulation.lift_object(request.robot_id, request.name)
+
+    def _remove_object(self, request: srv.RemoveObjectRequest) -> None:
+        self._simulation.world.remove_object(request.name)
+        self._record.publish_objects(self._simulation.world)
+
+
+def _is_localized() -> bool:
+    """Return whether tf has map -> odom of each robot."""
+    localization = parameter("~localization", "none")
+    if localization not in ("none", "ground_truth"):
+        raise ParameterError(f"~localization: {localization!r}; expected none or ground_truth")
+    return bool(localization == "ground_truth")
+
+
+def _motion(settings: Settings) -> StepMotion | None:
+    """Return the motion for odometry and tf at the rate of the clock; None: they are published per step."""
+    rate = parameter("~odometry", "step")
+    if rate not in ("step", "clock"):
+        raise ParameterError(f"~odometry: {rate!r}; expected step or clock")
+    if rate == "clock" and (settings.lockstep or settings.controllers != "none"):
+        with_what = "lockstep" if settings.lockstep else "controllers of this package, which need one odom per scan"
+        raise ParameterError(f"~odometry: clock does not work with {with_what}; expected step")
+    return StepMotion() if rate == "clock" else None
+
+
+def _pacer() -> Pacer:
+    speed = parameter("~speed", 1.0)
+    try:
+        return Pacer(speed)
+    except ValueError as error:
+        raise ParameterError(f"~speed: {error}") from None

@@ -1,0 +1,366 @@
+"""The topics that nodes publish: rows of `recording.topics`, and those of a team whose messages are made in bulk."""
+
+from __future__ import annotations
+
+import math
+import struct
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import partial
+from io import BytesIO
+from typing import Any, NamedTuple
+
+import numpy as np
+from tf2_msgs.msg import TFMessage
+from visualization_msgs.msg import MarkerArray
+
+from robotteamsim._core.sensing import OdometryState
+from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.interface import Decision
+from robotteamsim.mission.status import MissionStatus
+from robotteamsim.propagation import FieldMap
+from robotteamsim.recording.topics import RECORD_TOPICS, Changes, Source, Topic, When, robots
+from robotteamsim.recording.topics.decisions import COMMAND, DECISION_TOPICS, STAMPED_COMMAND
+from robotteamsim.recording.topics.mission import MISSION_TOPICS
+from robotteamsim.recording.topics.radio import RADIO_MAP_TOPICS, VOICE_MAP_TOPICS
+from robotteamsim.recording.topics.robots import BODY_TOPICS, ODOM, SCAN, TF, TRUTH
+from robotteamsim.recording.topics.world import DOORS, ROBOTS, WORLD_TOPICS
+from robotteamsim.ros.messages import RosTypes
+from robotteamsim.ros.scene.objects import object_markers
+from robotteamsim.ros.settings import Settings
+from robotteamsim.ros.stage import UnprefixedTypes
+from robotteamsim.ros.topics import Output, prepared_class
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings
+from robotteamsim.simulation import Simulation, StepRecord, TeamInputs
+from robotteamsim.world.contract import AnyWorld
+
+RADIO_MAP_RESOLUTION_M = 0.25
+RADIO_MAP_PERIOD_NS = 10**9
+
+_ORIGIN = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
+_HEADER_BYTES = 12
+"""Of number and stamp, with which a message with a header begins."""
+_NO_NUMBER = bytes(4)
+"""Of the headers within a message."""
+
+
+class Decided(NamedTuple):
+    """The part of a step that controllers publish: of the robots by their ids."""
+
+    sim_time_ns: int
+    present: Mapping[int, bool] | np.ndarray
+    decisions: Mapping[int, Decision] | Sequence[Decision]
+
+
+class _Sensed(NamedTuple):
+    """The part of a step that robots sense."""
+
+    sim_time_ns: int
+    present: np.ndarray
+    readings: Sequence[RobotReading] = ()
+
+
+StepInputs = TeamInputs | Decided | _Sensed
+
+_BULK = {TRUTH: 85 * 8, ODOM: 85 * 8, SCAN: 8}
+"""Topics whose messages are made in bulk, and the bytes of their numbers: pose, twist and covariances; two counts."""
+
+
+def output_of(topic: Topic, settings: Settings, robot_id: int | None = None) -> Output:
+    """Advertise a topic of the team or of a robot."""
+    name = topic.name if robot_id is None else settings.robot_topic(robot_id, topic.name)
+    # In lockstep a late subscriber must still get the step that all nodes wait for.
+    latched = topic.latched or (settings.lockstep and topic.when is When.STEP and topic is not TF)
+    return Output(name, RosTypes().message_class(topic.type_name), latched=latched)
+
+
+class RobotOutputs:
+    """Topics of several robots."""
+
+    def __init__(self, topics: Iterable[Topic], robot_ids: Iterable[int], settings: Settings) -> None:
+        """Advertise."""
+        self._make, self._source = RosTypes() if settings.prefix else UnprefixedTypes(), Source(settings.setup)
+        rows = tuple(topics)
+        self._outputs = [(topic, i, output_of(topic, settings, i)) for i in robot_ids for topic in rows]
+
+    def publish(self, step: StepInputs, only: Topic | None = None) -> None:
+        """Publish the messages of the present robots that somebody receives. Args: only: one of the topics."""
+        for topic, robot_id, output in self._outputs:
+            if step.present[robot_id] and output.wanted and only in (None, topic):
+                for message in self._messages(topic, step, robot_id):
+                    output.publish(message)
+
+    def _messages(self, topic: Topic, step: StepInputs, robot_id: int) -> Sequence[Any]:
+        return topic.messages(self._make, step.sim_time_ns, topic.values(self._source, step, robot_id))
+
+    @property
+    def num_subscribers(self) -> int:
+        """Number of connections."""
+        return sum(output.num_subscribers for *_, output in self._outputs)
+
+
+class DecisionOutputs:
+    """What the controllers of robots publish: `cmd_vel` only for robots that are not driven by hand."""
+
+    def __init__(self, settings: Settings, robot_ids: Sequence[int]) -> None:
+        """Advertise."""
+        rest = [topic for topic in DECISION_TOPICS if topic is not COMMAND]
+        self._outputs = [
+            RobotOutputs(rest if settings.is_driven_by_hand(robot_id) else DECISION_TOPICS, [robot_id], settings)
+            for robot_id in robot_ids
+        ]
+
+    def announce(self, robot_id: int) -> None:
+        """Publish that a robot's controller has started, before it answers any step."""
+        for outputs in self._outputs:
+            outputs.publish(Decided(0, {robot_id: True}, {robot_id: Decision()}), only=STAMPED_COMMAND)
+
+    def publish(self, decided: Decided) -> None:
+        """Publish the decisions of the present robots in a step."""
+        for outputs in self._outputs:
+            outputs.publish(decided)
+
+
+class TeamOutputs(RobotOutputs):
+    """What all robots sense, and their tf.
+
+    Odometry, ground truth, scans and tf are bytes made of the team's arrays. Everything but their stamps and numbers is
+    taken from messages that are made once.
+    """
+
+    def __init__(self, settings: Settings, *, localized: bool) -> None:
+        """Args: localized: whether tf also has map -> odom, without error."""
+        self._models = models = settings.setup.robots
+        self._here = [robot_id for robot_id in range(len(models)) if robot_id not in settings.elsewhere]
+        super().__init__(BODY_TOPICS, self._here, settings)
+        self._sensors = [
+            (i, sensor, {name: self._sensor_output(settings, i, name, kind) for name, kind in sensor.topics.items()})
+            for i in self._here
+            for sensor in models[i].sensors
+        ]
+        self._tf = output_of(TF, settings)
+        self._localized = localized
+        self._origins: Sequence[PoseReading] = ()
+        still = RobotReading(_ORIGIN.pose, _ORIGIN.twist, _ORIGIN, np.zeros(0, np.float32), in_contact=False)
+        begin = _Sensed(0, np.zeros(len(models), bool), [still] * len(models))
+        self._heads = {
+            topic: {i: _tail(super(TeamOutputs, self)._messages(topic, begin, i)[0], size) for i in self._here}
+            for topic, size in _BULK.items()
+        }
+        self._frames = {
+            i: [_tail(frame) for frame in robots.robot_transforms(self._make, 0, i, models[i], _ORIGIN)]
+            for i in self._here
+        }
+        self._numbers: dict[Topic, Any] = {}
+        """What follows each head, by topic and robot."""
+
+    def _sensor_output(self, settings: Settings, robot_id: int, name: str, type_name: str) -> Output:
+        return Output(settings.robot_topic(robot_id, name), self._make.message_class(type_name))
+
+    @property
+    def num_subscribers(self) -> int:
+        """Number of connections of the robots' topics."""
+        of_sensors = (output for *_, outputs in self._sensors for output in outputs.values())
+        return super().num_subscribers + sum(output.num_subscribers for output in of_sensors)
+
+    def publish(self, step: Any, only: Topic | None = None) -> None:
+        """Publish one step's readings of the present robots on topics with subscribers."""
+        readings: TeamReadings = step.readings
+        state = readings.state
+        self._numbers = {TRUTH: _odometry_rows(state.true_pose, state.true_twist), SCAN: readings.ranges_m}
+        self._numbers[ODOM] = _odometry_rows_of(state.odometry)
+        super().publish(step, only)
+        for i, sensor, outputs in self._sensors:
+            measured = readings.sensors.get(i, {})
+            if sensor.name in measured and any(output.wanted for output in outputs.values()):
+                for name, message in sensor.messages(self._make, step.sim_time_ns, i, measured[sensor.name]).items():
+                    outputs[name].publish(message)
+        if self._localized:
+            self._origins = [_origin(reading) for reading in readings]
+        self._publish_tf(step.sim_time_ns, state.odometry, step.present)
+
+    def publish_motion(self, time_ns: int, odometry: OdometryState, present: np.ndarray) -> None:
+        """Publish odometry and tf of a time between two steps."""
+        self._numbers[ODOM] = _odometry_rows_of(odometry)
+        super().publish(_Sensed(time_ns, present), only=ODOM)
+        self._publish_tf(time_ns, odometry, present)
+
+    def _messages(self, topic: Topic, step: StepInputs, robot_id: int) -> Sequence[Any]:
+        if topic not in self._heads:
+            return super()._messages(topic, step, robot_id)
+        numbers = self._numbers[topic][robot_id].tobytes()
+        if topic is SCAN:  # their number before the ranges, and no intensities after them
+            numbers = struct.pack("<I", len(numbers) // 4) + numbers + bytes(4)
+        kind = self._make.message_class(topic.type_name)
+        return [prepared_class(kind)(_stamp(step.sim_time_ns) + self._heads[topic][robot_id] + numbers)]
+
+    def _publish_tf(self, time_ns: int, odometry: OdometryState, present: np.ndarray) -> None:
+        if not self._tf.wanted:
+            return
+        head, parts, count = _NO_NUMBER + _stamp(time_ns), [], 0
+        poses = _plane_poses(odometry.pose)
+        here = [robot_id for robot_id in self._here if present[robot_id]]
+        for i in here:
+            first, *others = self._frames[i]
+            # The pose of the first one, odom -> base_footprint, are its last seven numbers.
+            parts += [head, first[:-56], poses[i].tobytes()]
+            for frame in others:
+                parts += [head, frame]
+            count += len(self._frames[i])
+        if self._localized:
+            parts += [_bytes(robots.localization(self._make, time_ns, i, self._origins[i])) for i in here]
+            count += len(here)
+        self._tf.publish(prepared_class(TFMessage)(b"".join((struct.pack("<I", count), *parts))))
+
+
+def _bytes(message: Any) -> bytes:
+    buffer = BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
+
+
+def _tail(message: Any, numbers: int = 0) -> bytes:
+    """Return a message without number and stamp, and without so many bytes at its end."""
+    data = _bytes(message)
+    return data[_HEADER_BYTES : len(data) - numbers]
+
+
+def _stamp(time_ns: int) -> bytes:
+    return struct.pack("<II", *divmod(time_ns, 10**9))
+
+
+def _plane_poses(poses: np.ndarray) -> np.ndarray:
+    """Return x, y, qz, qw as position and quaternion, shape (n, 7)."""
+    rows = np.zeros((len(poses), 7))
+    rows[:, [0, 1, 5, 6]] = poses
+    return rows
+
+
+def _odometry_rows(poses: np.ndarray, twists: np.ndarray) -> np.ndarray:
+    """Return the numbers of nav_msgs/Odometry, in its order, shape (n, 85)."""
+    rows = np.zeros((len(poses), 85))
+    rows[:, [0, 1, 5, 6]] = poses
+    rows[:, [43, 44, 48]] = twists
+    return rows
+
+
+def _odometry_rows_of(odometry: OdometryState) -> np.ndarray:
+    rows = _odometry_rows(odometry.pose, odometry.twist)
+    rows[:, 7:43] = robots.pose_covariances(odometry.pose_covariance)
+    rows[:, 49:] = robots.twist_covariances(odometry.twist_variances)
+    return rows
+
+
+def _origin(reading: RobotReading) -> PoseReading:
+    """Return the origin of a robot's odometry in `map`."""
+    if math.isnan(reading.ground_truth.x_m):
+        return _ORIGIN.pose  # of a robot that is not present; it is not published
+    return PoseReading.from_pose(reading.ground_truth.pose @ reading.odometry.pose.pose.inverse())
+
+
+class RadioMapOutputs:
+    """The signal of each robot over the floor."""
+
+    def __init__(
+        self,
+        settings: Settings,
+        robot_ids: Iterable[int],
+        radio_map: Callable[[int, float], tuple[int, FieldMap] | None],
+    ) -> None:
+        """Args: radio_map: returns stamp [ns] and map of a robot at a resolution [m] in the last step, if any."""
+        self._make, self._source = RosTypes(), Source(settings.setup)
+        self._radio_map = radio_map
+        keys = [(i, topic) for i in robot_ids for topic in RADIO_MAP_TOPICS]
+        self._outputs = {
+            key: Output(
+                settings.robot_topic(key[0], key[1].name),
+                self._make.message_class(key[1].type_name),
+                greeting=partial(self._message, *key),
+            )
+            for key in keys
+        }
+        self.restart()
+
+    def publish(self, time_ns: int) -> None:
+        """Publish the maps that are due, once a second, for subscribers; after the step."""
+        for key, output in self._outputs.items():
+            if output.wanted and time_ns >= self._due_ns[key] and (message := self._message(*key)) is not None:
+                output.publish(message)
+
+    def restart(self) -> None:
+        """Restart with the first step."""
+        self._due_ns = dict.fromkeys(self._outputs, 0)
+
+    def _message(self, robot_id: int, topic: Topic) -> Any:
+        found = self._radio_map(robot_id, RADIO_MAP_RESOLUTION_M)
+        if found is None:
+            return None
+        time_ns, signals = found
+        self._due_ns[robot_id, topic] = time_ns + RADIO_MAP_PERIOD_NS
+        return topic.messages(self._make, time_ns, topic.values(self._source, signals, robot_id))[0]
+
+
+class _Beginning(NamedTuple):
+    """What the mission's topics show before the first step."""
+
+    mission: MissionStatus
+    victims: Sequence[Any]
+    noise_db: float
+    voice_map: FieldMap
+    events: tuple[()] = ()
+
+
+class RecordOutputs:
+    """The topics of the team that show the record of a step."""
+
+    def __init__(self, settings: Settings) -> None:
+        """Advertise."""
+        self._settings = settings
+        self._make = RosTypes()
+        self._presence = output_of(ROBOTS, settings)
+        self._objects = Output("/world/objects", MarkerArray, latched=True)
+        scenario = settings.scenario
+        has_doors = scenario.plan.doors and not settings.is_another_world  # which publishes its own
+        self._outputs = {
+            topic: output_of(topic, settings)
+            for topic in (RECORD_TOPICS if settings.mission else WORLD_TOPICS)
+            if topic.is_in(scenario) and (topic is not DOORS or has_doors)
+        }
+        self.restart()
+
+    def restart(self) -> None:
+        """Restart with the first step."""
+        self._source, self._changes = Source(self._settings.setup), Changes()
+        self._shown_objects: tuple[Any, ...] = ()
+
+    def publish_beginning(self, simulation: Simulation) -> None:
+        """Publish what there is before the first step; stamp 0 tells controllers that time starts again."""
+        self.publish_presence(0, simulation.world, ())
+        self.publish_objects(simulation.world)
+        if self._settings.mission:
+            mission, voice_map = simulation.mission, simulation.hearing.sensor.map()
+            beginning = _Beginning(mission.status, mission.victims, mission.noise_db, voice_map)
+            self._publish((*MISSION_TOPICS, *VOICE_MAP_TOPICS), 0, beginning)
+
+    def publish_presence(self, time_ns: int, world: AnyWorld, failed: Sequence[int] | frozenset[int]) -> None:
+        """Publish which robots are present."""
+        values = world.present, world.arrivals, world.mishaps, failed, world.loads
+        self._presence.publish(ROBOTS.message(self._make, time_ns, *values))
+
+    def publish_objects(self, world: AnyWorld) -> None:
+        """Publish all objects, unless nothing has changed."""
+        objects, poses = world.object_models(), tuple(world.objects().values())
+        if (objects, poses) != self._shown_objects:
+            replace = not self._shown_objects or objects != self._shown_objects[0]
+            self._objects.publish(object_markers(objects, poses, replace=replace))
+            self._shown_objects = objects, poses
+
+    def publish(self, record: StepRecord) -> None:
+        """Publish the record of a step."""
+        self._publish(self._outputs, record.sim_time_ns, record)
+
+    def _publish(self, topics: Iterable[Topic], time_ns: int, step: Any) -> None:
+        for topic in topics:
+            # Without a receiver no message is made: /network/links has the pairs that weakened since the last one.
+            if self._outputs[topic].wanted and (topic.when is not When.CHANGE or self._changes.note(topic, step)):
+                for message in topic.messages(self._make, time_ns, topic.values(self._source, step)):
+                    self._outputs[topic].publish(message)

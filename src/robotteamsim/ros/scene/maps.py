@@ -1,0 +1,119 @@
+"""Maps in the 3D scene: voice, fire and smoke as coloured layers over the floor."""
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+
+import contourpy
+import numpy as np
+import shapely
+from nav_msgs.msg import OccupancyGrid
+from scipy import ndimage
+from visualization_msgs.msg import Marker
+
+from robotteamsim import msg, palette
+from robotteamsim.recording.topics.world import BURNING_VALUE, BURNT_OUT_VALUE
+from robotteamsim.ros.scene.building import CONTOUR_LAYER, SMOKE_LAYER, VOICE_LAYER, VOICE_Z_M
+from robotteamsim.ros.scene.shapes import Colour, Mesh, Position, colour, drawn_below, lines
+
+FINEST_CELL_M, LOUDEST_DB = 0.01, 300.0
+MAX_CELLS = 12_000
+"""Largest number of cells; a finer map is thinned, because a marker is a list of points and not an image."""
+Scale = Sequence[tuple[float, Colour]]
+"""Ascending values and their colours."""
+
+VOICE: Scale = [
+    (level_db, colour(code, opacity))
+    for (level_db, code), opacity in zip(palette.VOICE, (0.40, 0.50, 0.60, 0.68, 0.75), strict=True)
+]
+FADE_DB = 8.0
+"""The voice layer fades out over this range above the noise, so that its edge does not show the cells."""
+CONTOUR_SPACING_DB = 10.0
+CONTOUR = colour(palette.VOICE_CONTOUR, 0.25)
+PILLAR_M = 1.5
+"""Smaller silent holes are filled: pillars would tear the layer."""
+FIRE: Scale = [
+    (0.0, colour(palette.CHAR, 0.0)),
+    (BURNT_OUT_VALUE, colour(palette.CHAR, 0.9)),
+    (BURNING_VALUE, colour(palette.FLAME, 0.95)),
+]
+SMOKE: Scale = [(0.0, colour(palette.SMOKE, 0.0)), (100.0, colour(palette.SMOKE, 0.72))]
+SMOKE_Z_M, FIRE_Z_M = 0.6, 0.65
+"""Smoke is a sheet above the robots, from which people stand out; it does not hide fire [m]."""
+
+
+def voice_markers(voice: msg.FloatMap) -> list[Marker]:
+    """Return a voice map with a contour every 10 dB; nothing without voices. Raises: ValueError."""
+    levels_db = np.reshape(voice.data, (voice.height, voice.width))
+    if not (voice.resolution_m >= FINEST_CELL_M and ((levels_db >= 0.0) & (levels_db <= LOUDEST_DB)).all()):
+        raise ValueError(f"expected cells of at least {FINEST_CELL_M:g} m and levels of 0 to {LOUDEST_DB:g} dB")
+    if min(levels_db.shape) < 2 or not (levels_db > 0.0).any():
+        return []
+    closed_db = ndimage.grey_closing(levels_db, size=math.ceil(PILLAR_M / voice.resolution_m))
+    levels_db = np.where(levels_db > 0.0, levels_db, closed_db)
+    faintest_db = levels_db[levels_db > 0.0].min()
+    x_m = _centers_m(voice.origin.x, voice.width, voice.resolution_m)
+    y_m = _centers_m(voice.origin.y, voice.height, voice.resolution_m)
+    fade = np.clip((levels_db - faintest_db) / FADE_DB, 0.0, 1.0)
+    layer = _layer("voice", x_m, y_m, levels_db, VOICE, VOICE_Z_M, fade)
+    contours = lines("contours", 0, _contours(x_m, y_m, levels_db, faintest_db), 0.05)
+    return [drawn_below(layer, VOICE_LAYER), drawn_below(contours, CONTOUR_LAYER)]
+
+
+def fire_markers(grid: OccupancyGrid) -> list[Marker]:
+    """Return the cells that burn or have burnt. Raises: ValueError."""
+    return _grid_markers("fire", grid, FIRE, FIRE_Z_M)
+
+
+def smoke_markers(grid: OccupancyGrid) -> list[Marker]:
+    """Return smoke, more opaque where one sees less far. Raises: ValueError."""
+    return [drawn_below(item, SMOKE_LAYER) for item in _grid_markers("smoke", grid, SMOKE, SMOKE_Z_M)]
+
+
+def _grid_markers(name: str, grid: OccupancyGrid, scale: Scale, z_m: float) -> list[Marker]:
+    info, values = grid.info, np.reshape(grid.data, (grid.info.height, grid.info.width))
+    x_m = _centers_m(info.origin.position.x, info.width, info.resolution)
+    y_m = _centers_m(info.origin.position.y, info.height, info.resolution)
+    return [_layer(name, x_m, y_m, values, scale, z_m)] if (values > 0).any() else []
+
+
+def _centers_m(start_m: float, count: int, resolution_m: float) -> np.ndarray:
+    return start_m + (np.arange(count) + 0.5) * resolution_m
+
+
+def _layer(
+    name: str,
+    x_m: np.ndarray,
+    y_m: np.ndarray,
+    values: np.ndarray,
+    scale: Scale,
+    z_m: float,
+    fade: np.ndarray | float = 1.0,
+) -> Marker:
+    """Return quadrilaterals between the centres of neighbouring cells, so that colours blend. Zeros are transparent."""
+    limits, colours = zip(*scale, strict=True)
+    tints = np.stack([np.interp(values, limits, part) for part in zip(*colours, strict=True)], axis=-1)
+    tints[..., 3] *= fade
+    every = slice(None, None, math.ceil(math.sqrt(values.size / MAX_CELLS)))
+    shown, xs, ys = values[every, every] > 0.0, x_m[every].tolist(), y_m[every].tolist()
+    tint: list[list[Colour]] = tints[every, every].tolist()
+    mesh = Mesh()
+    for i, j in np.argwhere(shown[:-1, :-1] | shown[:-1, 1:] | shown[1:, :-1] | shown[1:, 1:]).tolist():
+        around = ((i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j))
+        mesh.quad([(xs[column], ys[row], z_m) for row, column in around], [tint[row][column] for row, column in around])
+    result = mesh.marker(name, 0)
+    result.color.a = 0.99  # rviz blends only what is not opaque
+    return result
+
+
+def _contours(
+    x_m: np.ndarray, y_m: np.ndarray, levels_db: np.ndarray, faintest_db: float
+) -> Iterator[tuple[Position, Position, Colour]]:
+    """Yield the contour at the noise level, and one at every multiple of 10 dB above it."""
+    generator = contourpy.contour_generator(x_m, y_m, levels_db)
+    first = math.floor(faintest_db / CONTOUR_SPACING_DB) + 1
+    for level_db in (0.9 * faintest_db, *np.arange(first * CONTOUR_SPACING_DB, levels_db.max(), CONTOUR_SPACING_DB)):
+        for line in generator.lines(level_db):
+            smooth = shapely.LineString(np.asarray(line)).simplify(0.5 * (x_m[1] - x_m[0]))
+            for start, end in itertools.pairwise(smooth.coords):
+                yield (*start, VOICE_Z_M + 0.004), (*end, VOICE_Z_M + 0.004), CONTOUR

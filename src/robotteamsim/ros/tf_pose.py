@@ -1,0 +1,69 @@
+"""Where a robot is according to tf, and since when that is unknown. Independent of ROS."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from robotteamsim.geometry import Pose, PoseReading
+from robotteamsim.recording.topics.base import check_place
+
+MAP = "map"
+
+
+class Transforms(Protocol):
+    """The source of transforms, such as `transforms.TfTransforms`."""
+
+    def newest(self, target: str, source: str) -> tuple[tuple[int, float, float, float] | None, str]:
+        """Return stamp [ns], x, y [m] and yaw [rad] of the source frame in the target frame; or None and the reason."""
+
+    def clear(self) -> None:
+        """Forget all transforms but static ones."""
+
+
+class TfPose:
+    """The pose of one robot, `map` -> `robot_<id>/base_link`."""
+
+    def __init__(self, transforms: Transforms, robot_name: str, timeout_s: float) -> None:
+        """Args: timeout_s: without a new transform for this time, the robot is lost [s]."""
+        self._transforms = transforms
+        self._frame = f"{robot_name}/base_link"
+        self._timeout_s = timeout_s
+        self.name = f"{MAP} -> {self._frame}"
+        """The transform, in messages."""
+        self.reason = ""
+        """Why there was no transform in the last step; "" if there was one."""
+        self.restart()
+
+    def restart(self) -> None:
+        """Restart with the first step, because time has jumped back."""
+        self.newest: PoseReading | None = None
+        """The newest pose, which is the last one while the robot is lost; None before the first one."""
+        self._tf_ns = -1
+        self._seen_ns: int | None = None
+
+    def follow(self, step_ns: int) -> str:
+        """Look the pose up in a step with this stamp; return in one line why the robot is lost, "" if it is not.
+
+        Clocks of robots may differ: a transform from the future counts from the step in which it arrived.
+        """
+        found, self.reason = self._transforms.newest(MAP, self._frame)
+        if found is not None:
+            self._note(step_ns, *found)
+        if self._seen_ns is None:
+            self._seen_ns = step_ns  # waits from the first step on
+        if step_ns - self._seen_ns < round(self._timeout_s * 1e9):
+            return ""
+        return f"/tf: no transform {self.name} for {self._timeout_s:g} s (control.tf_timeout_s)"
+
+    def _note(self, step_ns: int, tf_ns: int, x_m: float, y_m: float, yaw_rad: float) -> None:
+        try:
+            check_place("position", x_m, y_m)
+        except ValueError as error:
+            self.reason = str(error)
+            return
+        if tf_ns == 0:  # static
+            self._seen_ns = step_ns
+        elif tf_ns != self._tf_ns:
+            self._seen_ns = min(tf_ns, step_ns)
+        self._tf_ns = tf_ns
+        self.newest = PoseReading.from_pose(Pose(x_m, y_m, yaw_rad))

@@ -1,1 +1,0 @@
-"""Subscribing, publishing, and waiting for the messages of one step."""

@@ -1,0 +1,63 @@
+"""A floor plan with what is computed from it, each thing once."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from typing import Any, Concatenate, ParamSpec, TypeVar
+
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.plan import OccupancyGrid, occupancy_grid
+
+Doors = tuple[tuple[str, bool], ...]
+"""Doors by name, and whether they are closed; those that are not listed are as in the plan."""
+
+_KEPT = 16
+"""Results of each function that are kept, the latest ones: doors and fire change maps again and again."""
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+class Building:
+    """A floor plan, and the grids, maps and graphs that robots of a trial share, and trials on the same plan."""
+
+    def __init__(self, plan: FloorPlan) -> None:
+        self.plan = plan
+        self._functions: dict[Callable[..., Any], Callable[..., Any]] = {}
+
+    def shared(self, make: Callable[Concatenate[Building, P], T], *arguments: P.args, **keys: P.kwargs) -> T:
+        """Return `make(building, *arguments)`, or its earlier result for equal arguments.
+
+        Args: make: depends on nothing but the plan and its arguments, which are hashable. Its result is not changed.
+        """
+        if make not in self._functions:
+            self._functions[make] = functools.lru_cache(_KEPT)(functools.partial(make, self))
+        result: T = self._functions[make](*arguments, **keys)
+        return result
+
+    def grid(self, resolution_m: float, doors: Doors = ()) -> OccupancyGrid:
+        """Return the occupancy grid, see `plan.occupancy_grid`; do not change it."""
+        return self.shared(_grid, resolution_m, doors)
+
+    def grid_without_doors(self, resolution_m: float) -> OccupancyGrid:
+        """Return the occupancy grid of walls and blocks alone; do not change it."""
+        return self.shared(_grid_without_doors, resolution_m)
+
+
+@functools.lru_cache(maxsize=8)
+def building_of(plan: FloorPlan) -> Building:
+    """Return the building of a plan, which all simulations in a process share: only the first one computes its maps."""
+    return Building(plan)
+
+
+def _grid(building: Building, resolution_m: float, doors: Doors) -> OccupancyGrid:
+    grid = occupancy_grid(building.plan, resolution_m, dict(doors))
+    grid.cells.flags.writeable = False
+    return grid
+
+
+def _grid_without_doors(building: Building, resolution_m: float) -> OccupancyGrid:
+    grid = occupancy_grid(building.plan.model_copy(update={"doors": ()}), resolution_m)
+    grid.cells.flags.writeable = False
+    return grid

@@ -1,0 +1,80 @@
+"""What all controllers have in common. Each family of controllers is one file: their keys, and the class of each.
+
+A controller that is added is one class here below `Control`, and one line in `scenario.controllers.AnyControl`.
+"""
+
+from __future__ import annotations
+
+from typing import ClassVar, Literal, TypeVar, get_args
+
+from pydantic import Field
+
+from robotteamsim.scenario.base import Model
+from robotteamsim.scenario.controllers.driving import NavigatorTuning, WanderTuning
+
+Kind = TypeVar("Kind", bound="Control")
+
+
+class Control(Model):
+    """The keys of every controller; firefighters and relays use them, too.
+
+    controller: the class that reads the keys, as module:Class; it is imported when a mission needs it.
+    patrols:    whether it visits the vertices of `mission.patrol`, whose idleness is then measured.
+    """
+
+    controller: ClassVar[str] = ""
+    patrols: ClassVar[bool] = False
+
+    algorithm: str = Field(description="name of the controller")
+    iteration_s: float = Field(default=1.0, gt=0.0, le=60.0, description="period of the swarm's iterations [s]")
+    max_step_speed_mps: float = Field(default=0.58, gt=0.0, le=10.0, description="limit of the swarm velocity [m/s]")
+    navigation: Literal["path", "straight"] = Field(
+        default="path", description="distances and directions along free paths of the known map, or in a straight line"
+    )
+    localisation: Literal["ground_truth", "odometry", "tf"] = Field(
+        default="ground_truth",
+        description="source of the robot's pose; tf: transform map -> robot_<id>/base_link, only in ROS",
+    )
+    tf_timeout_s: float = Field(
+        default=0.3,
+        gt=0.0,
+        le=60.0,
+        description="with localisation tf, a robot without a new transform for this time stops [s]",
+    )
+    navigator: NavigatorTuning = NavigatorTuning()
+    wander: WanderTuning = WanderTuning()
+
+    @property
+    def several_swarms(self) -> bool:
+        """Whether the team may be several swarms."""
+        return False
+
+    def problem_with(self, num_robots: int) -> tuple[str, str] | None:
+        """Return a key and its mistake if the keys do not fit this number of robots."""
+        return None
+
+    def as_kind(self, kind: type[Kind], **keys: object) -> Kind:
+        """Return the keys of another kind of controller: those that both have, and some others; defaults for the rest.
+
+        So a class of a user may be below one of ours, and PSO may be RDPSO without some of its terms.
+        """
+        if isinstance(self, kind) and not keys:
+            return self
+        (name,) = get_args(kind.model_fields["algorithm"].annotation)
+        shared = {key: getattr(self, key) for key in type(self).model_fields if key in kind.model_fields}
+        return kind(**{**shared, **keys, "algorithm": name})
+
+
+class ListeningControl(Control):
+    """The keys of controllers that follow voices."""
+
+    rule_out_places: bool = Field(
+        default=True,
+        description="voices at places where no victim can be are neither local nor global bests; false: all count",
+    )
+
+
+class OtherControl(Control):
+    """A controller of an installed package, or any module:Class."""
+
+    algorithm: str = Field(description="name of a controller of an installed package, or module:Class")

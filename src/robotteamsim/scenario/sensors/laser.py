@@ -1,0 +1,105 @@
+"""The laser range finder, which detects walls, doors, objects and other robots."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, model_validator
+
+from robotteamsim.message_parts import Make
+from robotteamsim.scenario.base import Model, wrong
+from robotteamsim.scenario.sensors.base import BeamModel, Carrier, Fan, Moment, MountedSensor
+
+
+class Laser(Model):
+    """A planar laser range finder; it detects walls, doors, objects and robots."""
+
+    beams: int = Field(default=181, ge=1, le=10_000, description="number of beams, first at angle_min")
+    angle_min_rad: float = Field(default=-1.5707963267948966, ge=-6.2832, le=6.2832, description="first beam [rad]")
+    angle_max_rad: float = Field(default=1.5707963267948966, ge=-6.2832, le=6.2832, description="last beam [rad]")
+    range_min_m: float = Field(default=0.05, ge=0.0, le=10.0, description="shortest range [m]")
+    range_max_m: float = Field(default=5.0, gt=0.0, le=200.0, description="longest range [m]")
+    forward_m: float = Field(default=0.1, ge=-5.0, le=5.0, description="ahead of base_link [m]")
+    height_m: float = Field(default=0.25, ge=0.0, le=2.0, description="above base_link, for tf [m]")
+    no_return: Literal["range_max", "inf"] = Field(
+        default="range_max", description="range without a return: range_max as in Stage, or inf as in REP-117"
+    )
+    noise_m: float = Field(default=0.0, ge=0.0, le=1.0, description="standard deviation of a range [m]")
+
+    @model_validator(mode="after")
+    def _check(self) -> Laser:
+        if not self.angle_max_rad > self.angle_min_rad:
+            raise wrong("angle_max_rad", f"{self.angle_max_rad:g} is not above angle_min_rad, {self.angle_min_rad:g}")
+        if not self.range_max_m > self.range_min_m:
+            raise wrong("range_max_m", f"{self.range_max_m:g} is not above range_min_m, {self.range_min_m:g}")
+        return self
+
+    def beam_model(self, left_m: float = 0.0, yaw_rad: float = 0.0) -> BeamModel:
+        """Return its beams. Without a return they read range_max, or +inf; too near range_min, or -inf (REP-117)."""
+        as_rep_117 = self.no_return == "inf"
+        fan = Fan(
+            beams=self.beams,
+            angle_min_rad=yaw_rad + self.angle_min_rad,
+            angle_max_rad=yaw_rad + self.angle_max_rad,
+            forward_m=self.forward_m,
+            left_m=left_m,
+            height_m=self.height_m,
+            range_max_m=self.range_max_m,
+        )
+        return BeamModel(
+            fan=fan,
+            range_min_m=self.range_min_m,
+            too_near_m=-math.inf if as_rep_117 else self.range_min_m,
+            no_return_m=math.inf if as_rep_117 else self.range_max_m,
+        )
+
+    def scan(self, make: Make, header: Any, ranges_m: np.ndarray) -> Any:
+        """sensor_msgs/LaserScan."""
+        return make(
+            "sensor_msgs/LaserScan",
+            header=header,
+            angle_min=self.angle_min_rad,
+            angle_max=self.angle_max_rad,
+            angle_increment=(self.angle_max_rad - self.angle_min_rad) / max(self.beams - 1, 1),
+            time_increment=0.0,
+            scan_time=0.0,
+            range_min=self.range_min_m,
+            range_max=self.range_max_m,
+            ranges=np.asarray(ranges_m, dtype=np.float32),
+            intensities=np.zeros(0, dtype=np.float32),
+        )
+
+    def ranges_m(self, message: Any) -> np.ndarray:
+        """Return the ranges of a sensor_msgs/LaserScan, float32, shape (beams,). Raises: ValueError: another number."""
+        if len(message.ranges) != self.beams:
+            count = len(message.ranges)
+            raise ValueError(f"ranges: {count} entries; expected {self.beams}, the beams of the scenario's laser")
+        return np.asarray(message.ranges, dtype=np.float32)
+
+
+class MountedLaser(Laser, MountedSensor):
+    """An additional laser, at any pose on the robot. Its reading: ranges, float32, shape (beams,) [m]."""
+
+    type_name: ClassVar[str] = "sensor_msgs/LaserScan"
+
+    kind: Literal["laser"] = Field(default="laser", description="laser")
+    every_steps: int = Field(default=1, ge=1, le=10_000, description="a scan every n-th step")
+
+    def is_due(self, moment: Moment) -> bool:
+        """See `Sensor`."""
+        return moment.step_index % self.every_steps == 0
+
+    def measure(self, carrier: Carrier, generator: np.random.Generator) -> np.ndarray:
+        """See `Sensor`."""
+        noise_m = generator.normal(0.0, self.noise_m, self.beams) if self.noise_m > 0.0 else np.empty(0)
+        return carrier.ranges_m(self.beam_model(self.left_m, self.yaw_rad), noise_m)
+
+    def message(self, make: Make, time_ns: int, robot_id: int, reading: np.ndarray) -> Any:
+        """See `Sensor`."""
+        return self.scan(make, self._header(make, time_ns, robot_id), reading)
+
+    def reading(self, message: Any) -> np.ndarray:
+        """See `Sensor`."""
+        return self.ranges_m(message)

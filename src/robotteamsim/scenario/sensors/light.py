@@ -1,0 +1,48 @@
+"""Light sensors, in the world of MuJoCo."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from robotteamsim.message_parts import Make
+from robotteamsim.scenario.sensors.base import Carrier, Frame, MountedSensor, expect_within
+
+_BRIGHTEST_LX = 1e12
+
+
+class LightSensor(MountedSensor):
+    """A light sensor, only in the world of MuJoCo: the illuminance by the lights of the scenario. Its reading: [lx]."""
+
+    type_name: ClassVar[str] = "sensor_msgs/Illuminance"
+    needs_mujoco: ClassVar[bool] = True
+
+    kind: Literal["light"] = Field(default="light", description="light")
+    height_m: float = Field(default=0.3, gt=0.0, le=5.0, description="above base_link [m]")
+    pitch_rad: float = Field(default=0.5 * math.pi, ge=-1.5708, le=1.5708, description="its direction upwards [rad]")
+
+    def frames(self) -> tuple[Frame, ...]:
+        """Return its frame, whose x axis points to yaw_rad and upwards by pitch_rad."""
+        cos_yaw, sin_yaw = math.cos(0.5 * self.yaw_rad), math.sin(0.5 * self.yaw_rad)
+        cos, sin = math.cos(0.5 * self.pitch_rad), math.sin(0.5 * self.pitch_rad)
+        return (self._link((sin_yaw * sin, -cos_yaw * sin, sin_yaw * cos, cos_yaw * cos)),)
+
+    def measure(self, carrier: Carrier, generator: np.random.Generator) -> float:
+        """See `Sensor`."""
+        return carrier.illuminance_lx(self)
+
+    def message(self, make: Make, time_ns: int, robot_id: int, reading: float) -> Any:
+        """See `Sensor`."""
+        return make(
+            "sensor_msgs/Illuminance",
+            header=self._header(make, time_ns, robot_id),
+            illuminance=reading,
+            variance=0.0,
+        )
+
+    def reading(self, message: Any) -> float:
+        """See `Sensor`."""
+        return expect_within("illuminance", message.illuminance, 0.0, _BRIGHTEST_LX)

@@ -1,0 +1,55 @@
+"""A scenario that is ready to run: its checks made, its victims drawn, its team placed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+from robotteamsim.hazards.hazards import make_hazards
+from robotteamsim.scenario.base import Point
+from robotteamsim.scenario.building import Building, building_of
+from robotteamsim.scenario.controllers import Control
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import PlacedRobot
+from robotteamsim.world.placement import check_places, placed_robots
+from robotteamsim.world.random_victims import with_random_victims
+
+
+@dataclass(frozen=True)
+class Setup:
+    """A resolved scenario; simulation, controllers, recorders and shells take it.
+
+    scenario: with the victims of `mission.random_victims` at their places.
+    robots:   the team with start poses, in id order: robots, firefighters, command centre.
+    building: the floor plan, with the grids and maps of it that several users need.
+    """
+
+    scenario: Scenario
+    robots: tuple[PlacedRobot, ...]
+    building: Building
+
+    @property
+    def plan(self) -> FloorPlan:
+        """The floor plan."""
+        return self.scenario.plan
+
+    def start_m(self, robot_id: int) -> Point:
+        """Return where a member of the team starts, in `map` [m]."""
+        return self.robots[robot_id].start_pose[:2]
+
+    def with_control(self, control: Control) -> Setup:
+        """Return the same setup with another section `control`."""
+        return replace(self, scenario=self.scenario.model_copy(update={"control": control}))
+
+
+def resolve(scenario: Scenario) -> Setup:
+    """Draw victims, place the team, and check that everybody and everything has room in the plan.
+
+    Raises: PlacementError, ScenarioError: one line with file or --set, key and value.
+    """
+    building = building_of(scenario.plan)
+    scenario = with_random_victims(scenario, building)
+    check_places(scenario, building)
+    if scenario.fire is not None:
+        make_hazards(scenario, building)  # checks fuel and ignitions
+    return Setup(scenario, placed_robots(scenario, building), building)

@@ -1,0 +1,81 @@
+"""The stage in which the team decides: the controllers of the scenario, or others in their place."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from typing import Protocol
+
+import msgspec
+import numpy as np
+
+from robotteamsim.control import Guard, make_controller
+from robotteamsim.interface import Decision, Observation, Task
+from robotteamsim.network.messages import Message
+from robotteamsim.sensing.readings import TeamReadings, VoiceReading
+from robotteamsim.setup import Setup
+
+
+class TeamInputs(msgspec.Struct, frozen=True, eq=False):
+    """The inputs of all controllers in one step; sequences are in robot id order.
+
+    inboxes:  messages that arrived in this step.   task: of the mission, as of the step before.
+    present:  whether each robot is present, bool, shape (n,). Entries of absent robots mean nothing.
+    arrivals: how often each robot has arrived, its start included.
+    """
+
+    sim_time_ns: int
+    readings: TeamReadings
+    voices: tuple[VoiceReading, ...]
+    inboxes: Sequence[Sequence[Message]]
+    task: Task
+    present: np.ndarray
+    arrivals: Sequence[int]
+
+
+class Controllers(Protocol):
+    """What decides for the team: the controllers in this process, or a shell to controllers elsewhere."""
+
+    @property
+    def faults(self) -> Sequence[str]:
+        """Why each controller was stopped, or could not be made; "" while it works."""
+
+    def step(self, inputs: TeamInputs) -> tuple[Decision, ...]:
+        """Return the decision of each robot in id order; `Decision()` for an absent one."""
+
+
+class TeamControllers:
+    """The controllers of a scenario, in this process. A robot that arrives starts with a new one."""
+
+    def __init__(self, setup: Setup) -> None:
+        """Make the controllers. Raises: RobotTeamSimError: the user's mistake, such as an unknown controller."""
+        self._setup = setup
+        self._arrivals: Sequence[int] = (1,) * len(setup.robots)
+        self.guards = [self._guard(robot_id, 1) for robot_id in range(len(setup.robots))]
+        """The controllers in robot id order."""
+
+    @property
+    def faults(self) -> Sequence[str]:
+        """As for all controllers."""
+        return [guard.fault for guard in self.guards]
+
+    def step(self, inputs: TeamInputs) -> tuple[Decision, ...]:
+        """As for all controllers."""
+        if inputs.arrivals != self._arrivals:
+            self._make_arrived(inputs.arrivals)
+        time_ns, task = inputs.sim_time_ns, inputs.task
+        readings, present = inputs.readings.robots, inputs.present.tolist()
+        team = zip(self.guards, readings, inputs.voices, inputs.inboxes, present, strict=True)
+        return tuple(
+            guard.step(Observation(robot_id, time_ns, reading, voice), inbox, task) if is_present else Decision()
+            for robot_id, (guard, reading, voice, inbox, is_present) in enumerate(team)
+        )
+
+    def _make_arrived(self, arrivals: Sequence[int]) -> None:
+        for robot_id, (before, count) in enumerate(zip(self._arrivals, arrivals, strict=True)):
+            if count > before:
+                self.guards[robot_id] = self._guard(robot_id, count)
+        self._arrivals = arrivals
+
+    def _guard(self, robot_id: int, arrival: int) -> Guard:
+        return Guard(robot_id, len(self._setup.robots), partial(make_controller, robot_id, self._setup, arrival))

@@ -1,0 +1,338 @@
+"""The stages of a step around the world, in their order: schedule, hazards, people, hearing, network.
+
+Each is a class with one `step`, which returns what the stages after it need.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Collection, Mapping, Sequence
+from typing import Protocol
+
+import numpy as np
+
+from robotteamsim.control.driving.hot_places import BLOCK_M, REPLAN_NS, Block
+from robotteamsim.errors import PlacementError
+from robotteamsim.geometry import Pose, Twist
+from robotteamsim.hazards import HazardField, HazardSource, HeatStress, walking_speed_share
+from robotteamsim.hazards.hazards import make_hazards
+from robotteamsim.interface import Assistance
+from robotteamsim.mission.status import OUT_OF_DANGER, VictimState
+from robotteamsim.network import Message, Network, NetworkState
+from robotteamsim.propagation import FieldMap, RadioField
+from robotteamsim.scenario.base import Point
+from robotteamsim.scenario.schedule import ScheduledEvent, in_order
+from robotteamsim.sensing.readings import NOTHING_HEARD, VoiceReading
+from robotteamsim.sensing.voice import VoiceSensor
+from robotteamsim.setup import Setup
+from robotteamsim.simulation.firefighters import FirefighterHealth
+from robotteamsim.world.contract import AnyWorld
+from robotteamsim.world.doors import DoorStates
+from robotteamsim.world.people import People, PersonState
+from robotteamsim.world.walking import Walkers
+
+
+class Changeable(Protocol):
+    """What a schedule can change; see the methods of `Simulation`."""
+
+    def remove_robot(self, robot_id: int) -> None:
+        """Remove a robot."""
+
+    def spawn_robot(self, robot_id: int, pose: Pose | None = None) -> None:
+        """Spawn an absent robot."""
+
+    def set_door(self, name: str, closed: bool) -> None:
+        """Open or close a door."""
+
+    def set_light(self, name: str, lit: bool) -> None:
+        """Switch a light on or off."""
+
+    def set_noise_db(self, noise_db: float) -> None:
+        """Set the background noise."""
+
+    def set_victim(self, name: str, position_m: Point) -> None:
+        """Add or move a victim."""
+
+    def ignite(self, position_m: Point) -> None:
+        """Set fire to a place."""
+
+
+class ScheduleStage:
+    """Changes the simulation before a step, as somebody who calls its methods.
+
+    Each event takes effect in the first step that begins at its time or later, in order of time. A robot whose place is
+    occupied arrives as soon as it is free. Events that no longer apply, because the robot is already absent or present,
+    are skipped.
+    """
+
+    def __init__(self, schedule: Sequence[ScheduledEvent], changed: Changeable) -> None:
+        self._upcoming = deque(event for _, event in in_order(schedule))
+        self._waiting: list[ScheduledEvent] = []
+        """Spawns that are due, of robots whose place is occupied."""
+        self._changed = changed
+
+    def step(self, begin_ns: int) -> None:
+        """Apply the events that are due in the step that begins at this time [ns]."""
+        due, self._waiting = self._waiting, []
+        while self._upcoming and round(self._upcoming[0].at_s * 1e9) <= begin_ns:
+            due.append(self._upcoming.popleft())
+        for event in due:
+            self._apply(event)
+
+    def _apply(self, event: ScheduledEvent) -> None:
+        changed = self._changed
+        if event.remove is not None or event.spawn is not None:
+            self._change_presence(event)
+        elif event.door is not None:
+            changed.set_door(event.door, bool(event.closed))
+        elif event.light is not None:
+            changed.set_light(event.light, bool(event.lit))
+        elif event.noise_db is not None:
+            changed.set_noise_db(event.noise_db)
+        elif event.victim is not None and event.position is not None:
+            changed.set_victim(event.victim, event.position)
+        elif event.ignite is not None:
+            changed.ignite(event.ignite)
+
+    def _change_presence(self, event: ScheduledEvent) -> None:
+        try:
+            if event.remove is not None:
+                self._changed.remove_robot(event.remove)
+            elif event.spawn is not None:
+                self._changed.spawn_robot(event.spawn, event.pose and Pose(*event.pose))
+        except PlacementError:
+            self._waiting.append(event)
+        except ValueError:  # The robot is already absent or present.
+            pass
+
+
+class NoHazards:
+    """The hazards of a scenario in which nothing can burn. This stage does nothing."""
+
+    source: HazardSource | None = None
+    """Simulates fire and smoke."""
+    failed: frozenset[int] = frozenset()
+    """The absent robots and firefighters that have failed or collapsed."""
+
+    @property
+    def field(self) -> HazardField | None:
+        """Fire, smoke and temperature as of the last update; None if nothing can burn."""
+        return None
+
+    @property
+    def update(self) -> HazardField | None:
+        """`field` if it was updated in the last step, else None."""
+        return None
+
+    def slowed(self, twists: Sequence[Twist]) -> Sequence[Twist]:
+        """Return the commands of a step as firefighters can follow them in the smoke of the last update."""
+        return twists
+
+    def step(self) -> None:
+        """Advance to the world's current step, just made."""
+
+    def ignite(self, position_m: Point) -> None:
+        """Set fire to a place in `map` [m]. Raises: ValueError: nothing burns there, or the scenario has no fire."""
+        raise ValueError("ignite: the scenario has no section 'fire'")
+
+
+class HazardStage(NoHazards):
+    """Fire and smoke, and what they do to the world: doors burn through, robots and firefighters fail."""
+
+    def __init__(self, setup: Setup, world: AnyWorld) -> None:
+        scenario = setup.scenario
+        assert scenario.fire is not None
+        self._world = world
+        self._update_s = scenario.fire.update_s
+        self.source: HazardSource = make_hazards(scenario, setup.building)
+        self._stress = HeatStress(scenario.fire, world.num_robots)
+        self._firefighters = FirefighterHealth(scenario)
+
+    @property
+    def field(self) -> HazardField:
+        """See `NoHazards.field`."""
+        return self.source.field
+
+    @property
+    def update(self) -> HazardField | None:
+        """See `NoHazards.update`."""
+        return self.source.field if self.source.updated else None
+
+    def slowed(self, twists: Sequence[Twist]) -> Sequence[Twist]:
+        """See `NoHazards.slowed`."""
+        return self._firefighters.slowed(twists)
+
+    def step(self) -> None:
+        """See `NoHazards.step`."""
+        world = self._world
+        self.failed = frozenset(robot_id for robot_id in self.failed if not world.present[robot_id])
+        if not self.source.step(world.sim_time_ns, world.door_states()):
+            return
+        for name in self.source.burnt_doors():
+            if world.door_states()[name].closed:
+                world.set_door(name, closed=False)
+        positions_m = world.positions_m()
+        failing = self._firefighters.expose(positions_m, self.field, self._update_s)
+        failing += self._stress.expose(self._firefighters.without(positions_m), self.field, self._update_s)
+        for robot_id in failing:
+            world.remove_robot(robot_id)
+        self.failed |= frozenset(failing)
+
+    def ignite(self, position_m: Point) -> None:
+        """See `NoHazards.ignite`."""
+        self.source.ignite(position_m)
+
+
+class PeopleStage:
+    """The victims who move: people who flee or are helped, or else victims who walk along their paths.
+
+    They move after the world, by what the mission knew at the end of the last step.
+    """
+
+    def __init__(self, setup: Setup, world: AnyWorld) -> None:
+        scenario = setup.scenario
+        self._world = world
+        self._people = People(scenario, setup.robots, setup.building) if scenario.moves_people else None
+        self._walkers = Walkers(scenario)
+        self._collapsed: set[str] = set()
+        self._hot: set[Block] = set()
+        self._next_ns = 0
+
+    @property
+    def version(self) -> int:
+        """Number of updates of `states`."""
+        return 0 if self._people is None else self._people.version
+
+    @property
+    def states(self) -> tuple[PersonState, ...]:
+        """The people as of the last update; empty if victims only walk."""
+        return () if self._people is None else self._people.states
+
+    def step(
+        self, victims: Sequence[VictimState], assistance: Sequence[Assistance], field: HazardField | None
+    ) -> Mapping[str, Point]:
+        """Move everybody for the world's current step; return new positions by name [m], if they are due.
+
+        Args: victims, assistance: of the mission after the step before.
+              field: fire and smoke; None if nothing can burn.
+        """
+        world, people = self._world, self._people
+        if people is None:
+            return self._walkers.positions_due(world.sim_time_ns)
+        states = list(zip(people.names, victims, strict=False))
+        collapsed = [name for name, state in states if state == "collapsed"]
+        collapsed += [helped.victim for helped in assistance if helped.collapsed]
+        for name in collapsed:
+            if name not in self._collapsed:
+                self._collapsed.add(name)
+                people.collapse(name)
+        if field is not None:
+            self._feel(people, field, world.sim_time_ns)
+        settled = {name for name, state in states if state in OUT_OF_DANGER}
+        settled |= {helped.victim for helped in assistance if not helped.moving}
+        helpers = {helped.victim: helped.robot_id for helped in assistance if helped.moving}
+        before = people.states
+        people.step(world.sim_time_ns, world.positions_m(), world.door_states(), helpers, settled)
+        now = people.states
+        return {} if now == before else {person.name: person.position_m for person in now}
+
+    def _feel(self, people: People, field: HazardField, sim_time_ns: int) -> None:
+        """Let smoke slow everybody down [frantzich2003], and nobody flee through heat, which all of them see."""
+        extinction_per_m = field.extinction_per_m(people.positions_m)
+        people.slow_down(walking_speed_share(extinction_per_m).tolist())
+        if sim_time_ns < self._next_ns:
+            return
+        self._next_ns = sim_time_ns + REPLAN_NS
+        hot = np.argwhere(field.temperatures_c >= field.fire.heat.block_c) + 0.5
+        blocks = np.floor(hot * field.resolution_m / BLOCK_M).astype(int).tolist()
+        known = self._hot | {(row, column) for row, column in blocks}
+        if known != self._hot:
+            self._hot = known
+            people.avoid(tuple(sorted(known)))
+
+    def place(self, name: str, position_m: Point) -> None:
+        """Add a victim, or move the one of that name [m, map], who then stays there."""
+        self._walkers.stop(name)
+        if self._people is not None:
+            self._people.place(name, position_m)
+        self._collapsed.discard(name)
+
+
+class HearingStage:
+    """What the robots hear of the victims who call."""
+
+    def __init__(self, setup: Setup, world: AnyWorld) -> None:
+        scenario = setup.scenario
+        self._world = world
+        self.sensor = VoiceSensor(scenario.plan, scenario.voice, scenario.mission.victims, scenario.run.seed)
+        """The sensor of voices."""
+        self._doors = DoorStates.at_start(scenario.plan)
+        self._map_version = -1
+        self.new_map: FieldMap | None = None
+        """The voice map after the first step and after each in which it has changed, else None."""
+
+    def step(
+        self, positions_m: np.ndarray, moved: Mapping[str, Point], silent: Collection[str]
+    ) -> tuple[VoiceReading, ...]:
+        """Return what each robot hears, in id order.
+
+        Args: positions_m: true positions in `map`, shape (n, 2) [m].
+              moved:       new positions of victims, by name [m, map].
+              silent:      names of the victims who are silent as of the last step.
+        """
+        self.follow_doors()
+        for name, position_m in moved.items():
+            self.sensor.move_victim(name, position_m)
+        self.sensor.set_silenced(silent)
+        self.new_map = self.sensor.map() if self.sensor.version != self._map_version else None
+        self._map_version = self.sensor.version
+        present = self._world.present
+        if present.all():
+            return self.sensor.read_team(positions_m)
+        heard = iter(self.sensor.read_team(positions_m[present]))
+        return tuple(next(heard) if is_there else NOTHING_HEARD for is_there in present.tolist())
+
+    def follow_doors(self) -> None:
+        """Let voices through the doors that are open now."""
+        doors = self._world.door_states()
+        for name, closed in doors.closed_since(self._doors).items():
+            self.sensor.set_door(name, closed)
+        self._doors = doors
+
+
+class NetworkStage:
+    """The radio network of the robots that are present."""
+
+    def __init__(self, setup: Setup, world: AnyWorld) -> None:
+        scenario = setup.scenario
+        self._world = world
+        self._radio = RadioField(scenario.plan, scenario.radio)
+        run = scenario.run
+        self._network = Network(self._radio, scenario.network, scenario.team_size, seed=run.seed, step_ns=run.step_ns)
+        self._doors = DoorStates.at_start(scenario.plan)
+        self._team_version = -1
+
+    def step(
+        self, positions_m: np.ndarray, outboxes: Sequence[Sequence[Message]]
+    ) -> tuple[NetworkState, Sequence[Sequence[Message]]]:
+        """Return the network, and the messages that each robot receives, in id order.
+
+        Args: positions_m: true positions in `map`, shape (n, 2) [m].
+              outboxes:    messages sent in the last step, one sequence per robot in id order.
+        """
+        self.follow_doors()
+        if self._world.team_version != self._team_version:
+            self._team_version = self._world.team_version
+            self._network.follow_team(self._world.present)
+        return self._network.step(positions_m, outboxes)
+
+    def follow_doors(self) -> None:
+        """Let radio through the doors that are open now."""
+        doors = self._world.door_states()
+        for name, closed in doors.closed_since(self._doors).items():
+            self._radio.set_door(name, closed)
+        self._doors = doors
+
+    def radio_map(self, position_m: Point, resolution_m: float) -> FieldMap:
+        """Return the signal of a robot at a position in `map` [m] over the floor [dBm]."""
+        return self._radio.rssi_map_dbm(position_m, resolution_m)

@@ -1,0 +1,296 @@
+"""What arrives on topics: values keep their bits, and what is wrong is refused in one line."""
+
+from __future__ import annotations
+
+import math
+import re
+from io import BytesIO
+
+import genpy
+import numpy as np
+import pytest
+from geometry_msgs.msg import Point, Vector3
+from geometry_msgs.msg import Twist as TwistMessage
+from nav_msgs.msg import Odometry
+from robotteamsim.msg import (
+    Assistance,
+    Contact,
+    ControllerStatus,
+    Heat,
+    MissionStatus,
+    NetworkMessage,
+    NetworkMessages,
+    Robots,
+    Voice,
+)
+from sensor_msgs.msg import Illuminance, LaserScan, NavSatFix, Range
+
+from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.interface import Decision, Discovery, SwarmContext, Task
+from robotteamsim.message_parts import header
+from robotteamsim.mission.events import Event, MissionPaused
+from robotteamsim.mission.status import DeliveredDiscoveries
+from robotteamsim.mission.status import MissionStatus as Status
+from robotteamsim.network.messages import Message
+from robotteamsim.propagation import FieldMap
+from robotteamsim.recording.topics import base, decisions, mission, radio, robots, world
+from robotteamsim.ros.inputs import stamp_ns
+from robotteamsim.ros.messages import RosTypes
+from robotteamsim.ros.nodes.requests import check_noise, check_victim
+from robotteamsim.ros.topics import read
+from robotteamsim.scenario import load
+from robotteamsim.scenario.plan import OccupancyGrid
+from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
+from robotteamsim.scenario.sensors import Gps, HeatSensor, LightSensor, Sonar
+from robotteamsim.sensing.readings import OdometryReading, VoiceReading
+
+TIME_NS = 12_300_000_000
+# Numbers without a short binary form: equal only when every bit has come through.
+PLACE = PoseReading(0.1 + 0.2, -1.0 / 3.0, 0.6000000000000001, 0.7999999999999999)
+MOTION = Twist(0.1, -0.2, 1.0 / 7.0)
+RANGES_M = np.array([0.1, 5.0, np.inf], dtype=np.float32)
+BELIEVED = OdometryReading(
+    PLACE, MOTION, tuple((np.arange(1.0, 7.0) / 7.0).tolist()), (0.1 + 0.2, 0.2 / 3.0, 1.0 / 3.0)
+)
+ODD = [math.nan, math.inf, -math.inf]
+GPS = Gps(datum_lat_deg=0.0, datum_lon_deg=0.0)
+
+
+@pytest.fixture
+def make() -> RosTypes:
+    return RosTypes()
+
+
+def serialized(message: genpy.Message) -> bytes:
+    buffer = BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
+
+
+def sent(message: genpy.Message) -> genpy.Message:
+    """Return the message as a subscriber gets it."""
+    return read(type(message), serialized(message))
+
+
+def test_stamps_are_whole_nanoseconds(make):
+    message = sent(header(make, 1_000_000_001, "map"))
+    assert (message.stamp.secs, message.stamp.nsecs) == (1, 1)
+    assert stamp_ns(sent(robots.contact(make, 2**31 * 10**9 - 1, 0, True))) == 2**31 * 10**9 - 1
+
+
+def test_odometry_keeps_its_bits(make):
+    message = sent(robots.odometry(make, TIME_NS, 1, BELIEVED))
+    assert robots.read_odometry(message) == BELIEVED
+    assert (message.header.frame_id, message.child_frame_id) == ("robot_1/odom", "robot_1/base_footprint")
+
+
+def test_covariances_are_at_the_indices_of_x_y_and_yaw(make):
+    message = sent(robots.odometry(make, TIME_NS, 1, BELIEVED))
+    pose, twist = (np.array(part.covariance).reshape(6, 6) for part in (message.pose, message.twist))
+    xx, xy, x_yaw, yy, y_yaw, yaw_yaw = BELIEVED.pose_covariance
+    in_plane = np.ix_([0, 1, 5], [0, 1, 5])
+    np.testing.assert_array_equal(pose[in_plane], [[xx, xy, x_yaw], [xy, yy, y_yaw], [x_yaw, y_yaw, yaw_yaw]])
+    np.testing.assert_array_equal(twist[in_plane], np.diag(BELIEVED.twist_variances))
+    for covariance in (pose, twist):
+        assert np.count_nonzero(covariance) == np.count_nonzero(covariance[in_plane])
+
+
+def test_contact_keeps_its_angles(make):
+    message = sent(robots.contact(make, TIME_NS, 1, True, (-0.1, 1.0 / 3.0)))
+    assert (message.in_contact, message.angles_rad) == (True, (-0.1, 1.0 / 3.0))
+    assert sent(robots.contact(make, TIME_NS, 1, False)).angles_rad == ()
+
+
+def test_command_keeps_its_bits_and_is_finite(make):
+    assert base.read_twist(sent(base.twist(make, MOTION))) == MOTION
+    assert base.read_twist(sent(decisions.twist_stamped(make, TIME_NS, 2, MOTION)).twist) == MOTION
+    for odd in ODD:
+        with pytest.raises(ValueError, match="a command that is not finite"):
+            base.read_twist(TwistMessage(linear=Vector3(x=odd)))
+
+
+def test_scan_keeps_its_bits_and_has_the_beams_of_the_laser(make):
+    scan = sent(robots.scan(make, TIME_NS, 0, Laser(beams=3), RANGES_M))
+    ranges_m = robots.read_ranges_m(scan, beams=3)
+    assert ranges_m.dtype == np.float32
+    np.testing.assert_array_equal(ranges_m, RANGES_M)
+    with pytest.raises(ValueError, match="ranges: 3 entries; expected 5, the beams of the scenario's laser"):
+        robots.read_ranges_m(scan, beams=5)
+
+
+@pytest.mark.parametrize("kind", [Odometry, LaserScan, TwistMessage, Voice, Contact, Robots, NetworkMessages])
+def test_bytes_that_are_too_few_are_rejected(kind):
+    data = serialized(kind())
+    for length in (0, 3, len(data) - 1):
+        with pytest.raises(ValueError, match=f"^not a {kind.__name__}: "):
+            read(kind, data[:length])
+
+
+def test_message_that_promises_more_numbers_than_it_has_is_rejected():
+    data = serialized(LaserScan())
+    with pytest.raises(ValueError, match=r"^not a LaserScan: "):
+        read(LaserScan, data[:-8] + b"\xff\xff\xff\xff" + data[-4:])
+
+
+@pytest.mark.parametrize(
+    "reading", [VoiceReading(12.5, True, (1.25, 1.0 / 3.0), 0.1), VoiceReading(0.0, False, (0, 0), 0)]
+)
+def test_voice_keeps_its_bits(make, reading):
+    assert radio.read_voice(sent(radio.voice(make, TIME_NS, reading))) == reading
+
+
+def test_messages_keep_order_and_text(make):
+    sent_messages = [Message(0, -1, '{"a": 0.1}'), Message(2, 1, "ü"), Message(1, 0, "")]
+    received = sent(radio.network_messages(make, TIME_NS, sent_messages))
+    assert radio.read_network_messages(received, num_robots=3) == sent_messages
+
+
+@pytest.mark.parametrize("goal_m", [(1.0, 2.0), None])
+def test_decision_keeps_all_but_command_and_outbox(make, goal_m):
+    decision = Decision(MOTION, (Message(0, 1, ""),), True, goal_m, 0.1, 7)
+    message = sent(decisions.controller_status(make, TIME_NS, 3, decision))
+    assert decisions.read_decision(message) == Decision(Twist(), (), True, goal_m, 0.1, 7)
+    assert message.robot_id == 3
+    adapted = Decision(context=SwarmContext(*(0.1 * i for i in range(10))))
+    message = sent(decisions.controller_status(make, TIME_NS, 3, adapted))
+    assert decisions.read_decision(message) == adapted
+    assert message.context[0].c4 == adapted.context.c4
+
+
+@pytest.mark.parametrize("task", [Task(True, 4, (18.0, 0.1), 2.0), Task()])
+def test_mission_status_keeps_its_task(make, task):
+    status = Status("running", "", 0.1 + 0.2, (True, False), ("waiting", "saved"), 1, 5, task)
+    message = sent(mission.mission_status(make, TIME_NS, "garage", status, 10.0))
+    assert mission.read_task(message, 3) == task
+
+
+def test_mission_status_keeps_delivered_and_undelivered_discoveries(make):
+    finds = (Discovery("victim", "ann", 1, (9.0, 0.1 + 0.2), 1.0 / 3.0), Discovery("area", "east", 0, (16.0, 5.0), 7.0))
+    delivered = DeliveredDiscoveries(2, 0.1 + 0.2, 1.0 / 3.0)
+    status = Status("running", "", 8.0, (True,), ("saved",), -1, 0, Task(undelivered=finds), delivered)
+    message = sent(mission.mission_status(make, TIME_NS, "hall", status, 10.0))
+    assert mission.read_task(message, 3).undelivered == finds
+    assert message.discoveries_delivered == 2
+    assert (message.mean_delivery_delay_s, message.max_delivery_delay_s) == (0.1 + 0.2, 1.0 / 3.0)
+
+
+def test_everything_else_that_is_published_can_be_sent(make):
+    field = FieldMap((0.5, 1.0), 0.25, np.array([[0.0, 12.4], [99.6, 130.0]]))
+    status = Status("ended", "aborted", 1.0, (False,), ("heard",), 0, 0, Task())
+    grid = OccupancyGrid((0.0, 0.0), 0.05, np.array([[0, 100, -1]], dtype=np.int8))
+    picture = sent(base.field_map_picture(make, TIME_NS, field))
+    assert list(picture.data) == [0, 12, 100, 100]
+    values = sent(base.field_map(make, TIME_NS, field, "voice_level", "dB"))
+    assert (values.width, values.height, values.data[1]) == (2, 2, pytest.approx(12.4))
+    assert list(sent(base.occupancy_grid(make, TIME_NS, grid)).data) == [0, 100, -1]
+    assert sent(world.clock(make, TIME_NS)).clock.to_nsec() == TIME_NS
+    assert sent(mission.mission_event(make, TIME_NS, Event(1.0, MissionPaused(), "over"))).robot_id == -1
+    assert (
+        sent(mission.victims(make, TIME_NS, [Victim(name="a", position=(1.0, 2.0))], ["heard"])).victims[0].name == "a"
+    )
+    assert sent(mission.areas(make, TIME_NS, [Area(name="b", center=(1.0, 2.0))], status)).areas[0].target
+    assert sent(robots.contact(make, TIME_NS, 0, True)).in_contact
+
+
+def test_transforms_lead_from_odom_to_laser_without_leading_slashes(make):
+    message = sent(robots.transforms(make, TIME_NS, [Robot()], [BELIEVED]))
+    message.transforms.append(sent(robots.localization(make, TIME_NS, 0, PLACE)))
+    links = [(link.header.frame_id, link.child_frame_id) for link in message.transforms]
+    assert links == [
+        ("robot_0/odom", "robot_0/base_footprint"),
+        ("robot_0/base_footprint", "robot_0/base_link"),
+        ("robot_0/base_link", "robot_0/base_laser_link"),
+        ("map", "robot_0/odom"),
+    ]
+    assert {stamp_ns(link) for link in message.transforms} == {TIME_NS}
+
+
+@pytest.mark.parametrize(
+    ("decode", "message", "line"),
+    [
+        (robots.read_odometry, "Odometry", "position"),
+        (
+            lambda m: world.read_robots(m, 2),
+            Robots(present=[1], arrivals=[1, 1]),
+            "present: 1 entries; expected 2",
+        ),
+        (lambda m: world.read_robots(m, 2), Robots(present=[1, 1]), "arrivals: 0 entries; expected 2"),
+        (robots.read_contact, Contact(angles_rad=[math.nan]), "angles_rad: nan; expected finite numbers"),
+        (radio.read_voice, Voice(level_db=math.inf), "level_db: inf; expected 0 to 1e+06"),
+        (radio.read_voice, Voice(local_best_level_db=-1.0), "local_best_level_db: -1; expected 0 to 1e+06"),
+        (radio.read_voice, Voice(local_best=Point(x=math.nan)), "local_best: (nan, 0); expected finite numbers"),
+        (Sonar(name="s").reading, Range(range=math.nan), "range: nan; expected a number"),
+        (LightSensor(name="l").reading, Illuminance(illuminance=-1.0), "illuminance: -1; expected 0 to 1e+12"),
+        (
+            Gps(datum_lat_deg=0.0, datum_lon_deg=0.0).reading,
+            NavSatFix(latitude=91.0),
+            "latitude: 91; expected -90 to 90",
+        ),
+        (HeatSensor().reading, Heat(temperature_c=math.inf), "temperature_c: inf; expected -1e+06 to 1e+06"),
+        (HeatSensor().reading, Heat(hot=[Point(x=1e7)]), "hot: 1e+07; expected -1e+06 to 1e+06"),
+        (
+            lambda m: mission.read_task(m, 2),
+            MissionStatus(area_radius_m=math.nan),
+            "area_radius_m: nan; expected finite numbers",
+        ),
+        (
+            lambda m: mission.read_task(m, 2),
+            MissionStatus(has_area=True, area_center=Point(y=math.inf)),
+            "area_center: (0, inf); expected",
+        ),
+        (
+            lambda m: mission.read_task(m, 2),
+            MissionStatus(assistance=[Assistance(robot_id=2)]),
+            "assistance: robot 2; expected the id of a firefighter",
+        ),
+        (
+            decisions.read_decision,
+            ControllerStatus(has_goal=True, goal=Point(x=math.nan)),
+            "goal: (nan, 0); expected finite",
+        ),
+        (
+            lambda m: radio.read_network_messages(m, 2),
+            NetworkMessages(messages=[NetworkMessage(sender=2)]),
+            "a message from 2 to 0; expected ids below 2",
+        ),
+        (
+            lambda m: radio.read_outbox(m, 1, 2),
+            NetworkMessages(messages=[NetworkMessage(sender=0)]),
+            "a message from 0; expected only from 1",
+        ),
+    ],
+)
+def test_impossible_numbers_are_rejected(decode, message, line):
+    if message == "Odometry":
+        message = Odometry()
+        message.pose.pose.position.x = math.nan
+    with pytest.raises(ValueError, match="^" + re.escape(line)):
+        decode(message)
+
+
+def test_sonar_and_scan_may_have_no_return():
+    assert Sonar(name="s").reading(Range(range=math.inf)) == math.inf
+    assert math.isnan(robots.read_ranges_m(LaserScan(ranges=[math.nan]), beams=1)[0])
+
+
+def test_stamp_beyond_the_header_of_an_answer_is_rejected():
+    message = Contact()
+    message.header.stamp = genpy.Time(2**32 - 1)
+    with pytest.raises(ValueError, match=r"^stamp: 4294967295 s; expected below 2\^32 s$"):
+        stamp_ns(message)
+
+
+@pytest.mark.parametrize("odd", [math.nan, math.inf, -1.0])
+def test_noise_out_of_range_is_rejected(odd):
+    with pytest.raises(ValueError, match="noise_db"):
+        check_noise(odd)
+    check_noise(20.0)
+
+
+def test_place_of_a_victim_is_checked():
+    scenario = load("garage_sar")
+    with pytest.raises(ValueError, match=r"^set_victim: ann: position\.0: \.nan is not a finite number$"):
+        check_victim(scenario, "ann", (math.nan, 1.0))
+    with pytest.raises(ValueError, match=r"^set_victim: ann: position: \[100000, 1\] lies outside the plan, "):
+        check_victim(scenario, "ann", (1e5, 1.0))
+    check_victim(scenario, "ann", scenario.mission.victims[0].position)
