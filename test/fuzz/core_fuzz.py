@@ -33,9 +33,9 @@ MEMORY_LIMIT_MB = 1024
 # An infinite length means that there is no path, an infinite range no return (REP-117). hypot equals math.hypot, and
 # the pose of a removed robot is NaN. The states of a team have the numbers that they are given.
 MAY_BE_INFINITE = {
-    *("base.hypot", "distance_map", "value_at", "least_reachable", "scan", "read", "remove_robot"),
+    *("base.hypot", "distance_map", "value_at", "least_reachable", "cast", "read", "remove_robot"),
     *("lengths_from", "length_m"),
-    *("read_team", "sensing.OdometryState", "sensing.TeamState"),
+    *("read_team", "world.TeamMotion", "sensing.OdometryState", "sensing.TeamState"),
 }
 # What is wrong is named: the type, the value, or the index.
 EXPECTED = (ValueError, TypeError, IndexError)

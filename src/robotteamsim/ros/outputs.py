@@ -92,11 +92,6 @@ class RobotOutputs:
     def _messages(self, topic: Topic, step: StepInputs, robot_id: int) -> Sequence[Any]:
         return topic.messages(self._make, step.sim_time_ns, topic.values(self._source, step, robot_id))
 
-    @property
-    def num_subscribers(self) -> int:
-        """Number of connections."""
-        return sum(output.num_subscribers for *_, output in self._outputs)
-
 
 class DecisionOutputs:
     """What the controllers of robots publish: `cmd_vel` only for robots that are not driven by hand."""
@@ -155,12 +150,6 @@ class TeamOutputs(RobotOutputs):
 
     def _sensor_output(self, settings: Settings, robot_id: int, name: str, type_name: str) -> Output:
         return Output(settings.robot_topic(robot_id, name), self._make.message_class(type_name))
-
-    @property
-    def num_subscribers(self) -> int:
-        """Number of connections of the robots' topics."""
-        of_sensors = (output for *_, outputs in self._sensors for output in outputs.values())
-        return super().num_subscribers + sum(output.num_subscribers for output in of_sensors)
 
     def publish(self, step: Any, only: Topic | None = None) -> None:
         """Publish one step's readings of the present robots on topics with subscribers."""

@@ -40,12 +40,7 @@ class Output(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no typ
     @property
     def wanted(self) -> bool:
         """Whether there is a receiver for the next message, now or (latched) later."""
-        return self._latched or self.num_subscribers > 0
-
-    @property
-    def num_subscribers(self) -> int:
-        """Number of connected nodes."""
-        return int(self._publisher.get_num_connections())
+        return self._latched or bool(self._publisher.get_num_connections() > 0)
 
     def peer_subscribe(self, topic_name: str, topic_publish: Any, peer_publish: Callable[[Any], None]) -> None:
         """Greet a new subscriber.

@@ -39,6 +39,7 @@ from robotteamsim.ros.outputs import (
 from robotteamsim.ros.services import command
 from robotteamsim.ros.settings import SEED, Settings, read_settings
 from robotteamsim.ros.stage import StageRequests
+from robotteamsim.ros.subscriptions import recorded_topics, wait_for_subscribers
 from robotteamsim.ros.topics import Output
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.simulation import Observer, Simulation, StepRecord, TeamInputs
@@ -50,11 +51,9 @@ logger = logging.getLogger(__name__)
 SERVICE_TIMEOUT_S = 5.0
 """A service waits this long for the current step [s, wall]."""
 START_TIMEOUT_S = 60.0
-"""Without lockstep, the simulation starts without controllers that have not started after this time [s, wall]."""
+"""The simulation starts without a recorder and, without lockstep, controllers that are not ready by then [s, wall]."""
 START_NS = 1_000_000
 """Time on the clock before the first step; in ROS, 0 means that there is no time yet."""
-QUIET_S = 1.0
-"""The simulation starts when there was no new subscriber for this time [s, wall]."""
 NAP_S = 0.1
 """While waiting, the node checks at this interval whether the speed has changed [s, wall]."""
 PATIENCE_S = 0.02
@@ -121,7 +120,8 @@ class SimulationNode:
         if self._starts_paused:
             self._gate.wait()  # until clients that need the first step have subscribed
         else:
-            self._wait_for_subscribers()
+            recorded = recorded_topics(self._settings.num_robots) if parameter("~recorded", False) else []
+            wait_for_subscribers(recorded, START_TIMEOUT_S, self._gate.sleep)
         try:
             self._serve()
         finally:
@@ -230,13 +230,6 @@ class SimulationNode:
         """Return how long a step waits for answers [s, wall]: not longer than until the next tick."""
         next_ns = self._simulation.world.sim_time_ns + self._settings.step_ns
         return PATIENCE_S if self._pacer.is_flat_out else min(PATIENCE_S, self._pacer.delay_s(next_ns))
-
-    def _wait_for_subscribers(self) -> None:
-        """Wait until there are no new subscribers, because a recorder must get the first step, too."""
-        connected = -1
-        while connected != (now_connected := self._team.num_subscribers):
-            connected = now_connected
-            self._gate.sleep(QUIET_S)
 
     def _make_controllers(self) -> ControllersByTopic | ControllersInside:
         if self._settings.controllers == "inside":

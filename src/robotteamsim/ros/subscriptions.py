@@ -1,0 +1,71 @@
+"""Waiting for subscribers before the first step, which a recorder must get, too."""
+
+import logging
+import time
+from collections.abc import Callable
+from typing import Any
+from xmlrpc.client import ServerProxy
+
+import rosgraph
+import rospy
+
+from robotteamsim.message_parts import robot_name
+from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS
+
+logger = logging.getLogger(__name__)
+
+RECORDER = "recorder"
+"""Name of the node that records a bag."""
+QUIET_S = 1.0
+"""The simulation starts when there was no new subscriber for this time [s, wall]."""
+
+Connections = frozenset[tuple[str, str]]
+"""Pairs of subscriber and topic."""
+
+
+def recorded_topics(num_robots: int) -> list[str]:
+    """Return the topics of a bag. They are listed, because rosbag takes seconds to discover them."""
+    names = ["/tf_static", *(topic.name for topic in TEAM_TOPICS)]
+    for robot_id in range(num_robots):
+        names += [f"/{robot_name(robot_id)}/{topic.name}" for topic in ROBOT_TOPICS if topic.in_bags]
+    return names
+
+
+def wait_for_subscribers(recorded: list[str], timeout_s: float, sleep: Callable[[float], object]) -> None:
+    """Wait until the recorder receives what this node publishes, and nobody else subscribes any more.
+
+    On a busy machine, a recorder may pause before it has connected to all topics, so they are counted. Other nodes that
+    subscribe but never connect, such as one that was killed, are not waited for.
+    Args: recorded: topics of the recorder; none if there is no recorder.
+          timeout_s: after this time there is a warning instead [s, wall].
+          sleep: waits [s, wall], and returns early when the node ends.
+    """
+    end_s = time.monotonic() + timeout_s
+    connected: Connections | None = None
+    while connected != (now_connected := _connections()) or _missing(recorded, now_connected):
+        if time.monotonic() > end_s:
+            if missing := _missing(recorded, now_connected):
+                logger.warning("starting before the recorder has connected to %s", ", ".join(missing))
+            return
+        connected = now_connected
+        sleep(QUIET_S)
+
+
+def _connections() -> Connections:
+    """Return who receives which topic of this node, as its slave API reports it."""
+    reply: Any = ServerProxy(rospy.get_node_uri()).getBusInfo(rospy.get_name())
+    _, _, links = reply
+    return frozenset((link[1], link[4]) for link in links if link[2] == "o")
+
+
+def _missing(recorded: list[str], connected: Connections) -> list[str]:
+    """Return the topics that the recorder does not receive yet."""
+    if not recorded:
+        return []
+    recorder = rospy.resolve_name(f"/{RECORDER}")
+    publishers, subscribers, _ = rosgraph.Master(rospy.get_name()).getSystemState()
+    own = {topic for topic, nodes in publishers if rospy.get_name() in nodes}
+    subscribed = {topic for topic, nodes in subscribers if recorder in nodes}
+    return [
+        topic for topic in recorded if topic not in subscribed or (topic in own and (recorder, topic) not in connected)
+    ]
