@@ -11,7 +11,7 @@ from scipy import ndimage
 
 from robotteamsim import _core
 from robotteamsim.control.driving.known_map import KnownMap
-from robotteamsim.control.rdpso.obstacles import Surroundings
+from robotteamsim.control.rdpso.terms import Surroundings
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan

@@ -7,9 +7,8 @@ import math
 import pytest
 
 from robotteamsim.control.driving.known_map import known_map
-from robotteamsim.control.rdpso.local_best import LocalBestFinder
-from robotteamsim.control.rdpso.ruled_out import RuledOut
-from robotteamsim.control.rdpso.update import Best
+from robotteamsim.control.rdpso.team import Best
+from robotteamsim.control.rdpso.terms import LocalBestFinder, RuledOut
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import Decision, Task
 from robotteamsim.scenario.building import Building

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from robotteamsim.control.rdpso.common_view import CommonView
-from robotteamsim.control.rdpso.update import Best, RdpsoUpdate, Sighting
+from robotteamsim.control.rdpso.team import Best, CommonView, RdpsoUpdate, Sighting
 from robotteamsim.interface import OUTSIDE
 from robotteamsim.swarm import SwarmState
 

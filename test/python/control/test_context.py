@@ -8,9 +8,8 @@ import networkx
 import numpy as np
 import pytest
 
-from robotteamsim.control.rdpso.communication import LinkKeeper
 from robotteamsim.control.rdpso.context import ContextMeter
-from robotteamsim.control.rdpso.obstacles import Surroundings
+from robotteamsim.control.rdpso.terms import LinkKeeper, Surroundings
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import SwarmContext
 from robotteamsim.propagation import RadioField

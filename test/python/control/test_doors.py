@@ -7,7 +7,7 @@ import pytest
 
 from robotteamsim.control.driving.known_map import UNREACHABLE_M, KnownMap
 from robotteamsim.control.rdpso.door_beliefs import DoorBeliefs
-from robotteamsim.control.rdpso.update import Sighting, parse_update
+from robotteamsim.control.rdpso.team import Sighting, parse_update
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.controllers.driving import DoorTuning

@@ -8,8 +8,7 @@ import networkx
 import numpy as np
 import pytest
 
-from robotteamsim.control.rdpso.communication import LinkKeeper, strongest_tree
-from robotteamsim.control.rdpso.ruled_out import RuledOut
+from robotteamsim.control.rdpso.terms import LinkKeeper, RuledOut, strongest_tree
 from robotteamsim.scenario.controllers.links import LinkTuning
 from robotteamsim.scenario.controllers.swarms import RdpsoControl
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall

@@ -8,10 +8,9 @@ import itertools
 import numpy as np
 import pytest
 
-from robotteamsim.control.rdpso.common_view import CommonView
 from robotteamsim.control.rdpso.membership import Membership
 from robotteamsim.control.rdpso.natural_selection import DpsoMembership
-from robotteamsim.control.rdpso.update import Best, RdpsoUpdate, parse_update
+from robotteamsim.control.rdpso.team import Best, CommonView, RdpsoUpdate, parse_update
 from robotteamsim.interface import OUTSIDE
 from robotteamsim.mission.team_monitor import TeamMonitor
 from robotteamsim.scenario.controllers.swarms import RdpsoControl, SocialExclusion, Swarms

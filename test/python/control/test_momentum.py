@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from robotteamsim.control.rdpso.velocity_memory import Momentum
+from robotteamsim.control.rdpso.terms import Momentum
 
 
 def test_displacements_of_the_last_iterations_count_by_their_weights():

@@ -11,7 +11,7 @@ import pytest
 
 from robotteamsim.control import make_controller
 from robotteamsim.control.rdpso.controller import RdpsoController
-from robotteamsim.control.rdpso.update import Best, RdpsoUpdate, parse_update
+from robotteamsim.control.rdpso.team import Best, RdpsoUpdate, parse_update
 from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.interface import Decision, Observation, Task

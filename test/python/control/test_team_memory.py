@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from robotteamsim.control.rdpso.team_memory import TeamMemory
-from robotteamsim.control.rdpso.update import RdpsoUpdate
+from robotteamsim.control.rdpso.team import RdpsoUpdate, TeamMemory
 from robotteamsim.interface import EVERYBODY, Message
 from robotteamsim.network.messages import Batch
 from robotteamsim.swarm import SwarmState

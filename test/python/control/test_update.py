@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from robotteamsim.control.rdpso.update import Best, RdpsoUpdate, Sighting, parse_update, update_of
+from robotteamsim.control.rdpso.team import Best, RdpsoUpdate, Sighting, parse_update, update_of
 from robotteamsim.interface import EVERYBODY, OUTSIDE, Message
 from robotteamsim.swarm import SwarmState
 

@@ -1,8 +1,7 @@
 """The greedy controller: each robot drives on its own to the loudest place nearby."""
 
 from robotteamsim.control.driving.path_controller import PathController, Situation
-from robotteamsim.control.rdpso.local_best import LocalBestFinder
-from robotteamsim.control.rdpso.ruled_out import RuledOut
+from robotteamsim.control.rdpso.terms import LocalBestFinder, RuledOut
 from robotteamsim.interface import Decision
 from robotteamsim.scenario.controllers.simple import GreedyControl
 from robotteamsim.setup import Setup

@@ -7,7 +7,7 @@ import math
 from collections.abc import Sequence
 
 from robotteamsim.control.driving.path_controller import PathController, Situation
-from robotteamsim.control.rdpso.ruled_out import RuledOut
+from robotteamsim.control.rdpso.terms import RuledOut
 from robotteamsim.interface import Decision
 from robotteamsim.network.messages import Message
 from robotteamsim.scenario.controllers.routes import RouteControl

@@ -13,8 +13,7 @@ from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import KnownMap, known_map
 from robotteamsim.control.driving.localisation import Localiser
 from robotteamsim.control.driving.navigation import Navigator
-from robotteamsim.control.rdpso.communication import LinkKeeper
-from robotteamsim.control.rdpso.ruled_out import RuledOut
+from robotteamsim.control.rdpso.terms import LinkKeeper, RuledOut
 from robotteamsim.geometry import Pose, path_length_m
 from robotteamsim.interface import Decision, Discovery, Observation, Task
 from robotteamsim.network.messages import EVERYBODY, Message

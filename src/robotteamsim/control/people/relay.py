@@ -10,7 +10,7 @@ from robotteamsim.control.cover.floor_cover import CELL_M
 from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.driving.path_controller import PathController, Situation
 from robotteamsim.control.people.messages import RelayUpdate, parse_relay, whereabouts_in
-from robotteamsim.control.rdpso.communication import strongest_tree
+from robotteamsim.control.rdpso.terms import strongest_tree
 from robotteamsim.interface import EVERYBODY, Decision, Message
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.base import Point

@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from robotteamsim.control.rdpso.communication import LinkKeeper
+from robotteamsim.control.rdpso.terms import LinkKeeper
 from robotteamsim.interface import SwarmContext
 from robotteamsim.scenario.controllers.swarms import RdpsoControl
 from robotteamsim.swarm import (

@@ -11,17 +11,11 @@ from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.driving.localisation import Localiser
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.control.driving.wander import Wander
-from robotteamsim.control.rdpso.common_view import CommonView
-from robotteamsim.control.rdpso.communication import LinkKeeper
 from robotteamsim.control.rdpso.context import ContextMeter
 from robotteamsim.control.rdpso.door_beliefs import DoorBeliefs
-from robotteamsim.control.rdpso.local_best import LocalBestFinder
 from robotteamsim.control.rdpso.membership import Membership
-from robotteamsim.control.rdpso.obstacles import Surroundings
-from robotteamsim.control.rdpso.ruled_out import RuledOut
-from robotteamsim.control.rdpso.team_memory import TeamMemory
-from robotteamsim.control.rdpso.update import Best, RdpsoUpdate
-from robotteamsim.control.rdpso.velocity_memory import Momentum
+from robotteamsim.control.rdpso.team import Best, CommonView, RdpsoUpdate, TeamMemory
+from robotteamsim.control.rdpso.terms import LinkKeeper, LocalBestFinder, Momentum, RuledOut, Surroundings
 from robotteamsim.control.runtime.streams import robot_stream
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import OUTSIDE, Decision, Observation, SwarmContext, Task

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from robotteamsim.control.rdpso.update import Sighting
+from robotteamsim.control.rdpso.team import Sighting
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.controllers.driving import DoorTuning
 from robotteamsim.scenario.floor_plan import Door, FloorPlan

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Mapping
 from functools import partial
 
 from robotteamsim import rng
-from robotteamsim.control.rdpso.common_view import CommonView
+from robotteamsim.control.rdpso.team import CommonView
 from robotteamsim.interface import OUTSIDE
 from robotteamsim.scenario.controllers.swarms import RdpsoControl
 from robotteamsim.scenario.scenario import Scenario

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 import msgspec
 
-from robotteamsim.control.rdpso.update import Sighting
+from robotteamsim.control.rdpso.team import Sighting
 from robotteamsim.interface.payload import Index, Point, Update, update_reader
 from robotteamsim.network.messages import Message
 

@@ -1,18 +1,152 @@
-"""The links of one robot, as far as it knows them, and the attractor x_CB."""
+"""The terms of eq. (22) and (25): memory, local best, obstacles and communication, each for one robot."""
 
 import math
+from collections import deque
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
 import numpy as np
 
 from robotteamsim import _core, swarm
+from robotteamsim.control.driving.known_map import KnownMap
+from robotteamsim.control.driving.navigation import laser_layout
+from robotteamsim.control.rdpso.team import Best
 from robotteamsim.network import fiedler_value
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.controllers.swarms import RdpsoControl
-from robotteamsim.scenario.sections import Radio
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Laser, Radio
+from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.setup import Setup
-from robotteamsim.swarm import Vector
+from robotteamsim.swarm import Vector, memory_term
+
+
+class Momentum:
+    """The velocities of a robot in the last iterations, and their weighted sum."""
+
+    def __init__(self, coefficients: tuple[float, ...], of: Literal["motion", "commands"] = "motion") -> None:
+        """Args: coefficients: the weights of v[t], v[t-1], ...
+
+        of: `motion` remembers the velocities that the robot really had: a blocked robot had none. `commands` remembers
+        the velocities that it chose, as in the printed equations.
+        """
+        self.coefficients = coefficients
+        self._of = of
+        self._velocities: deque[Vector] = deque(maxlen=len(coefficients))
+        """Newest first [m per iteration]."""
+        self._position: Vector | None = None
+
+    def note(self, position: Vector) -> None:
+        """Note the robot's position, in `map` [m], once per iteration."""
+        if self._of == "motion" and self._position is not None:
+            self._velocities.appendleft((position[0] - self._position[0], position[1] - self._position[1]))
+        self._position = position
+
+    def note_command(self, velocity: Vector) -> None:
+        """Note the velocity that the robot chose [m per iteration]."""
+        if self._of == "commands":
+            self._velocities.appendleft(velocity)
+
+    def forget(self) -> None:
+        """Restart from rest."""
+        self._position = None
+        self._velocities.clear()
+
+    def term(self) -> Vector:
+        """Return the weighted sum of the past velocities [m per iteration]."""
+        return memory_term(self.coefficients, self._velocities)
+
+
+class RuledOut(_core.control.RuledOut):
+    """The places that the team has ruled out since the voice map last changed.
+
+    Within the local-best radius of a robot, a victim can only be at the loudest cell that it hears, and not even there
+    once a robot was next to it, because the victim would then be saved and silent [5.3]. Otherwise a voice behind a
+    wall, loudest at that wall, would hold the swarm there until all robots are excluded.
+
+    `add` notes the loudest cell that a robot hears at its position, or None; of robots that hear the same within 0.25 m
+    of each other, only the first counts. `covers` is whether no victim can be at a cell, although a voice is heard
+    there; never with `control.rule_out_places: false`. `clear` discards everything, because the voice map has changed.
+    """
+
+    def __init__(self, scenario: Scenario, is_on: bool = True) -> None:
+        """Args: is_on: `control.rule_out_places`."""
+        cell_m = scenario.voice.map_resolution_m
+        # A victim may be anywhere in a cell of the voice map.
+        save_m = scenario.mission.save_distance_m
+        next_to_m = max(0.5 * save_m, save_m - cell_m)
+        super().__init__(radius_m=scenario.voice.local_best_radius_m, cell_m=cell_m, next_to_m=next_to_m)
+        self._is_on = is_on
+
+    def covers(self, place: Vector) -> bool:
+        """Whether no victim can be at a cell, although a voice is heard there."""
+        return self._is_on and super().covers(place)
+
+
+class LocalBestFinder:
+    """Finds the best place around a robot."""
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._radius_m = scenario.voice.local_best_radius_m
+        self._by_path = scenario.control.navigation == "path"
+
+    def find(
+        self, known_map: KnownMap, ruled_out: RuledOut, voice: VoiceReading, area: Vector | None, position: Vector
+    ) -> Best | None:
+        """Return the loudest cell nearby; if no voice is heard, the cell with the shortest path to the area [5.3].
+
+        A voice that is ruled out is ignored. None if there is neither a voice nor an area. Places in `map` [m].
+        """
+        if voice.heard and not ruled_out.covers(voice.local_best_m):
+            return Best(voice.local_best_level_db, voice.local_best_m)
+        if area is None:
+            return None
+        if not self._by_path:
+            cell = known_map.nearest_by_sight(area, position, self._radius_m)
+            return Best(-math.dist(area, cell), cell)
+        cell, length_m = known_map.nearest_by_path(area, position, self._radius_m)
+        return Best(-length_m, cell)
+
+
+_BEAMS = 60
+"""At least this many beams are used: with a field of view of 270 degrees, one every 4.5 degrees."""
+
+_HEADINGS = 13
+"""Number of equal sectors of the field of view whose borders are the compared directions."""
+
+
+class Surroundings(_core.control.Surroundings):
+    """Finds x_OB: the place with the best clearance within the sensing radius r_s that the laser sees as free.
+
+    `clearest_place` returns the `obstacle_attractor` of the places along 13 headings, at half the radius and at the
+    full radius, in `map` [m]; None if no obstacle is within the sensing radius (then c3 = 0).
+    """
+
+    def __init__(self, laser: Laser, sensing_radius_m: float) -> None:
+        stride = max(1, laser.beams // _BEAMS)
+        beams = len(range(0, laser.beams, stride))
+        low_rad = last_rad = laser.angle_min_rad
+        if laser.beams > 1:
+            last_rad += (beams - 1) * stride * (laser.angle_max_rad - low_rad) / (laser.beams - 1)
+        angles_rad = np.linspace(low_rad, laser.angle_max_rad, laser.beams)
+        self._cos, self._sin = np.cos(angles_rad), np.sin(angles_rad)
+        self._forward_m, self._longest_m = laser.forward_m, laser.range_max_m * (1.0 - 1e-6)
+        super().__init__(
+            laser=laser_layout(laser.model_copy(update={"beams": beams, "angle_max_rad": last_rad})),
+            stride=stride,
+            sensing_radius_m=sensing_radius_m,
+            headings_rad=np.linspace(low_rad, laser.angle_max_rad, _HEADINGS).tolist(),
+        )
+
+    def clearance_m(self, ranges_m: np.ndarray) -> float:
+        """Return the distance from base_link to the nearest obstacle that the laser sees [m]; infinite if none."""
+        seen = ranges_m < self._longest_m
+        if not seen.any():
+            return math.inf
+        ranges_m = ranges_m[seen]
+        x_m, y_m = self._forward_m + ranges_m * self._cos[seen], ranges_m * self._sin[seen]
+        return float(np.hypot(x_m, y_m).min())
 
 
 class LinkKeeper:
