@@ -16,8 +16,8 @@ class Beams:
     """The beams of one kind of sensor in a world."""
 
     def __init__(self, world: AnyWorld, model: BeamModel) -> None:
-        self._world = world
-        self._fan, self._core_fan, self._no_return_m = model.fan, core_fan(model.fan), model.no_return_m
+        self._world, self._cast = world, world.caster(model.fan)
+        self._core_fan, self._no_return_m = core_fan(model.fan), model.no_return_m
         self._limits = _core.sensing.RangeLimits(
             range_min_m=model.range_min_m,
             range_max_m=model.fan.range_max_m,
@@ -30,14 +30,14 @@ class Beams:
 
         Args: noise_m: added to the ranges, shape (robots, beams); empty without noise.
         """
-        return _core.sensing.report(self._limits, self._world.cast(self._fan, robot_ids), noise_m)
+        return _core.sensing.report(self._limits, self._cast(robot_ids), noise_m)
 
     def nearest(self, robot_ids: Sequence[int], noise_m: np.ndarray) -> np.ndarray:
         """Return the nearest return of each robot, as it is reported, float32, shape (robots,) [m].
 
         Args: noise_m: added to it, shape (robots, 1); empty without noise.
         """
-        nearest_m = self._world.cast(self._fan, robot_ids).min(axis=1, keepdims=True)
+        nearest_m = self._cast(robot_ids).min(axis=1, keepdims=True)
         return _core.sensing.report(self._limits, nearest_m, noise_m)[:, 0]
 
     def dim(self, robot_ids: Sequence[int], haze: _core.hazards.Haze, ranges_m: np.ndarray) -> None:

@@ -6,7 +6,7 @@ only these members.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Literal, Protocol
 
 import numpy as np
@@ -63,8 +63,10 @@ class AnyWorld(Protocol):
     def step_ns(self) -> int:
         """Length of a step [ns]."""
 
-    def cast(self, fan: Fan, robot_ids: Sequence[int]) -> np.ndarray:
-        """Return how far the beams of some robots reach, float64, shape (robots, beams) [m]; inf without a return.
+    def caster(self, fan: Fan) -> Callable[[Sequence[int]], np.ndarray]:
+        """Return the function that casts these beams from some robots, by their ids, as the world is when it is called.
+
+        It returns how far the beams reach, float64, shape (robots, beams) [m]; inf without a return.
 
         Walls, doors, objects and other robots return a beam, and so do floors in a world with heights; the robot itself
         does not. An absent robot gets no returns.

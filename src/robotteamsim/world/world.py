@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -30,15 +30,11 @@ class World(BaseWorld):
     core: _core.world.World
     """The C++ world."""
 
-    def cast(self, fan: Fan, robot_ids: Sequence[int]) -> np.ndarray:
-        """See `AnyWorld.cast`."""
-        caster = self._casters.get(fan)
-        if caster is None:
-            caster = self._casters[fan] = _fan_caster(self.plan, fan)
-        return caster.cast(self.core, robot_ids)
+    def caster(self, fan: Fan) -> Callable[[Sequence[int]], np.ndarray]:
+        """See `AnyWorld.caster`."""
+        return functools.partial(_fan_caster(self.plan, fan).cast, self.core)
 
     def _make_physics(self, run: Run) -> _core.world.World:
-        self._casters: dict[Fan, _core.world.FanCaster] = {}
         still, leaves = core_solids(self.plan)
         bodies, models = [core_robot(robot) for robot in self._robots], [core_object(obj) for obj in self._objects]
         self.core = _core.world.World(still, leaves, bodies, run.step_s, run.physics_substeps, models)

@@ -34,7 +34,7 @@ class Rays:
         self._directions: dict[Fan, np.ndarray] = {}
 
     def ranges_m(self, robot_id: int, fan: Fan) -> np.ndarray:
-        """Return how far each beam of a robot reaches, float64, shape (beams,) [m]; see `AnyWorld.cast`."""
+        """Return how far each beam of a robot reaches, float64, shape (beams,) [m]; see `AnyWorld.caster`."""
         body = self._bodies.body_id(robot_id)
         if body is None:
             return np.full(fan.beams, np.inf)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from msgspec.structs import astuple
@@ -31,9 +31,9 @@ class MujocoWorld(BaseWorld):
     engine: Engine
     """Model and state of MuJoCo."""
 
-    def cast(self, fan: Fan, robot_ids: Sequence[int]) -> np.ndarray:
-        """See `AnyWorld.cast`."""
-        return np.stack([self._scene.rays.ranges_m(robot_id, fan) for robot_id in robot_ids])
+    def caster(self, fan: Fan) -> Callable[[Sequence[int]], np.ndarray]:
+        """See `AnyWorld.caster`."""
+        return lambda robot_ids: np.stack([self._scene.rays.ranges_m(robot_id, fan) for robot_id in robot_ids])
 
     def _make_physics(self, run: Run) -> Engine:
         self.engine = Engine(self.plan, self._robots, run, self._objects)
