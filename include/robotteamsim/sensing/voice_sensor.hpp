@@ -23,7 +23,8 @@ class VoiceSensor {
   /// Throws std::invalid_argument if the map does not fit the grid.
   VoiceSensor(const plan::GridShape& grid, propagation::MapValues map, double radius_m);
 
-  /// Returns the reading of each robot. Throws std::invalid_argument if a position is not finite.
+  /// Returns the reading of each robot; one whose position is NaN is absent and hears nothing.
+  /// Throws std::invalid_argument if another position is not finite.
   std::vector<VoiceReading> Hear(const std::vector<base::Point>& positions);
 
  private:

@@ -27,11 +27,13 @@ std::vector<VoiceReading> VoiceSensor::Hear(const std::vector<base::Point>& posi
 }
 
 VoiceReading VoiceSensor::HearAt(const base::Point& position, std::optional<propagation::Cell>* last) const {
+  VoiceReading reading;
+  reading.local_best = position;
+  if (std::isnan(position.x) && std::isnan(position.y)) return reading;
   base::Check(position, "position_m");
   const double row = std::floor((position.y - grid_.origin.y) / grid_.resolution_m);
   const double col = std::floor((position.x - grid_.origin.x) / grid_.resolution_m);
   const bool is_inside = row >= 0.0 && row < grid_.rows && col >= 0.0 && col < grid_.cols;
-  VoiceReading reading;
   reading.level_db = is_inside ? map_(static_cast<int>(row), static_cast<int>(col)) : 0.0F;
   *last = propagation::LoudestCell(grid_, map_, position, radius_m_, *last);
   reading.heard = last->has_value();

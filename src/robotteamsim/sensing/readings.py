@@ -48,9 +48,6 @@ class VoiceReading(msgspec.Struct, frozen=True):
 NOTHING_SENSED: Mapping[str, Any] = MappingProxyType({})
 """The readings of additional sensors in a step in which none of a robot's measured."""
 
-NOTHING_HEARD = VoiceReading(0.0, False, (math.nan, math.nan), 0.0)
-"""The voice reading of an absent robot."""
-
 
 class RobotReading(msgspec.Struct, frozen=True, eq=False):
     """What one robot measures in one step.

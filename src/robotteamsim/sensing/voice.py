@@ -63,7 +63,10 @@ class VoiceSensor:
         return self.read_team(np.array([position_m], dtype=np.float64))[0]
 
     def read_team(self, positions_m: np.ndarray) -> tuple[VoiceReading, ...]:
-        """Return the reading of `read` for the position of each robot, shape (n, 2) [m]."""
+        """Return the reading of `read` for the position of each robot, shape (n, 2) [m].
+
+        An absent robot, whose position is NaN, hears nothing.
+        """
         if self._core is None:
             voice_map, radius_m = self.map(), self._voice.local_best_radius_m
             self._core = _core.sensing.VoiceSensor(

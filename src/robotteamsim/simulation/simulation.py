@@ -30,6 +30,7 @@ from robotteamsim.simulation.stages import (
 )
 from robotteamsim.simulation.trial import Trial
 from robotteamsim.world.contract import AnyWorld
+from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.making import make_world
 
 
@@ -74,11 +75,12 @@ class Simulation:
         self.people = PeopleStage(setup, self.world)
         """The victims who move."""
         self.sensors: Sensors = sensors or RobotSensors(self.world, robots, scenario.run.seed, self.hazards.source)
-        self.hearing = HearingStage(setup, self.world)
+        self.hearing = HearingStage(setup)
         """The voices of victims."""
         self.network = NetworkStage(setup, self.world)
         self.controllers: Controllers = controllers or TeamControllers(setup)
         self.mission = Mission(setup)
+        self._doors = DoorStates.at_start(scenario.plan)
         self._before = _Before(tuple(Decision() for _ in robots))
 
     def step(self) -> StepRecord:
@@ -89,9 +91,11 @@ class Simulation:
         world.step(hazards.slowed([decision.twist for decision in before.decisions]))
         hazards.step()
         moved = self.people.step(mission.status.victims, before.task.assistance, hazards.field)
+        self._follow_doors()
         readings = self.sensors.read()
-        voices = self.hearing.step(readings.positions_m, moved, before.silent)
-        network, inboxes = self.network.step(readings.positions_m, [decision.outbox for decision in before.decisions])
+        positions_m = readings.positions_m
+        voices = self.hearing.step(positions_m, moved, before.silent)
+        network, inboxes = self.network.step(positions_m, [decision.outbox for decision in before.decisions])
         inputs = TeamInputs(world.sim_time_ns, readings, voices, inboxes, before.task, world.present, world.arrivals)
         decisions = self.controllers.step(inputs)
         events = mission.step(self._judged(inputs, network, decisions, moved))
@@ -176,8 +180,15 @@ class Simulation:
         Voice and radio follow the state of the world's door at once, the mission in the next step.
         """
         self.world.set_door(name, closed)
-        self.hearing.follow_doors()
-        self.network.follow_doors()
+        self._follow_doors()
+
+    def _follow_doors(self) -> None:
+        """Let voices and radio through the doors that are open now."""
+        doors = self.world.door_states()
+        for name, closed in doors.closed_since(self._doors).items():
+            self.hearing.sensor.set_door(name, closed)
+            self.network.radio.set_door(name, closed)
+        self._doors = doors
 
     def set_noise_db(self, noise_db: float) -> None:
         """Set the background noise [dB]."""

@@ -22,12 +22,11 @@ from robotteamsim.network import Message, Network, NetworkState
 from robotteamsim.propagation import FieldMap, RadioField
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.schedule import ScheduledEvent, in_order
-from robotteamsim.sensing.readings import NOTHING_HEARD, VoiceReading
+from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.sensing.voice import VoiceSensor
 from robotteamsim.setup import Setup
 from robotteamsim.simulation.firefighters import FirefighterHealth
 from robotteamsim.world.contract import AnyWorld
-from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.people import People, PersonState
 from robotteamsim.world.walking import Walkers
 
@@ -261,12 +260,10 @@ class PeopleStage:
 class HearingStage:
     """What the robots hear of the victims who call."""
 
-    def __init__(self, setup: Setup, world: AnyWorld) -> None:
+    def __init__(self, setup: Setup) -> None:
         scenario = setup.scenario
-        self._world = world
         self.sensor = VoiceSensor(scenario.plan, scenario.voice, scenario.mission.victims, scenario.run.seed)
         """The sensor of voices."""
-        self._doors = DoorStates.at_start(scenario.plan)
         self._map_version = -1
         self.new_map: FieldMap | None = None
         """The voice map after the first step and after each in which it has changed, else None."""
@@ -276,28 +273,16 @@ class HearingStage:
     ) -> tuple[VoiceReading, ...]:
         """Return what each robot hears, in id order.
 
-        Args: positions_m: true positions in `map`, shape (n, 2) [m].
+        Args: positions_m: true positions in `map`, shape (n, 2) [m]; NaN for absent robots.
               moved:       new positions of victims, by name [m, map].
               silent:      names of the victims who are silent as of the last step.
         """
-        self.follow_doors()
         for name, position_m in moved.items():
             self.sensor.move_victim(name, position_m)
         self.sensor.set_silenced(silent)
         self.new_map = self.sensor.map() if self.sensor.version != self._map_version else None
         self._map_version = self.sensor.version
-        present = self._world.present
-        if present.all():
-            return self.sensor.read_team(positions_m)
-        heard = iter(self.sensor.read_team(positions_m[present]))
-        return tuple(next(heard) if is_there else NOTHING_HEARD for is_there in present.tolist())
-
-    def follow_doors(self) -> None:
-        """Let voices through the doors that are open now."""
-        doors = self._world.door_states()
-        for name, closed in doors.closed_since(self._doors).items():
-            self.sensor.set_door(name, closed)
-        self._doors = doors
+        return self.sensor.read_team(positions_m)
 
 
 class NetworkStage:
@@ -306,10 +291,10 @@ class NetworkStage:
     def __init__(self, setup: Setup, world: AnyWorld) -> None:
         scenario = setup.scenario
         self._world = world
-        self._radio = RadioField(scenario.plan, scenario.radio)
+        self.radio = RadioField(scenario.plan, scenario.radio)
+        """How radio fades in the building."""
         run = scenario.run
-        self._network = Network(self._radio, scenario.network, scenario.team_size, seed=run.seed, step_ns=run.step_ns)
-        self._doors = DoorStates.at_start(scenario.plan)
+        self._network = Network(self.radio, scenario.network, scenario.team_size, seed=run.seed, step_ns=run.step_ns)
         self._team_version = -1
 
     def step(
@@ -320,19 +305,7 @@ class NetworkStage:
         Args: positions_m: true positions in `map`, shape (n, 2) [m].
               outboxes:    messages sent in the last step, one sequence per robot in id order.
         """
-        self.follow_doors()
         if self._world.team_version != self._team_version:
             self._team_version = self._world.team_version
             self._network.follow_team(self._world.present)
         return self._network.step(positions_m, outboxes)
-
-    def follow_doors(self) -> None:
-        """Let radio through the doors that are open now."""
-        doors = self._world.door_states()
-        for name, closed in doors.closed_since(self._doors).items():
-            self._radio.set_door(name, closed)
-        self._doors = doors
-
-    def radio_map(self, position_m: Point, resolution_m: float) -> FieldMap:
-        """Return the signal of a robot at a position in `map` [m] over the floor [dBm]."""
-        return self._radio.rssi_map_dbm(position_m, resolution_m)

@@ -39,7 +39,7 @@ class FakeParts:
     def sensors(self, world, robots, seed, hazards) -> FakeSensors:
         return FakeSensors(self)
 
-    def hearing(self, loaded, world) -> FakeHearing:
+    def hearing(self, loaded) -> FakeHearing:
         return FakeHearing(self)
 
     def network(self, loaded, world) -> FakeNetwork:

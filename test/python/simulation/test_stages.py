@@ -20,8 +20,7 @@ def world_of(setup: Setup) -> World:
 
 @pytest.fixture
 def hearing(hall_scenario) -> HearingStage:
-    setup = resolve(hall_scenario())
-    return HearingStage(setup, world_of(setup))
+    return HearingStage(resolve(hall_scenario()))
 
 
 def heard(hearing, positions=(NEAR_ANN, FAR_AWAY), silent=()):
@@ -80,16 +79,11 @@ def test_victim_who_walks_is_heard_where_they_are(hearing):
     assert after[1].level_db > before[1].level_db
 
 
-def test_absent_robot_hears_nothing(hall_scenario):
-    setup = resolve(hall_scenario())
-    world = world_of(setup)
-    hearing = HearingStage(setup, world)
-    world.remove_robot(0)
-    positions_m = np.array((FAR_AWAY, NEAR_ANN))
-    positions_m[0] = np.nan
-    voices = hearing.step(positions_m, {}, ())
-    assert not voices[0].heard
-    assert voices[1].heard
+def test_absent_robot_hears_nothing(hearing):
+    absent, present = heard(hearing, ((np.nan, np.nan), NEAR_ANN))
+    assert (absent.level_db, absent.heard, absent.local_best_level_db) == (0.0, False, 0.0)
+    assert np.isnan(absent.local_best_m).all()
+    assert present == heard(hearing)[0]
 
 
 def test_door_is_closed_for_radio_and_voices(hall_scenario):
@@ -97,15 +91,15 @@ def test_door_is_closed_for_radio_and_voices(hall_scenario):
     door = Door(name="gate", start=(10.0, 0.2), end=(10.0, 9.8), kind="fireproof")
     plan = scenario.plan.model_copy(update={"doors": (door,)})
     setup = resolve(scenario.model_copy(update={"plan": plan}))
-    world = world_of(setup)
-    hearing, network = HearingStage(setup, world), NetworkStage(setup, world)
+    hearing, network = HearingStage(setup), NetworkStage(setup, world_of(setup))
     apart = ((7.0, 4.0), (13.0, 4.0))
 
     def rssi_dbm() -> float:
         return float(network.step(np.array(apart), ((), ()))[0].rssi_dbm[0, 1])
 
     open_voices, open_dbm = heard(hearing, apart), rssi_dbm()
-    world.set_door("gate", True)
+    hearing.sensor.set_door("gate", True)
+    network.radio.set_door("gate", True)
     assert open_dbm - rssi_dbm() == pytest.approx(10.2)
     assert heard(hearing, apart)[1].level_db <= open_voices[1].level_db
 

@@ -344,7 +344,7 @@ class SimulationNode:
             if record is None or not record.is_there(robot_id):
                 return None
             reading = record.readings[robot_id].ground_truth
-            radio_map = self._simulation.network.radio_map((reading.x_m, reading.y_m), resolution_m)
+            radio_map = self._simulation.network.radio.rssi_map_dbm((reading.x_m, reading.y_m), resolution_m)
             return record.sim_time_ns, radio_map
 
     def _serve_get_radio_map(self, request: srv.GetRadioMapRequest) -> srv.GetRadioMapResponse:
