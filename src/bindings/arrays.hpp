@@ -34,6 +34,14 @@ Array<Value, extents...> ArrayOf(std::vector<Stored> values, const std::array<st
   return Array<Value, extents...>(reinterpret_cast<Value*>(kept->data()), shape.size(), shape.data(), owner);
 }
 
+/// An array whose numbers are not set yet.
+template <typename Value>
+Array<Value, -1, -1> NewTable(std::size_t rows, std::size_t cols) {
+  auto* const numbers = new Value[rows * cols];
+  const nanobind::capsule owner(numbers, [](void* memory) noexcept { delete[] static_cast<Value*>(memory); });
+  return Array<Value, -1, -1>(numbers, {rows, cols}, owner);
+}
+
 template <typename Value>
 Array<Value, -1> ArrayOf(std::vector<Value> values) {
   const std::size_t size = values.size();

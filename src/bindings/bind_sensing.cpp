@@ -43,10 +43,9 @@ using Rows = Array<const double, -1, -1>;
 using Ranges = Array<float, -1, -1>;
 
 Ranges Reported(const RangeLimits& limits, const Rows& ranges_m, const Rows& noise_m) {
-  const std::size_t robots = ranges_m.shape(0), beams = ranges_m.shape(1);
-  std::vector<float> reported(robots * beams);
-  sensing::Report(limits, TableOf(ranges_m), TableOf(noise_m), {reported.data(), robots, beams});
-  return ArrayOf<float, -1, -1>(std::move(reported), {robots, beams});
+  auto reported_m = NewTable<float>(ranges_m.shape(0), ranges_m.shape(1));
+  sensing::Report(limits, TableOf(ranges_m), TableOf(noise_m), TableOf(reported_m));
+  return reported_m;
 }
 
 // An object of a module, such as a class, kept for as long as the interpreter runs.

@@ -96,10 +96,9 @@ void BindFan(nb::module_& m) {
       .def(
           "cast",
           [](const FanCaster& caster, const World& world, const std::vector<int>& robot_ids) {
-            const std::size_t robots = robot_ids.size(), beams = static_cast<std::size_t>(caster.fan().beams);
-            std::vector<double> ranges_m(robots * beams);
-            caster.Cast(world, robot_ids, {ranges_m.data(), robots, beams});
-            return ArrayOf<double, -1, -1>(std::move(ranges_m), {robots, beams});
+            auto ranges_m = NewTable<double>(robot_ids.size(), static_cast<std::size_t>(caster.fan().beams));
+            caster.Cast(world, robot_ids, TableOf(ranges_m));
+            return ranges_m;
           },
           "world"_a, "robot_ids"_a);
 }

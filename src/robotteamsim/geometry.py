@@ -51,12 +51,6 @@ class Pose(msgspec.Struct, frozen=True):
         )
 
 
-def pose_of(x_m: float, y_m: float, qz: float, qw: float) -> Pose:
-    """Return the pose at a position [m] with the orientation of the unit quaternion (0, 0, qz, qw)."""
-    yaw_rad = 2.0 * math.atan2(qz, qw)
-    return Pose(x_m, y_m, yaw_rad if -math.pi < yaw_rad <= math.pi else normalise_angle(yaw_rad))
-
-
 class PoseReading(msgspec.Struct, frozen=True):
     """A pose in the form of ROS messages: position and the unit quaternion (0, 0, qz, qw).
 
@@ -78,7 +72,8 @@ class PoseReading(msgspec.Struct, frozen=True):
     @property
     def pose(self) -> Pose:
         """The pose with its yaw in (-pi, pi]."""
-        return pose_of(self.x_m, self.y_m, self.qz, self.qw)
+        yaw_rad = 2.0 * math.atan2(self.qz, self.qw)
+        return Pose(self.x_m, self.y_m, yaw_rad if -math.pi < yaw_rad <= math.pi else normalise_angle(yaw_rad))
 
 
 class Twist(msgspec.Struct, frozen=True):

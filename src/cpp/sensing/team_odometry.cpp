@@ -13,23 +13,26 @@ TeamOdometry::TeamOdometry(const std::vector<OdometryModel>& models, double step
 
 OdometryState TeamOdometry::Step(const std::vector<base::Pose>& motions, const std::vector<base::Twist>& twists,
                                  const std::vector<Odometry::Noise>& noise) {
-  if (motions.size() != team_.size() || twists.size() != team_.size() || noise.size() != team_.size()) {
+  const std::size_t robots = team_.size();
+  if (motions.size() != robots || twists.size() != robots || noise.size() != robots) {
     throw std::invalid_argument("motions, twists and noise must have one row of three numbers per robot");
   }
-  OdometryState state;
-  for (std::size_t i = 0; i < team_.size(); ++i) {
+  OdometryState state{std::vector<PoseReading>(robots), std::vector<base::Twist>(robots),
+                      std::vector<PoseCovariance>(robots), std::vector<TwistVariances>(robots)};
+  for (std::size_t i = 0; i < robots; ++i) {
     Odometry& odometry = team_[i];
     odometry.Step(motions[i], twists[i], noise[i]);
-    state.pose.push_back(ReadingOf(odometry.pose()));
-    state.twist.push_back(odometry.twist());
-    state.pose_covariance.push_back(odometry.covariance());
-    state.twist_variances.push_back(odometry.twist_variances());
+    state.pose[i] = ReadingOf(odometry.pose());
+    state.twist[i] = odometry.twist();
+    state.pose_covariance[i] = odometry.covariance();
+    state.twist_variances[i] = odometry.twist_variances();
   }
   return state;
 }
 
 TeamState TeamOdometry::Read(world::TeamMotion team, const std::vector<Odometry::Noise>& noise) {
   TeamState state;
+  state.true_pose.reserve(team.poses.size());
   for (const base::Pose& pose : team.poses) state.true_pose.push_back(ReadingOf(pose));
   state.odometry = Step(team.motions, team.twists, noise);
   state.true_twist = std::move(team.twists);

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import msgspec
+import numpy as np
 
 from robotteamsim.control.driving.localisation import check_headless
 from robotteamsim.geometry import Pose, Twist
@@ -98,18 +99,23 @@ class Simulation:
         network, inboxes = self.network.step(positions_m, [decision.outbox for decision in before.decisions])
         inputs = TeamInputs(world.sim_time_ns, readings, voices, inboxes, before.task, world.present, world.arrivals)
         decisions = self.controllers.step(inputs)
-        events = mission.step(self._judged(inputs, network, decisions, moved))
+        events = mission.step(self._judged(inputs, positions_m, network, decisions, moved))
         self._before = _Before(decisions, mission.task, mission.silent_victims)
         return self._record(inputs, network, decisions, events)
 
     def _judged(
-        self, of: TeamInputs, network: NetworkState, decisions: tuple[Decision, ...], moved: Mapping[str, Point]
+        self,
+        of: TeamInputs,
+        positions_m: np.ndarray,
+        network: NetworkState,
+        decisions: tuple[Decision, ...],
+        moved: Mapping[str, Point],
     ) -> MissionInput:
         """Return what the mission judges in this step."""
         world, hazards = self.world, self.hazards
         return MissionInput(
             sim_time_ns=of.sim_time_ns,
-            positions_m=of.readings.positions_m,
+            positions_m=positions_m,
             voices=of.voices,
             network=network,
             decisions=decisions,

@@ -25,7 +25,7 @@ class TrajectoryHash:
         """Add one step. Args: ground_truth: as an array: shape (n, 4)."""
         rows = ground_truth if isinstance(ground_truth, np.ndarray) else np.array(list(map(astuple, ground_truth)))
         self._sha256.update(sim_time_ns.to_bytes(8, "little", signed=True))
-        self._sha256.update(rows.astype("<f8", copy=False).tobytes())
+        self._sha256.update(np.asarray(rows, "<f8").tobytes())
 
     def hexdigest(self) -> str:
         """Return the hash of the steps so far, 64 hexadecimal digits."""
