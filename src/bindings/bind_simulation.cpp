@@ -1,16 +1,16 @@
 // _core.simulation: totals over a trial.
 #include <nanobind/stl/vector.h>
 
-#include "arrays.hpp"
 #include "bindings.hpp"
+#include "robotteamsim/sensing/team_state.hpp"
 #include "robotteamsim/simulation/team_totals.hpp"
 
 namespace robotteamsim::bindings {
 namespace {
 
-void AddStep(simulation::TeamTotals& totals, const Points& positions_m, const Array<const bool, -1>& in_contact,
-             const std::vector<bool>& excluded, bool running) {
-  totals.AddStep(RecordsOf<base::Point>(positions_m), ValuesOf<bool>(in_contact), excluded, running);
+void AddStep(simulation::TeamTotals& totals, const sensing::TeamState& state, const std::vector<bool>& excluded,
+             bool running) {
+  totals.AddStep(state.positions(), {state.contact.begin(), state.contact.end()}, excluded, running);
 }
 
 }  // namespace
@@ -23,7 +23,7 @@ void BindSimulation(nb::module_&& m) {
       .def_ro("longest_stay_steps", &simulation::RobotTotals::longest_stay);
   nb::class_<simulation::TeamTotals>(m, "TeamTotals")
       .def(nb::init<int>(), "num_robots"_a)
-      .def("add_step", &AddStep, "positions_m"_a, "in_contact"_a, "excluded"_a, "running"_a)
+      .def("add_step", &AddStep, "state"_a, "excluded"_a, "running"_a)
       .def("totals", &simulation::TeamTotals::Totals);
 }
 

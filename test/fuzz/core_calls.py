@@ -372,7 +372,7 @@ def _sensors() -> Iterator[Call]:
     ear = new("sensing.VoiceSensor", (-1.0, 2.0), 0.5, _MAP, 2.0)
     yield ear.of(("hear", np.array([[0.0, 3.0], [1.0, 4.0]])), ("hear", np.array([[0.1, 3.0], [1.0, 4.1]])))
     totals = new("simulation.TeamTotals", 2)
-    yield totals.of(("add_step", np.arange(4.0).reshape(2, 2), np.zeros(2, np.bool_), [False, True], True), ("totals",))
+    yield totals.of(("add_step", state, [False, True], True), ("totals",))
 
 
 _BURNING = new(

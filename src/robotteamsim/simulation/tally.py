@@ -23,14 +23,9 @@ class Tally:
     def add(self, record: StepRecord) -> None:
         """Add one step."""
         self._last = record
-        team = record.readings
-        self._hash.update(record.sim_time_ns, team.state.true_pose)
-        self._totals.update(
-            team.positions_m,
-            team.state.contact,
-            [decision.excluded for decision in record.decisions],
-            record.mission.state == "running",
-        )
+        state, excluded = record.readings.state, [decision.excluded for decision in record.decisions]
+        self._hash.update(record.sim_time_ns, state.true_pose)
+        self._totals.update(state, excluded, record.mission.state == "running")
 
     def result(self) -> Result:
         """Return the result as of the last step. Raises: ValueError: there was no step yet."""

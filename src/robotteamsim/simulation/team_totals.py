@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from robotteamsim import _core
 from robotteamsim.simulation.record import RobotTotals
 
@@ -17,17 +15,16 @@ class TeamTotals:
         self._core = _core.simulation.TeamTotals(num_robots)
         self._step_s = step_s
 
-    def update(self, positions_m: np.ndarray, in_contact: np.ndarray, excluded: Sequence[bool], running: bool) -> None:
+    def update(self, state: _core.sensing.TeamState, excluded: Sequence[bool], running: bool) -> None:
         """Add a step. A stay counts only while the mission runs.
 
         Args:
-            positions_m: true ones, in `map` [m], float64, shape (n, 2); NaN for an absent robot, which does not count.
-            in_contact:  whether each robot touches something, bool, shape (n,).
-            excluded:    whether each robot is excluded.
-            running:     whether the mission runs.
-        Raises: ValueError: the shapes differ.
+            state:    of the team, as in `TeamReadings`; an absent robot does not count.
+            excluded: whether each robot is excluded.
+            running:  whether the mission runs.
+        Raises: ValueError: not one entry per robot.
         """
-        self._core.add_step(positions_m, in_contact, excluded, running)
+        self._core.add_step(state, excluded, running)
 
     def result(self) -> tuple[RobotTotals, ...]:
         """Return the totals so far, in id order."""

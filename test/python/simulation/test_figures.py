@@ -5,13 +5,21 @@ import math
 import numpy as np
 import pytest
 
+from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.rng import stream
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings
 from robotteamsim.simulation.team_totals import TeamTotals
+
+STILL = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
 
 
 def update(figures, positions_m, in_contact, excluded, running):
     """Take in one step."""
-    figures.update(np.array(positions_m), np.array(in_contact), excluded, running)
+    robots = [
+        RobotReading(PoseReading(x_m, y_m, 0.0, 1.0), Twist(), STILL, np.zeros(0, np.float32), touches)
+        for (x_m, y_m), touches in zip(positions_m, in_contact, strict=True)
+    ]
+    figures.update(TeamReadings.of(robots).state, excluded, running)
 
 
 def walk_along_x(figures, xs_m, running=True):
@@ -88,4 +96,6 @@ def test_totals_of_random_walks_equal_the_sums_over_all_steps():
 
 def test_rows_that_do_not_fit_the_team_are_rejected():
     with pytest.raises(ValueError, match="one row per robot"):
-        TeamTotals(2, step_s=1.0).update(np.zeros((3, 2)), np.zeros(2, dtype=bool), [False, False], True)
+        update(TeamTotals(2, step_s=1.0), np.zeros((3, 2)), [False] * 3, [False, False], running=True)
+    with pytest.raises(ValueError, match="one row per robot"):
+        update(TeamTotals(2, step_s=1.0), np.zeros((2, 2)), [False] * 2, [False], running=True)
