@@ -3,8 +3,19 @@
 Equation numbers are those of the dissertation.
 """
 
-from robotteamsim.swarm.adaptation import EXACT_LEVELS, PUBLISHED_LEVELS, Context, Levels, adapted_coefficients
-from robotteamsim.swarm.attractors import communication_attractor, communication_weight, obstacle_attractor
+from robotteamsim.swarm.context import (
+    EXACT_LEVELS,
+    PUBLISHED_LEVELS,
+    Context,
+    Levels,
+    adapted_coefficients,
+    robot_avoidance,
+    robot_proximity_by_distance,
+    robot_proximity_by_signal,
+    robot_socialisation,
+    swarm_activity,
+    swarm_connectivity,
+)
 from robotteamsim.swarm.exclusion import (
     ExclusionRules,
     SwarmState,
@@ -14,22 +25,19 @@ from robotteamsim.swarm.exclusion import (
     punished_search_counter,
     spawn_chance,
 )
-from robotteamsim.swarm.memory import MemoryMode, memory_coefficients, memory_term
-from robotteamsim.swarm.metrics import (
-    robot_avoidance,
-    robot_proximity_by_distance,
-    robot_proximity_by_signal,
-    robot_socialisation,
-    swarm_activity,
-    swarm_connectivity,
-)
 from robotteamsim.swarm.velocity import (
     Attractors,
+    MemoryMode,
     Vector,
     Weights,
+    communication_attractor,
+    communication_weight,
     limit_speed,
+    memory_coefficients,
+    memory_term,
     next_position,
     next_velocity,
+    obstacle_attractor,
     uniform_numbers,
 )
 

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from robotteamsim.swarm.adaptation import (
+from robotteamsim.swarm.context import (
     EXACT_LEVELS,
     PUBLISHED_LEVELS,
     Context,
