@@ -12,7 +12,7 @@ from robotteamsim.control.rdpso.membership import Membership
 from robotteamsim.control.rdpso.natural_selection import DpsoMembership
 from robotteamsim.control.rdpso.team import Best, CommonView, RdpsoUpdate, parse_update
 from robotteamsim.interface import OUTSIDE
-from robotteamsim.mission.team_monitor import TeamMonitor
+from robotteamsim.mission.monitors import TeamMonitor
 from robotteamsim.scenario.controllers.swarms import RdpsoControl, SocialExclusion, Swarms
 from robotteamsim.scenario.sections import Area, Mission, PlacedRobot
 from robotteamsim.swarm import SwarmState

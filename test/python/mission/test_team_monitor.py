@@ -7,7 +7,7 @@ import pytest
 
 from robotteamsim.interface import OUTSIDE, Decision
 from robotteamsim.mission.events import Happening
-from robotteamsim.mission.team_monitor import TeamMonitor
+from robotteamsim.mission.monitors import TeamMonitor
 
 EVERYBODY = np.ones(4, dtype=bool)
 
