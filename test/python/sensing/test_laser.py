@@ -9,7 +9,7 @@ from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wal
 from robotteamsim.scenario.plan import obstacles
 from robotteamsim.scenario.sections import Laser as LaserModel
 from robotteamsim.scenario.sections import PlacedRobot, Run
-from robotteamsim.sensing.laser import Laser
+from robotteamsim.sensing.beams import Laser
 from robotteamsim.world import World
 
 

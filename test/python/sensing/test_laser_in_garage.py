@@ -12,7 +12,7 @@ from robotteamsim.scenario import Bounds, FloorPlan, Wall, load
 from robotteamsim.scenario.plan import obstacles
 from robotteamsim.scenario.sections import Laser as LaserModel
 from robotteamsim.scenario.sections import PlacedRobot, Run
-from robotteamsim.sensing.laser import Laser
+from robotteamsim.sensing.beams import Laser
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
 

@@ -7,7 +7,7 @@ from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.rng import stream
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.sections import Laser, Odometry, PlacedRobot, Run
-from robotteamsim.sensing.laser import Laser as LaserSensor
+from robotteamsim.sensing.beams import Laser as LaserSensor
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World

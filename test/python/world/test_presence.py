@@ -13,7 +13,7 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors import Laser as LaserModel
-from robotteamsim.sensing.laser import Laser
+from robotteamsim.sensing.beams import Laser
 from robotteamsim.setup import resolve
 from robotteamsim.simulation.stages import ScheduleStage
 from robotteamsim.world import World
