@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import struct
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
 from io import BytesIO
 from typing import Any, NamedTuple
 
@@ -25,7 +24,7 @@ from robotteamsim.recording.topics.radio import RADIO_MAP_TOPICS, VOICE_MAP_TOPI
 from robotteamsim.recording.topics.robots import BODY_TOPICS, ODOM, SCAN, TF, TRUTH
 from robotteamsim.recording.topics.world import DOORS, ROBOTS, WORLD_TOPICS
 from robotteamsim.ros.messages import RosTypes
-from robotteamsim.ros.scene.objects import object_markers
+from robotteamsim.ros.scene.building import object_markers
 from robotteamsim.ros.settings import Settings
 from robotteamsim.ros.stage import UnprefixedTypes
 from robotteamsim.ros.topics import Output, prepared_class
@@ -33,7 +32,6 @@ from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamRea
 from robotteamsim.simulation import Simulation, StepRecord, TeamInputs
 from robotteamsim.world.contract import AnyWorld
 
-RADIO_MAP_RESOLUTION_M = 0.25
 RADIO_MAP_PERIOD_NS = 10**9
 
 _ORIGIN = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
@@ -247,45 +245,27 @@ def _origin(reading: RobotReading) -> PoseReading:
 
 
 class RadioMapOutputs:
-    """The signal of each robot over the floor."""
+    """The signal of each robot over the floor, once a second for subscribers."""
 
-    def __init__(
-        self,
-        settings: Settings,
-        robot_ids: Iterable[int],
-        radio_map: Callable[[int, float], tuple[int, FieldMap] | None],
-    ) -> None:
-        """Args: radio_map: returns stamp [ns] and map of a robot at a resolution [m] in the last step, if any."""
+    def __init__(self, settings: Settings, robot_ids: Iterable[int]) -> None:
+        """Advertise."""
         self._make, self._source = RosTypes(), Source(settings.setup)
-        self._radio_map = radio_map
-        keys = [(i, topic) for i in robot_ids for topic in RADIO_MAP_TOPICS]
-        self._outputs = {
-            key: Output(
-                settings.robot_topic(key[0], key[1].name),
-                self._make.message_class(key[1].type_name),
-                greeting=partial(self._message, *key),
-            )
-            for key in keys
-        }
+        self._outputs = {(i, topic): output_of(topic, settings, i) for i in robot_ids for topic in RADIO_MAP_TOPICS}
         self.restart()
-
-    def publish(self, time_ns: int) -> None:
-        """Publish the maps that are due, once a second, for subscribers; after the step."""
-        for key, output in self._outputs.items():
-            if output.wanted and time_ns >= self._due_ns[key] and (message := self._message(*key)) is not None:
-                output.publish(message)
 
     def restart(self) -> None:
         """Restart with the first step."""
         self._due_ns = dict.fromkeys(self._outputs, 0)
 
-    def _message(self, robot_id: int, topic: Topic) -> Any:
-        found = self._radio_map(robot_id, RADIO_MAP_RESOLUTION_M)
-        if found is None:
-            return None
-        time_ns, signals = found
-        self._due_ns[robot_id, topic] = time_ns + RADIO_MAP_PERIOD_NS
-        return topic.messages(self._make, time_ns, topic.values(self._source, signals, robot_id))[0]
+    def publish(self, record: StepRecord, radio_map: Callable[[int], FieldMap]) -> None:
+        """Publish the maps of present robots that are due. Args: radio_map: returns the map of a robot."""
+        for (robot_id, topic), output in self._outputs.items():
+            is_due = record.sim_time_ns >= self._due_ns[robot_id, topic]
+            if is_due and output.wanted and record.is_there(robot_id):
+                self._due_ns[robot_id, topic] = record.sim_time_ns + RADIO_MAP_PERIOD_NS
+                values = topic.values(self._source, radio_map(robot_id), robot_id)
+                for message in topic.messages(self._make, record.sim_time_ns, values):
+                    output.publish(message)
 
 
 class _Beginning(NamedTuple):

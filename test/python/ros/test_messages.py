@@ -36,9 +36,7 @@ from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.topics import base, decisions, mission, radio, robots, world
 from robotteamsim.ros.inputs import stamp_ns
 from robotteamsim.ros.messages import RosTypes
-from robotteamsim.ros.nodes.requests import check_noise, check_victim
 from robotteamsim.ros.topics import read
-from robotteamsim.scenario import load
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
 from robotteamsim.scenario.sensors import Gps, HeatSensor, LightSensor, Sonar
@@ -278,19 +276,3 @@ def test_stamp_beyond_the_header_of_an_answer_is_rejected():
     message.header.stamp = genpy.Time(2**32 - 1)
     with pytest.raises(ValueError, match=r"^stamp: 4294967295 s; expected below 2\^32 s$"):
         stamp_ns(message)
-
-
-@pytest.mark.parametrize("odd", [math.nan, math.inf, -1.0])
-def test_noise_out_of_range_is_rejected(odd):
-    with pytest.raises(ValueError, match="noise_db"):
-        check_noise(odd)
-    check_noise(20.0)
-
-
-def test_place_of_a_victim_is_checked():
-    scenario = load("garage_sar")
-    with pytest.raises(ValueError, match=r"^set_victim: ann: position\.0: \.nan is not a finite number$"):
-        check_victim(scenario, "ann", (math.nan, 1.0))
-    with pytest.raises(ValueError, match=r"^set_victim: ann: position: \[100000, 1\] lies outside the plan, "):
-        check_victim(scenario, "ann", (1e5, 1.0))
-    check_victim(scenario, "ann", scenario.mission.victims[0].position)

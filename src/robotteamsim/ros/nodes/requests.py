@@ -1,33 +1,12 @@
-"""Checks of requests, and the values in them."""
+"""The values in requests."""
 
 from typing import Any
 
-from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose
-from robotteamsim.scenario import Scenario
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.problems import checked
-from robotteamsim.scenario.sections import Mission, Victim, Voice
 from robotteamsim.srv import SetObjectRequest
 from robotteamsim.world.contract import AnyWorld
-from robotteamsim.world.placement import check_mission
-
-
-def check_noise(noise_db: float) -> None:
-    """Raises: ValueError: the background noise [dB] is out of range."""
-    # The scenario's model has the range.
-    checked(Voice, {"noise_db": noise_db}, ValueError)
-
-
-def check_victim(scenario: Scenario, name: str, position_m: tuple[float, float]) -> None:
-    """Raises: ValueError: a victim cannot have this name or be at this place [m, map]."""
-    try:
-        victim = checked(Victim, {"name": name, "position": position_m}, ValueError)
-        check_mission(scenario.plan, Mission(victims=(victim,)))
-    except (ValueError, PlacementError) as error:
-        # This victim is the only one of the mission above.
-        problem = str(error).removeprefix("mission.victims.0.")
-        raise ValueError(f"set_victim: {name}: {problem}") from None
 
 
 def pose_of(request: Any) -> Pose:

@@ -27,15 +27,8 @@ from robotteamsim.ros.inputs import Input
 from robotteamsim.ros.messages import RosTypes
 from robotteamsim.ros.motion import StepMotion
 from robotteamsim.ros.node import ParameterError, is_running, on_shutdown, parameter, run, wait_for_shutdown
-from robotteamsim.ros.nodes.requests import check_noise, check_victim, pose_of, set_object
-from robotteamsim.ros.outputs import (
-    RADIO_MAP_RESOLUTION_M,
-    RadioMapOutputs,
-    RecordOutputs,
-    RobotOutputs,
-    TeamOutputs,
-    output_of,
-)
+from robotteamsim.ros.nodes.requests import pose_of, set_object
+from robotteamsim.ros.outputs import RadioMapOutputs, RecordOutputs, RobotOutputs, TeamOutputs, output_of
 from robotteamsim.ros.services import command
 from robotteamsim.ros.settings import SEED, Settings, read_settings
 from robotteamsim.ros.stage import StageRequests
@@ -64,6 +57,7 @@ LAST_WORDS = (
     "The mission has ended, and this ends the launch. roslaunch reports it in red, as 'REQUIRED process [simulation] "
     "has died'; this is the normal end."
 )
+RADIO_MAP_RESOLUTION_M = 0.25
 FINEST_M, COARSEST_M = 0.05, 10.0
 """Range of the resolution of requested maps; a finer map would be a message of many megabytes."""
 
@@ -101,7 +95,7 @@ class SimulationNode:
         self._team = TeamOutputs(settings, localized=_is_localized())
         heard = range(settings.num_robots if settings.mission else 0)
         self._heard = RobotOutputs(HEARD_TOPICS, heard, settings)
-        self._radio_maps = RadioMapOutputs(settings, heard, self._radio_map)
+        self._radio_maps = RadioMapOutputs(settings, heard)
         self._record = RecordOutputs(settings)
         self._begin()
         self._requests = StageRequests(self._pacer.set_speed) if parameter("~stage_requests", False) else None
@@ -205,7 +199,7 @@ class SimulationNode:
         self._record.publish(record)
         with self._lock:
             self._record.publish_objects(self._simulation.world)
-        self._radio_maps.publish(time_ns)
+        self._radio_maps.publish(record, partial(self._radio_map, record, resolution_m=RADIO_MAP_RESOLUTION_M))
         if self._settings.mission:
             for event in record.events:
                 logger.info("%.1f s: %s", event.time_s, event.detail)
@@ -317,11 +311,11 @@ class SimulationNode:
             locked("/spawn_robot", srv.SpawnRobot, self._spawn_robot),
             locked("/remove_robot", srv.RemoveRobot, lambda request: self._simulation.remove_robot(request.robot_id)),
             command("/set_door", srv.SetDoor, self._set_door),
-            locked("/set_noise", srv.SetNoise, self._set_noise),
+            locked("/set_noise", srv.SetNoise, lambda request: self._simulation.set_noise_db(request.noise_db)),
             locked("/set_victim", srv.SetVictim, self._set_victim),
         )
         if self._settings.mission:
-            self._get_radio_map = rospy.Service("/get_radio_map", srv.GetRadioMap, self._serve_get_radio_map)
+            self._get_radio_map = rospy.Service("/get_radio_map", srv.GetRadioMap, self._serve_radio_map)
             self._of_mission = [
                 rospy.Service(f"/mission/{name}", Trigger, self._server_of(name))
                 for name in ("start", "pause", "resume", "abort")
@@ -337,40 +331,28 @@ class SimulationNode:
                 if name in states and states[name].closed != closed:
                     self._simulation.set_door(name, closed)
 
-    def _radio_map(self, robot_id: int, resolution_m: float) -> tuple[int, FieldMap] | None:
-        """Return stamp [ns] and radio map of a robot in the last step; None if there is no step or no robot."""
+    def _radio_map(self, record: StepRecord, robot_id: int, resolution_m: float) -> FieldMap:
+        """Return the signal of a robot where it was in a step."""
+        reading = record.readings[robot_id].ground_truth
         with self._lock:
-            record = self._last
-            if record is None or not record.is_there(robot_id):
-                return None
-            reading = record.readings[robot_id].ground_truth
-            radio_map = self._simulation.network.radio.rssi_map_dbm((reading.x_m, reading.y_m), resolution_m)
-            return record.sim_time_ns, radio_map
+            return self._simulation.network.radio.rssi_map_dbm((reading.x_m, reading.y_m), resolution_m)
 
-    def _serve_get_radio_map(self, request: srv.GetRadioMapRequest) -> srv.GetRadioMapResponse:
-        resolution_m = request.resolution_m or RADIO_MAP_RESOLUTION_M
-        problem, found = self._problem_of(request.robot_id, resolution_m), None
-        if not problem:
-            found = self._radio_map(request.robot_id, resolution_m)
-            problem = self._absence_of(request.robot_id) if found is None else ""
-        if found is None:
-            return srv.GetRadioMapResponse(success=False, message=problem)
-        time_ns, radio_map = found
-        (message,) = RADIO_MAP.messages(self._make, time_ns, RADIO_MAP.values(None, radio_map, request.robot_id))
-        return srv.GetRadioMapResponse(success=True, map=message)
-
-    def _problem_of(self, robot_id: int, resolution_m: float) -> str:
-        """Return why there is no such radio map; empty if there may be one."""
+    def _serve_radio_map(self, request: srv.GetRadioMapRequest) -> srv.GetRadioMapResponse:
+        robot_id, resolution_m = request.robot_id, request.resolution_m or RADIO_MAP_RESOLUTION_M
+        record, problem = self._last, ""
         if not 0 <= robot_id < self._settings.num_robots:
-            return f"robot_id: {robot_id}; expected 0 to {self._settings.num_robots - 1}"
-        if not FINEST_M <= resolution_m <= COARSEST_M:
-            return f"resolution_m: {resolution_m:g}; expected {FINEST_M:g} to {COARSEST_M:g}, or 0"
-        return ""
-
-    def _absence_of(self, robot_id: int) -> str:
-        if self._last is None:
-            return "no step has been taken yet"
-        return f"robot_id: {robot_id}; the robot is not present"
+            problem = f"robot_id: {robot_id}; expected 0 to {self._settings.num_robots - 1}"
+        elif not FINEST_M <= resolution_m <= COARSEST_M:
+            problem = f"resolution_m: {resolution_m:g}; expected {FINEST_M:g} to {COARSEST_M:g}, or 0"
+        elif record is None:
+            problem = "no step has been taken yet"
+        elif not record.is_there(robot_id):
+            problem = f"robot_id: {robot_id}; the robot is not present"
+        if problem or record is None:
+            return srv.GetRadioMapResponse(success=False, message=problem)
+        values = RADIO_MAP.values(None, self._radio_map(record, robot_id, resolution_m), robot_id)
+        (message,) = RADIO_MAP.messages(self._make, record.sim_time_ns, values)
+        return srv.GetRadioMapResponse(success=True, map=message)
 
     def _server_of(self, name: str) -> Callable[[TriggerRequest], TriggerResponse]:
         def serve(_: TriggerRequest) -> TriggerResponse:
@@ -429,14 +411,8 @@ class SimulationNode:
         with self._lock:
             self._simulation.set_door(request.name, request.closed)
 
-    def _set_noise(self, request: srv.SetNoiseRequest) -> None:
-        check_noise(request.noise_db)
-        self._simulation.set_noise_db(request.noise_db)
-
     def _set_victim(self, request: srv.SetVictimRequest) -> None:
-        position_m = (request.position.x, request.position.y)
-        check_victim(self._settings.scenario, request.name, position_m)
-        self._simulation.set_victim(request.name, position_m)
+        self._simulation.set_victim(request.name, (request.position.x, request.position.y))
 
     def _set_object(self, request: srv.SetObjectRequest) -> None:
         set_object(self._simulation.world, request)
