@@ -208,11 +208,13 @@ def test_smoke_is_more_opaque_where_one_sees_less_far():
     assert [opacity[x] for x in sorted(opacity)] == pytest.approx([0.0, 0.18, 0.36, 0.54, 0.72])
 
 
-def test_grid_with_too_few_cells_is_rejected():
+def test_grid_with_too_few_cells_is_rejected_and_one_without_cells_is_not_drawn():
     message = grid(np.zeros((3, 3), dtype=np.int8))
     message.info.width = 4
     with pytest.raises(ValueError, match="reshape"):
         smoke_markers(message)
+    message.info.height, message.info.width, message.data = 0, 2**32 - 1, []
+    assert smoke_markers(message) == []
 
 
 @pytest.mark.parametrize(

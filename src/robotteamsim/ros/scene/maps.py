@@ -65,9 +65,11 @@ def smoke_markers(grid: OccupancyGrid) -> list[Marker]:
 
 def _grid_markers(name: str, grid: OccupancyGrid, scale: Scale, z_m: float) -> list[Marker]:
     info, values = grid.info, np.reshape(grid.data, (grid.info.height, grid.info.width))
+    if not (values > 0).any():
+        return []
     x_m = _centers_m(info.origin.position.x, info.width, info.resolution)
     y_m = _centers_m(info.origin.position.y, info.height, info.resolution)
-    return [_layer(name, x_m, y_m, values, scale, z_m)] if (values > 0).any() else []
+    return [_layer(name, x_m, y_m, values, scale, z_m)]
 
 
 def _centers_m(start_m: float, count: int, resolution_m: float) -> np.ndarray:
