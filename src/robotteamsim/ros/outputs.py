@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import struct
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -18,7 +19,7 @@ from robotteamsim.interface import Decision
 from robotteamsim.mission.status import MissionStatus
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.topics import RECORD_TOPICS, Changes, Source, Topic, When, robots
-from robotteamsim.recording.topics.decisions import COMMAND, DECISION_TOPICS, STAMPED_COMMAND
+from robotteamsim.recording.topics.decisions import COMMAND, DECISION_TOPICS
 from robotteamsim.recording.topics.mission import MISSION_TOPICS
 from robotteamsim.recording.topics.radio import RADIO_MAP_TOPICS, VOICE_MAP_TOPICS
 from robotteamsim.recording.topics.robots import BODY_TOPICS, ODOM, SCAN, TF, TRUTH
@@ -74,11 +75,10 @@ def output_of(topic: Topic, settings: Settings, robot_id: int | None = None) -> 
 class RobotOutputs:
     """Topics of several robots."""
 
-    def __init__(self, topics: Iterable[Topic], robot_ids: Iterable[int], settings: Settings) -> None:
-        """Advertise."""
+    def __init__(self, topics: Iterable[tuple[int, Topic]], settings: Settings) -> None:
+        """Advertise topics of robots, by their ids."""
         self._make, self._source = RosTypes() if settings.prefix else UnprefixedTypes(), Source(settings.setup)
-        rows = tuple(topics)
-        self._outputs = [(topic, i, output_of(topic, settings, i)) for i in robot_ids for topic in rows]
+        self._outputs = [(topic, i, output_of(topic, settings, i)) for i, topic in topics]
 
     def publish(self, step: StepInputs, only: Topic | None = None) -> None:
         """Publish the messages of the present robots that somebody receives. Args: only: one of the topics."""
@@ -91,26 +91,11 @@ class RobotOutputs:
         return topic.messages(self._make, step.sim_time_ns, topic.values(self._source, step, robot_id))
 
 
-class DecisionOutputs:
-    """What the controllers of robots publish: `cmd_vel` only for robots that are not driven by hand."""
-
-    def __init__(self, settings: Settings, robot_ids: Sequence[int]) -> None:
-        """Advertise."""
-        rest = [topic for topic in DECISION_TOPICS if topic is not COMMAND]
-        self._outputs = [
-            RobotOutputs(rest if settings.is_driven_by_hand(robot_id) else DECISION_TOPICS, [robot_id], settings)
-            for robot_id in robot_ids
-        ]
-
-    def announce(self, robot_id: int) -> None:
-        """Publish that a robot's controller has started, before it answers any step."""
-        for outputs in self._outputs:
-            outputs.publish(Decided(0, {robot_id: True}, {robot_id: Decision()}), only=STAMPED_COMMAND)
-
-    def publish(self, decided: Decided) -> None:
-        """Publish the decisions of the present robots in a step."""
-        for outputs in self._outputs:
-            outputs.publish(decided)
+def decision_outputs(settings: Settings, robot_ids: Iterable[int]) -> RobotOutputs:
+    """Advertise what the controllers of robots publish: `cmd_vel` only for robots that are not driven by hand."""
+    rest = [topic for topic in DECISION_TOPICS if topic is not COMMAND]
+    rows = [(i, topic) for i in robot_ids for topic in (rest if settings.is_driven_by_hand(i) else DECISION_TOPICS)]
+    return RobotOutputs(rows, settings)
 
 
 class TeamOutputs(RobotOutputs):
@@ -124,7 +109,7 @@ class TeamOutputs(RobotOutputs):
         """Args: localized: whether tf also has map -> odom, without error."""
         self._models = models = settings.setup.robots
         self._here = [robot_id for robot_id in range(len(models)) if robot_id not in settings.elsewhere]
-        super().__init__(BODY_TOPICS, self._here, settings)
+        super().__init__(itertools.product(self._here, BODY_TOPICS), settings)
         self._sensors = [
             (i, sensor, {name: self._sensor_output(settings, i, name, kind) for name, kind in sensor.topics.items()})
             for i in self._here
