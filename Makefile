@@ -171,7 +171,7 @@ sanitize: build_fuzz ## run the tests of the C++ parts under ASan and UBSan; ARG
 		ASAN_OPTIONS=detect_leaks=0 LD_PRELOAD=$$(cat $(FUZZ)/preloaded) $(PYTHON) -m pytest -q -s -p no:cacheprovider -p sanitized_core \
 		$(or $(ARGS),$(SANITIZED))
 
-faults: build ## kill each node of running missions at random moments; ARGS="--moments 5 /world" some of them
+faults: build ## kill each node of running missions at random moments; ARGS="--moments 5 /simulation" some of them
 	@$(ENV) PYTHONPATH=test/ros:$$PYTHONPATH $(PYTHON) test/faults/kill_nodes.py $(ARGS)
 
 garbage: build ## send a million garbage messages to the nodes of running missions; ARGS="--messages 20000 world" fewer

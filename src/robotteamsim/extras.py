@@ -2,7 +2,6 @@
 
 _EXTRA_OF_PACKAGE = {
     "PIL": "report",
-    "contourpy": "report",
     "cv2": "images",
     "dask": "campaign",
     "distributed": "campaign",

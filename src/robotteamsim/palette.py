@@ -48,7 +48,6 @@ OURS, THEIRS = BLUE, ORANGE
 
 VOICE = ((10.0, "#5a2a9c"), (30.0, "#8a2f9e"), (50.0, "#c73a7d"), (70.0, "#f0713f"), (95.0, "#ffc05c"))
 """On a dark ground, by voice level [dB]."""
-VOICE_CONTOUR = "#ffd0e4"
 # ColorBrewer's sequential maps, by their names in Matplotlib, which are colour-blind-safe, too.
 VOICE_MAP, SIGNAL_MAP, LOSS_MAP, HEAT_MAP = "YlOrRd", "YlGnBu", "YlGnBu_r", "GnBu"
 
@@ -64,7 +63,7 @@ DIVERGES, MEAN_CONVERGES, CONVERGES = WHITE, "#f3cf80", "#aad9f4"
 
 # rviz, on a dark ground.
 BACKGROUND = "#14181e"
-DARK_FLOOR, DARK_FLOOR_EDGE, DARK_FLOOR_LINE, SHADOW = "#2f3640", "#1f242c", "#3a434f", "#0b0e13"
+DARK_FLOOR, DARK_FLOOR_EDGE = "#2f3640", "#1f242c"
 LIT_SOLIDS = {"wall": "#dcd8ce", "block": "#b4b2ad", "pillar": "#c9cdd2"}
 WALL_EDGE = "#8d8a83"
 LIT_DOORS = {"normal": "#c58b4e", "fireproof": "#b8503c"}

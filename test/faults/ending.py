@@ -10,14 +10,13 @@ import signal
 import subprocess
 import sys
 import time
-from dataclasses import dataclass
 from pathlib import Path
 
 from rosbags.rosbag1 import Reader
 from rosbags.rosbag1.reader import ReaderError
 from running import ROSLAUNCH, Program, running
 from sessions import MISSION
-from watching import Processes
+from watching import Outcome, Processes
 
 ROSBAG = (sys.executable, "-c", "import rosbag; rosbag.rosbagmain()")
 OUR_CODE = re.compile(r'File "[^"]*/robotteamsim/[^"]*\.py"')
@@ -28,43 +27,30 @@ END_LIMIT_S = 60.0
 """roslaunch waits up to 17 s for nodes that do not end; the rest is for a busy machine."""
 
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """What followed from one kill: faults, the time until the launch had ended or all was well again, a remark."""
-
-    faults: tuple[str, ...]
-    seconds: float
-    remark: str = ""
-
-
 def kill_and_see_the_end(
     node: str, number: signal.Signals, generator: random.Random, folder: Path, port: int
 ) -> Outcome:
     """Start a mission, kill a node at a random moment, and check what follows."""
     team, lockstep, starting = (generator.random() < share for share in (0.3, 0.5, 0.3))
     moment_s = generator.uniform(0.0, LATEST_S)
-    hosted = "team" if team else "nodes"
-    arguments = (f"controllers:={hosted}", f"lockstep:={lockstep}".lower(), "record:=true", "bag:=run.bag")
-    with running((*ROSLAUNCH, MISSION, *arguments), folder, port) as program:
+    arguments = (f"controllers:={'team' if team else 'nodes'}", f"lockstep:={lockstep}".lower())
+    with running((*ROSLAUNCH, MISSION, *arguments, "record:=true", "bag:=run.bag"), folder, port) as program:
         pid = Processes(program).wait_for([node])[node]
         if not starting:
             program.wait_for(lambda line: "mission starts" in line, "the start of the mission")
         time.sleep(moment_s)
         killed_s = time.monotonic()
-        try:
-            os.kill(pid, number)
-        except ProcessLookupError:
-            return Outcome((f"{node}: the launch ended before\n{program.output}",), 0.0)
-        try:
+        os.kill(pid, number)
+        with contextlib.suppress(AssertionError):
             program.wait(END_LIMIT_S)
-        except AssertionError:
-            return Outcome((f"{node} after {moment_s:.2f} s: the launch did not end\n{program.output}",), END_LIMIT_S)
         seconds = time.monotonic() - killed_s
-    faults, bag = problems(program, node), bag_state(folder / "run.bag")
-    if bag.startswith("unreadable"):
-        faults.append(f"the bag is {bag}")
-    place = f"{node} {number.name} after {moment_s:.2f} s, {hosted}, lockstep {lockstep}"
-    return Outcome(tuple(f"{place}: {fault}" for fault in faults), seconds, bag)
+        has_ended = program.process.poll() is not None
+    bag = bag_state(folder / "run.bag")
+    faults = problems(program, node) + [f"the bag is {bag}"] * bag.startswith("unreadable")
+    if not has_ended:
+        faults.append(f"the launch did not end\n{program.output}")
+    what = f"{node} {number.name} after {moment_s:.2f} s, {' '.join(arguments)}, bag {bag}"
+    return Outcome(what, seconds, tuple(faults))
 
 
 def problems(program: Program, node: str) -> list[str]:
@@ -82,19 +68,19 @@ def bag_state(path: Path) -> str:
     """Return "finished", "recovered" (by `rosbag reindex`), "none" (the recorder had not started), or "unreadable"."""
     active = path.with_name(f"{path.name}.active")
     if path.exists():
-        return "finished" if _num_messages(path) is not None else "unreadable"
-    if not active.exists():
-        return "none"
-    if active.stat().st_size == 0:
+        return "finished" if is_readable(path) else "unreadable"
+    if not active.exists() or active.stat().st_size == 0:
         return "none"
     result = subprocess.run((*ROSBAG, "reindex", "--quiet", str(active)), capture_output=True, text=True, check=False)
-    if result.returncode == 0 and _num_messages(active) is not None:
+    if result.returncode == 0 and is_readable(active):
         return "recovered"
     return f"unreadable after rosbag reindex: {result.stdout}{result.stderr}"
 
 
-def _num_messages(path: Path) -> int | None:
-    """Return the number of messages in a bag; None if it cannot be read."""
+def is_readable(path: Path) -> bool:
+    """Whether all messages of a bag can be read."""
     with contextlib.suppress(ReaderError), Reader(path) as bag:
-        return sum(1 for _ in bag.messages())
-    return None
+        for _ in bag.messages():
+            pass
+        return True
+    return False

@@ -11,10 +11,9 @@ import time
 from collections import defaultdict
 from math import hypot
 
-from ending import Outcome
 from nav_msgs.msg import Odometry
 from running import Program
-from watching import Processes, Watch, wait_for
+from watching import Outcome, Processes, Watch, wait_for
 
 from robotteamsim.recording.topics.robots import read_odometry
 from robotteamsim.ros.topics import read
@@ -82,51 +81,36 @@ class Rejoining:
     """A running launch whose nodes are killed one after another."""
 
     def __init__(self, program: Program, nodes: tuple[str, ...], scenario: str) -> None:
+        """Wait until all nodes work."""
         self._program = program
-        self._nodes = nodes
         self._processes = Processes(program)
         self._processes.wait_for(nodes)
         self._motion = Motion(scenario)
         self._watch = Watch(nodes, self._motion.receive)
-
-    def begin(self) -> bool:
-        """Wait until all nodes work; return whether they do."""
-        return not self._silent(time.monotonic())
+        assert not (silent := self._silent()), f"{silent} did not start\n{program.output}"
 
     def kill(self, node: str, number: signal.Signals, generator: random.Random) -> Outcome:
         """Kill a node at a random moment, and check that all goes on with the next process of it."""
-        moment_s = generator.uniform(0.0, LATEST_S)
-        time.sleep(moment_s)
+        time.sleep(generator.uniform(0.0, LATEST_S))
         self._motion.clear()
         time.sleep(0.3)  # commands before the kill
         before, num_lines, killed_s = self._processes.pids, len(self._program.lines), time.monotonic()
-        place = f"{node} {number.name} rejoins"
-        try:
-            os.kill(before[node], number)
-        except ProcessLookupError:
-            return Outcome((f"{place}: it ended before\n{self._program.output}",), 0.0)
-        if not wait_for(lambda: self._processes.pids[node] != before[node], REJOIN_LIMIT_S):
-            return Outcome((f"{place}: it was not started again",), REJOIN_LIMIT_S)
-        silent = self._silent(time.monotonic())
-        seconds = time.monotonic() - killed_s
-        faults = [f"{place}: {other} is silent" for other in silent]
-        after = self._processes.pids
-        faults += [
-            f"{place}: {other} has ended, too" for other in after if other != node and after[other] != before[other]
-        ]
+        os.kill(before[node], number)
+        is_started = wait_for(lambda: self._processes.pids[node] != before[node], REJOIN_LIMIT_S)
+        faults = [f"{other} is silent" for other in self._silent()] if is_started else ["it was not started again"]
+        seconds, after = time.monotonic() - killed_s, self._processes.pids
+        faults += [f"{other} has ended, too" for other in after if other != node and after[other] != before[other]]
         output = "".join(self._program.lines[num_lines:])
         if "Traceback" in output:
-            faults.append(f"{place}: a traceback was printed")
+            faults.append(f"a traceback was printed\n{output}")
         drives, longest_s = self._motion.problems() if node != "/simulation" else ([], 0.0)
-        faults += [f"{place}: {fault}" for fault in drives]
-        if faults:
-            faults[-1] += "\n" + output
-        return Outcome(tuple(faults), seconds, f"{longest_s:.1f}")
+        what = f"{node} {number.name}, longest drive without answers {longest_s:.1f} s"
+        return Outcome(what, seconds, (*faults, *drives))
 
     def close(self) -> None:
         """Unsubscribe."""
         self._watch.close()
 
-    def _silent(self, since_s: float) -> list[str]:
-        delays_s = self._watch.wait_until_all_publish(since_s, REJOIN_LIMIT_S)
+    def _silent(self) -> list[str]:
+        delays_s = self._watch.wait_until_all_publish(time.monotonic(), REJOIN_LIMIT_S)
         return [node for node, delay_s in delays_s.items() if delay_s == float("inf")]

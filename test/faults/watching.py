@@ -7,6 +7,7 @@ import re
 import threading
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import rosgraph
@@ -16,6 +17,18 @@ from running import Program
 STARTED = re.compile(r"process\[(\S+)-\d+\]: started with pid \[(\d+)\]")
 POLL_S = 0.02
 SUBSCRIBE_PERIOD_S = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What followed from one kill: the time until the launch had ended or all was well again [s, wall], and faults."""
+
+    what: str
+    seconds: float
+    faults: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return "\n".join((f"{self.what}: {self.seconds:.1f} s", *(f"FAULT: {fault}" for fault in self.faults)))
 
 
 class Processes:

@@ -30,6 +30,7 @@ FLOORS = (
     ("campaign",),
     ("analysis",),
     ("view",),
+    ("shell",),
     ("cli", "notebook", "ros"),
 )
 FLOOR_OF = {part: floor for floor, parts in enumerate(FLOORS) for part in parts}

@@ -22,21 +22,6 @@ from std_srvs.srv import Trigger
 from robotteamsim.geometry import Pose
 from robotteamsim.simulation import Simulation, StepRecord
 
-SET = [
-    "run.seed=7",
-    "mission.time_limit_s=20",
-    "robots.count=4",
-    "robots.reserve=1",
-    "plan.doors.0.motion=swing",
-    "plan.doors.0.time_s=3",
-    "mission.victims.1.path=[[56.5, 20], [54, 20]]",
-    "mission.victims.1.speed_mps=1.3",
-    "mission.victims.2.wander={center: [35, 22.7], radius_m: 1.5}",
-    "mission.victims.3.calling=false",
-    "schedule=[{at_s: 0, noise_db: 12}, {at_s: 2, door: plant_door, closed: true}, {at_s: 3, noise_db: 20}, "
-    "{at_s: 4, victim: victim_1, position: [6, 5]}, {at_s: 4, victim: eve, position: [10, 3]}, {at_s: 4, remove: 0}, "
-    "{at_s: 6, spawn: 0}]",
-]
 AWAY_STEPS = 10
 """Steps from the removal of robot 1 to its coming again."""
 THERE = Pose2D(10.0, 3.0, 0.5)
@@ -73,9 +58,13 @@ class ChangesTest(ComparedMission):
         cls.begin = [len(topic.messages) for topic in cls.topics]
         cls.second = cls.document_after("/reset")
         cls.changed = Log(
-            "garage_sar", SET, cls.as_changed, doors=doors_of, present=lambda record: [*map(record.is_there, range(4))]
+            "garage_sar",
+            cls.settings,
+            cls.as_changed,
+            doors=doors_of,
+            present=lambda record: [*map(record.is_there, range(4))],
         )
-        cls.plain = Log("garage_sar", SET, victims=victims_of, maps=voice_map_of)
+        cls.plain = Log("garage_sar", cls.settings, victims=victims_of, maps=voice_map_of)
 
     @classmethod
     def change(cls) -> None:

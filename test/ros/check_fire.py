@@ -16,20 +16,6 @@ from robotteamsim.srv import Ignite
 from robotteamsim.recording.topics.world import fire_cells
 from robotteamsim.simulation import StepRecord
 
-SET = [
-    "run.seed=7",
-    "mission.time_limit_s=60",
-    "control.exclusion.enabled=false",
-    "fire.fuel=[{name: boxes, center: [8, 5], radius_m: 3, growth: ultra_fast, load_mj_m2: 600}]",
-    "fire.ignitions=[{position: [7.2, 5.2]}]",
-    "fire.heat.robot_limit_c=21",
-    "fire.heat.robot_endures_s=3",
-    "fire.casualties.collapse_dose=1e-8",
-    "fire.casualties.lethal_dose=1e-6",
-    "mission.victims.0.position=[9, 4]",
-    "schedule=[{at_s: 20, ignite: [9.2, 6.2]}]",
-]
-
 
 def maps_of(record: StepRecord) -> tuple[bytes, bytes, bytes] | None:
     field = record.hazards
@@ -53,7 +39,7 @@ class FireTest(ComparedMission):
             Topic("/smoke/soot", FloatMap),
         ]
         cls.heat = Topic("/robot_2/heat", Heat)
-        cls.expected = Log("garage_fire", SET, maps=maps_of, heat=heat_of)
+        cls.expected = Log("garage_fire", cls.settings, maps=maps_of, heat=heat_of)
         cls.first = cls.document_at_end()
 
     def test_mission_has_the_same_bits_and_events_as_without_ros(self) -> None:

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import rospy
 import rostest
 from compared import ComparedMission, Log, by_stamp
 from listening import Topic
@@ -14,7 +13,6 @@ from robotteamsim.network.messages import Refusal, Traffic
 from robotteamsim.simulation import StepRecord
 
 ROBOTS = range(6)
-SEED, MAX_BYTES = 7, 297
 Inbox = tuple[tuple[int, int, str], ...]
 
 
@@ -35,10 +33,9 @@ class LossyTest(ComparedMission):
         cls.network = Topic("/network/state", NetworkState)
         cls.received = [Topic(f"/robot_{i}/network/rx", NetworkMessages) for i in ROBOTS]
         cls.document = cls.document_at_end()
-        settings = rospy.get_param("/robotteamsim/set").split()
         cls.expected = Log(
             "garage_sar",
-            [*settings, f"run.seed={SEED}", f"robots.count={len(ROBOTS)}"],
+            [*cls.settings, f"robots.count={len(ROBOTS)}"],
             traffic=lambda record: record.network.traffic,
             hops=lambda record: int(record.network.hop_count.max()),
             inboxes=inboxes_of,

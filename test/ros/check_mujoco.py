@@ -22,16 +22,6 @@ from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation
 
 FOLDER = Path(os.environ["ROSTEST_OUT"])
-KEYS = [
-    "run.world=mujoco",
-    "run.seed=7",
-    "mission.time_limit_s=6",
-    "robots.height_m=2",
-    "robots.radius_m=0.1",
-    "robots.gripper={}",
-    "control.max_step_speed_mps=3",
-    "robots.drive={max_speed_mps: 3, max_acceleration_mps2: 50, max_turn_radps: 6}",
-]
 
 
 class MujocoTest(unittest.TestCase):
@@ -41,7 +31,8 @@ class MujocoTest(unittest.TestCase):
         status.wait_for_after(0, lambda message: message.state == "ended", "state ended")
         document = json.loads((FOLDER / "mission.json").read_text(encoding="utf-8"))
         found = document["result"]
-        simulation = Simulation(load("garage_sar", KEYS))
+        settings = rospy.get_param("/robotteamsim/set").split()
+        simulation = Simulation(load("garage_sar", [*settings, "run.seed=7"]))
         expected = simulation.run()
         self.assertEqual((found["trajectory_hash"], found["steps"]), (expected.trajectory_hash, expected.steps))
         tipped = [robot_id for robot_id, mishap in simulation.world.mishaps.items() if mishap == "tipped_over"]

@@ -71,6 +71,8 @@ class ComparedMission(unittest.TestCase):
     def setUpClass(cls) -> None:
         rospy.init_node("compared", disable_rostime=True)
         cls.status = Topic("/mission/status", MissionStatus)
+        seed, changed = (rospy.get_param(f"/robotteamsim/{name}") for name in ("seed", "set"))
+        cls.settings = [f"run.seed={seed}", *changed.split()]
 
     @classmethod
     def document_at_end(cls, begin: int = 0) -> dict[str, Any]:

@@ -17,9 +17,8 @@ from robotteamsim.message_parts import robot_name
 from robotteamsim.network.messages import Message
 from robotteamsim.recording.topics import Topic
 from robotteamsim.recording.topics.decisions import COMMAND, OUTBOX, STAMPED_COMMAND, STATUS
-from robotteamsim.ros.commands import STOP, Commands
 from robotteamsim.ros.inputs import QUEUED, Input
-from robotteamsim.ros.outputs import Decided, DecisionOutputs
+from robotteamsim.ros.outputs import Decided, decision_outputs
 from robotteamsim.ros.settings import Settings
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.simulation import TeamControllers, TeamInputs
@@ -34,6 +33,8 @@ ANSWERS = (STAMPED_COMMAND, OUTBOX, STATUS)
 Answer = tuple[int, Topic]
 """A robot's id, and one of these topics."""
 
+STOP = Twist()
+
 logger = logging.getLogger(__name__)
 
 
@@ -43,9 +44,12 @@ class CommandsByTopic:
     def __init__(self, settings: Settings, robots: Sequence[PlacedRobot]) -> None:
         # In lockstep and with the controllers inside, only robots driven by hand obey `cmd_vel`.
         is_free = settings.controllers in ("nodes", "team") and not settings.lockstep
-        self._commands = Commands([round(robot.cmd_vel_hold_s * 1e9) for robot in robots])
+        self._hold_ns = [round(robot.cmd_vel_hold_s * 1e9) for robot in robots]
         self._driven = [i for i in range(len(robots)) if is_free or settings.is_driven_by_hand(i)]
         self._received: dict[int, Twist] = {}
+        """Those that have come since the last step."""
+        self._held: dict[int, tuple[int, Twist]] = {}
+        """The newest ones, with the time [ns] of the step from which on they hold."""
         self._changed = threading.Lock()
         for robot_id in self._driven:
             Input.of(COMMAND, settings, robot_id).listen(partial(self._receive, robot_id), QUEUED)
@@ -53,16 +57,18 @@ class CommandsByTopic:
     def at(self, sim_time_ns: int) -> dict[int, Twist]:
         """Return the commands that hold at a time, by id of the robots that obey them."""
         with self._changed:
-            for robot_id, twist in self._received.items():
-                self._commands.put(robot_id, sim_time_ns, twist)
+            self._held |= {robot_id: (sim_time_ns, twist) for robot_id, twist in self._received.items()}
             self._received.clear()
-            return {robot_id: self._commands.at(robot_id, sim_time_ns) for robot_id in self._driven}
+            holding = {
+                i: twist for i, (begin_ns, twist) in self._held.items() if sim_time_ns - begin_ns < self._hold_ns[i]
+            }
+            return {robot_id: holding.get(robot_id, STOP) for robot_id in self._driven}
 
     def stop(self, robot_id: int) -> None:
         """Discard a robot's command."""
         with self._changed:
             self._received.pop(robot_id, None)
-            self._commands.stop(robot_id)
+            self._held.pop(robot_id, None)
 
     def _receive(self, robot_id: int, _: str, __: int, twist: Twist) -> None:
         with self._changed:
@@ -216,7 +222,7 @@ class ControllersInside:
         """Advertise. Args: publish: publishes the inputs of the controllers."""
         self.restart(settings)
         self._publish = publish
-        self._outputs = DecisionOutputs(settings, range(settings.num_robots))
+        self._outputs = decision_outputs(settings, range(settings.num_robots))
 
     @property
     def faults(self) -> Sequence[str]:

@@ -12,13 +12,14 @@ from typing import Any
 
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import PoseReading
+from robotteamsim.message_parts import robot_name
 from robotteamsim.ros.inputs import RobotInputs
 from robotteamsim.ros.settings import Settings
-from robotteamsim.ros.steps import REPORT_TIMEOUT_S
-from robotteamsim.ros.tf_pose import TfPose
 from robotteamsim.ros.transforms import TfTransforms
 from robotteamsim.sensing.readings import RobotReading, TeamReadings
 from robotteamsim.sensing.robots import Sensors
+from robotteamsim.shell.steps import REPORT_TIMEOUT_S
+from robotteamsim.shell.tf_pose import TfPose
 from robotteamsim.world.contract import AnyWorld
 
 STALE_NS = 10**9
@@ -35,9 +36,9 @@ class _Robot:
     def __init__(self, settings: Settings, robot_id: int, transforms: TfTransforms | None) -> None:
         self.inputs = RobotInputs(settings, robot_id)
         self.values: dict[str, Any] = {}
-        self._timeout_ns = round(settings.scenario.control.tf_timeout_s * 1e9)
-        name = f"robot_{robot_id}"
-        self.tf = None if transforms is None else TfPose(transforms, name, settings.scenario.control.tf_timeout_s)
+        timeout_s = settings.scenario.control.tf_timeout_s
+        self._timeout_ns = round(timeout_s * 1e9)
+        self.tf = None if transforms is None else TfPose(transforms.newest, robot_name(robot_id), timeout_s)
         self.pace = (self.inputs.truth if self.tf is None else self.inputs.odometry).topic
         """The topic that each step waits for."""
         self.pace_ns = self.truth_ns = 0

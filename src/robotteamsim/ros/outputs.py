@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import struct
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import partial
 from io import BytesIO
 from typing import Any, NamedTuple
 
@@ -19,13 +19,13 @@ from robotteamsim.interface import Decision
 from robotteamsim.mission.status import MissionStatus
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.topics import RECORD_TOPICS, Changes, Source, Topic, When, robots
-from robotteamsim.recording.topics.decisions import COMMAND, DECISION_TOPICS, STAMPED_COMMAND
+from robotteamsim.recording.topics.decisions import COMMAND, DECISION_TOPICS
 from robotteamsim.recording.topics.mission import MISSION_TOPICS
 from robotteamsim.recording.topics.radio import RADIO_MAP_TOPICS, VOICE_MAP_TOPICS
 from robotteamsim.recording.topics.robots import BODY_TOPICS, ODOM, SCAN, TF, TRUTH
 from robotteamsim.recording.topics.world import DOORS, ROBOTS, WORLD_TOPICS
 from robotteamsim.ros.messages import RosTypes
-from robotteamsim.ros.scene.objects import object_markers
+from robotteamsim.ros.scene.building import object_markers
 from robotteamsim.ros.settings import Settings
 from robotteamsim.ros.stage import UnprefixedTypes
 from robotteamsim.ros.topics import Output, prepared_class
@@ -33,7 +33,6 @@ from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamRea
 from robotteamsim.simulation import Simulation, StepRecord, TeamInputs
 from robotteamsim.world.contract import AnyWorld
 
-RADIO_MAP_RESOLUTION_M = 0.25
 RADIO_MAP_PERIOD_NS = 10**9
 
 _ORIGIN = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
@@ -76,11 +75,10 @@ def output_of(topic: Topic, settings: Settings, robot_id: int | None = None) -> 
 class RobotOutputs:
     """Topics of several robots."""
 
-    def __init__(self, topics: Iterable[Topic], robot_ids: Iterable[int], settings: Settings) -> None:
-        """Advertise."""
+    def __init__(self, topics: Iterable[tuple[int, Topic]], settings: Settings) -> None:
+        """Advertise topics of robots, by their ids."""
         self._make, self._source = RosTypes() if settings.prefix else UnprefixedTypes(), Source(settings.setup)
-        rows = tuple(topics)
-        self._outputs = [(topic, i, output_of(topic, settings, i)) for i in robot_ids for topic in rows]
+        self._outputs = [(topic, i, output_of(topic, settings, i)) for i, topic in topics]
 
     def publish(self, step: StepInputs, only: Topic | None = None) -> None:
         """Publish the messages of the present robots that somebody receives. Args: only: one of the topics."""
@@ -93,26 +91,11 @@ class RobotOutputs:
         return topic.messages(self._make, step.sim_time_ns, topic.values(self._source, step, robot_id))
 
 
-class DecisionOutputs:
-    """What the controllers of robots publish: `cmd_vel` only for robots that are not driven by hand."""
-
-    def __init__(self, settings: Settings, robot_ids: Sequence[int]) -> None:
-        """Advertise."""
-        rest = [topic for topic in DECISION_TOPICS if topic is not COMMAND]
-        self._outputs = [
-            RobotOutputs(rest if settings.is_driven_by_hand(robot_id) else DECISION_TOPICS, [robot_id], settings)
-            for robot_id in robot_ids
-        ]
-
-    def announce(self, robot_id: int) -> None:
-        """Publish that a robot's controller has started, before it answers any step."""
-        for outputs in self._outputs:
-            outputs.publish(Decided(0, {robot_id: True}, {robot_id: Decision()}), only=STAMPED_COMMAND)
-
-    def publish(self, decided: Decided) -> None:
-        """Publish the decisions of the present robots in a step."""
-        for outputs in self._outputs:
-            outputs.publish(decided)
+def decision_outputs(settings: Settings, robot_ids: Iterable[int]) -> RobotOutputs:
+    """Advertise what the controllers of robots publish: `cmd_vel` only for robots that are not driven by hand."""
+    rest = [topic for topic in DECISION_TOPICS if topic is not COMMAND]
+    rows = [(i, topic) for i in robot_ids for topic in (rest if settings.is_driven_by_hand(i) else DECISION_TOPICS)]
+    return RobotOutputs(rows, settings)
 
 
 class TeamOutputs(RobotOutputs):
@@ -126,7 +109,7 @@ class TeamOutputs(RobotOutputs):
         """Args: localized: whether tf also has map -> odom, without error."""
         self._models = models = settings.setup.robots
         self._here = [robot_id for robot_id in range(len(models)) if robot_id not in settings.elsewhere]
-        super().__init__(BODY_TOPICS, self._here, settings)
+        super().__init__(itertools.product(self._here, BODY_TOPICS), settings)
         self._sensors = [
             (i, sensor, {name: self._sensor_output(settings, i, name, kind) for name, kind in sensor.topics.items()})
             for i in self._here
@@ -247,45 +230,27 @@ def _origin(reading: RobotReading) -> PoseReading:
 
 
 class RadioMapOutputs:
-    """The signal of each robot over the floor."""
+    """The signal of each robot over the floor, once a second for subscribers."""
 
-    def __init__(
-        self,
-        settings: Settings,
-        robot_ids: Iterable[int],
-        radio_map: Callable[[int, float], tuple[int, FieldMap] | None],
-    ) -> None:
-        """Args: radio_map: returns stamp [ns] and map of a robot at a resolution [m] in the last step, if any."""
+    def __init__(self, settings: Settings, robot_ids: Iterable[int]) -> None:
+        """Advertise."""
         self._make, self._source = RosTypes(), Source(settings.setup)
-        self._radio_map = radio_map
-        keys = [(i, topic) for i in robot_ids for topic in RADIO_MAP_TOPICS]
-        self._outputs = {
-            key: Output(
-                settings.robot_topic(key[0], key[1].name),
-                self._make.message_class(key[1].type_name),
-                greeting=partial(self._message, *key),
-            )
-            for key in keys
-        }
+        self._outputs = {(i, topic): output_of(topic, settings, i) for i in robot_ids for topic in RADIO_MAP_TOPICS}
         self.restart()
-
-    def publish(self, time_ns: int) -> None:
-        """Publish the maps that are due, once a second, for subscribers; after the step."""
-        for key, output in self._outputs.items():
-            if output.wanted and time_ns >= self._due_ns[key] and (message := self._message(*key)) is not None:
-                output.publish(message)
 
     def restart(self) -> None:
         """Restart with the first step."""
         self._due_ns = dict.fromkeys(self._outputs, 0)
 
-    def _message(self, robot_id: int, topic: Topic) -> Any:
-        found = self._radio_map(robot_id, RADIO_MAP_RESOLUTION_M)
-        if found is None:
-            return None
-        time_ns, signals = found
-        self._due_ns[robot_id, topic] = time_ns + RADIO_MAP_PERIOD_NS
-        return topic.messages(self._make, time_ns, topic.values(self._source, signals, robot_id))[0]
+    def publish(self, record: StepRecord, radio_map: Callable[[int], FieldMap]) -> None:
+        """Publish the maps of present robots that are due. Args: radio_map: returns the map of a robot."""
+        for (robot_id, topic), output in self._outputs.items():
+            is_due = record.sim_time_ns >= self._due_ns[robot_id, topic]
+            if is_due and output.wanted and record.is_there(robot_id):
+                self._due_ns[robot_id, topic] = record.sim_time_ns + RADIO_MAP_PERIOD_NS
+                values = topic.values(self._source, radio_map(robot_id), robot_id)
+                for message in topic.messages(self._make, record.sim_time_ns, values):
+                    output.publish(message)
 
 
 class _Beginning(NamedTuple):

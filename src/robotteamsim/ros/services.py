@@ -1,6 +1,5 @@
 """The services that a node offers."""
 
-import logging
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any
@@ -9,12 +8,10 @@ import rospy
 
 from robotteamsim.errors import RobotTeamSimError
 
-logger = logging.getLogger(__name__)
-
 
 def command(
     name: str, service_class: Any, do: Callable[[Any], str | None], lock: AbstractContextManager[Any] | None = None
-) -> rospy.Service:
+) -> None:
     """Offer a service whose response has `success` and `message`.
 
     do: carries a request out and returns the message, None for none; ValueError and a user's mistake become a failure.
@@ -28,4 +25,4 @@ def command(
         except (ValueError, RobotTeamSimError) as error:
             return {"success": False, "message": str(error)}
 
-    return rospy.Service(name, service_class, serve)
+    rospy.Service(name, service_class, serve)

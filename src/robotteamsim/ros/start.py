@@ -1,6 +1,5 @@
 """Starts a node's script; its module is imported here, so that it can be interrupted from the beginning."""
 
-import gc
 import importlib
 import os
 
@@ -9,10 +8,4 @@ def start(node: str, function: str = "main") -> None:
     """Call a function of a module of `robotteamsim.ros.nodes`; the script has SIGINT end the process until then."""
     # NumPy would start a thread per core, which waits busily: more than 0.1 s of processor time for each of many nodes.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    # Modules live as long as the node: to search them for garbage takes a tenth of the start, and time later on. What
-    # little garbage they leave behind is kept.
-    gc.disable()
-    module = importlib.import_module(f"robotteamsim.ros.nodes.{node}")
-    gc.freeze()
-    gc.enable()
-    getattr(module, function)()
+    getattr(importlib.import_module(f"robotteamsim.ros.nodes.{node}"), function)()

@@ -1,8 +1,6 @@
 """The topics that a node publishes, and the messages of those that it receives."""
 
-import logging
 import struct
-from collections.abc import Callable
 from functools import cache
 from io import BytesIO
 from typing import Any
@@ -11,50 +9,23 @@ import genpy
 import rospy
 from std_msgs.msg import Header
 
-logger = logging.getLogger(__name__)
-
 UNLIMITED = 0
 """Length of a queue that drops nothing, as steps in lockstep need."""
 
 
-class Output(rospy.SubscribeListener):  # type: ignore[misc]  # rospy has no types
+class Output:
     """A topic that a node publishes; without receivers, messages need not be built."""
 
-    def __init__(
-        self, topic: str, message_class: type, *, latched: bool = False, greeting: Callable[[], Any] | None = None
-    ) -> None:
-        """Advertise. greeting: makes a message when there is a new subscriber, or None; called in another thread."""
-        super().__init__()
-        self._greeting = greeting
+    def __init__(self, topic: str, message_class: type, *, latched: bool = False) -> None:
+        """Advertise."""
         self._latched = latched
-        self._publisher = rospy.Publisher(
-            topic,
-            message_class,
-            subscriber_listener=None if greeting is None else self,
-            tcp_nodelay=True,
-            latch=latched,
-            queue_size=UNLIMITED,
-        )
+        self._publisher = rospy.Publisher(topic, message_class, tcp_nodelay=True, latch=latched, queue_size=UNLIMITED)
         self.publish = self._publisher.publish
 
     @property
     def wanted(self) -> bool:
         """Whether there is a receiver for the next message, now or (latched) later."""
         return self._latched or bool(self._publisher.get_num_connections() > 0)
-
-    def peer_subscribe(self, topic_name: str, topic_publish: Any, peer_publish: Callable[[Any], None]) -> None:
-        """Greet a new subscriber.
-
-        All receive the message: `peer_publish` must not be called while another thread publishes.
-        """
-        assert self._greeting is not None
-        try:
-            message = self._greeting()
-        except Exception:  # The subscriber still receives later messages; the node continues.
-            logger.exception("%s: the first message for a new subscriber could not be made", topic_name)
-            return
-        if message is not None:
-            self.publish(message)
 
 
 @cache

@@ -14,7 +14,7 @@ class TfTransforms:
         self._listener = tf2_ros.TransformListener(self._buffer)
 
     def newest(self, target: str, source: str) -> tuple[tuple[int, float, float, float] | None, str]:
-        """Return stamp [ns], x, y [m] and yaw [rad] of the source frame in the target frame; or None and the reason."""
+        """Return the newest transform, as `tf_pose.Newest`."""
         try:
             found = self._buffer.lookup_transform(target, source, rospy.Time(0))
         except tf2_ros.TransformException as error:

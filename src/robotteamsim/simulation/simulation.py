@@ -9,6 +9,7 @@ import msgspec
 import numpy as np
 
 from robotteamsim.control.driving.localisation import check_headless
+from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.interface import Decision, Task
 from robotteamsim.mission import Mission
@@ -16,7 +17,10 @@ from robotteamsim.mission.events import Event
 from robotteamsim.mission.input import MissionInput
 from robotteamsim.network.messages import NetworkState
 from robotteamsim.scenario.base import Point
+from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Mission as MissionSection
+from robotteamsim.scenario.sections import Victim, Voice
 from robotteamsim.sensing.robots import RobotSensors, Sensors
 from robotteamsim.setup import Setup, resolve
 from robotteamsim.simulation.controllers import Controllers, TeamControllers, TeamInputs
@@ -33,6 +37,7 @@ from robotteamsim.simulation.trial import Trial
 from robotteamsim.world.contract import AnyWorld
 from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.making import make_world
+from robotteamsim.world.placement import check_mission
 
 
 class _Before(NamedTuple):
@@ -197,7 +202,8 @@ class Simulation:
         self._doors = doors
 
     def set_noise_db(self, noise_db: float) -> None:
-        """Set the background noise [dB]."""
+        """Set the background noise [dB]. Raises: ValueError: it is out of the scenario's range."""
+        checked(Voice, {"noise_db": noise_db}, ValueError)
         self.hearing.sensor.set_noise_db(noise_db)
         self.mission.set_noise_db(noise_db)
 
@@ -243,7 +249,21 @@ class Simulation:
         self.hazards.ignite(position_m)
 
     def set_victim(self, name: str, position_m: tuple[float, float]) -> None:
-        """Add a victim, or move the one of that name [m, map]; they call from there and no longer walk."""
+        """Add a victim, or move the one of that name [m, map]; they call from there and no longer walk.
+
+        Raises: ValueError: a victim cannot have this name or be at this place.
+        """
+        _check_victim(self.scenario, name, position_m)
         self.people.place(name, position_m)
         self.hearing.sensor.set_victim(name, position_m)
         self.mission.set_victim(name, position_m)
+
+
+def _check_victim(scenario: Scenario, name: str, position_m: tuple[float, float]) -> None:
+    try:
+        victim = checked(Victim, {"name": name, "position": position_m}, ValueError)
+        check_mission(scenario.plan, MissionSection(victims=(victim,)))
+    except (ValueError, PlacementError) as error:
+        # This victim is the only one of the mission above.
+        problem = str(error).removeprefix("mission.victims.0.")
+        raise ValueError(f"set_victim: {name}: {problem}") from None

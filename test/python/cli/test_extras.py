@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
 
-OF_EXTRAS = ("PIL", "contourpy", "cv2", "dask", "distributed", "imageio_ffmpeg", "jinja2", "matplotlib", "mujoco")
+OF_EXTRAS = ("PIL", "cv2", "dask", "distributed", "imageio_ffmpeg", "jinja2", "matplotlib", "mujoco")
 OF_EXTRAS += ("pandas", "scipy", "statsmodels", "tornado")
 
 CORE_ONLY = f"""

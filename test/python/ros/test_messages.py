@@ -36,11 +36,9 @@ from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.topics import base, decisions, mission, radio, robots, world
 from robotteamsim.ros.inputs import stamp_ns
 from robotteamsim.ros.messages import RosTypes
-from robotteamsim.ros.nodes.requests import check_noise, check_victim
 from robotteamsim.ros.topics import read
-from robotteamsim.scenario import load
 from robotteamsim.scenario.plan import OccupancyGrid
-from robotteamsim.scenario.sections import Area, Laser, Robot, Victim
+from robotteamsim.scenario.sections import Area, Laser, Victim
 from robotteamsim.scenario.sensors import Gps, HeatSensor, LightSensor, Sonar
 from robotteamsim.sensing.readings import OdometryReading, VoiceReading
 
@@ -82,17 +80,6 @@ def test_odometry_keeps_its_bits(make):
     message = sent(robots.odometry(make, TIME_NS, 1, BELIEVED))
     assert robots.read_odometry(message) == BELIEVED
     assert (message.header.frame_id, message.child_frame_id) == ("robot_1/odom", "robot_1/base_footprint")
-
-
-def test_covariances_are_at_the_indices_of_x_y_and_yaw(make):
-    message = sent(robots.odometry(make, TIME_NS, 1, BELIEVED))
-    pose, twist = (np.array(part.covariance).reshape(6, 6) for part in (message.pose, message.twist))
-    xx, xy, x_yaw, yy, y_yaw, yaw_yaw = BELIEVED.pose_covariance
-    in_plane = np.ix_([0, 1, 5], [0, 1, 5])
-    np.testing.assert_array_equal(pose[in_plane], [[xx, xy, x_yaw], [xy, yy, y_yaw], [x_yaw, y_yaw, yaw_yaw]])
-    np.testing.assert_array_equal(twist[in_plane], np.diag(BELIEVED.twist_variances))
-    for covariance in (pose, twist):
-        assert np.count_nonzero(covariance) == np.count_nonzero(covariance[in_plane])
 
 
 def test_contact_keeps_its_angles(make):
@@ -192,19 +179,6 @@ def test_everything_else_that_is_published_can_be_sent(make):
     assert sent(robots.contact(make, TIME_NS, 0, True)).in_contact
 
 
-def test_transforms_lead_from_odom_to_laser_without_leading_slashes(make):
-    message = sent(robots.transforms(make, TIME_NS, [Robot()], [BELIEVED]))
-    message.transforms.append(sent(robots.localization(make, TIME_NS, 0, PLACE)))
-    links = [(link.header.frame_id, link.child_frame_id) for link in message.transforms]
-    assert links == [
-        ("robot_0/odom", "robot_0/base_footprint"),
-        ("robot_0/base_footprint", "robot_0/base_link"),
-        ("robot_0/base_link", "robot_0/base_laser_link"),
-        ("map", "robot_0/odom"),
-    ]
-    assert {stamp_ns(link) for link in message.transforms} == {TIME_NS}
-
-
 @pytest.mark.parametrize(
     ("decode", "message", "line"),
     [
@@ -278,19 +252,3 @@ def test_stamp_beyond_the_header_of_an_answer_is_rejected():
     message.header.stamp = genpy.Time(2**32 - 1)
     with pytest.raises(ValueError, match=r"^stamp: 4294967295 s; expected below 2\^32 s$"):
         stamp_ns(message)
-
-
-@pytest.mark.parametrize("odd", [math.nan, math.inf, -1.0])
-def test_noise_out_of_range_is_rejected(odd):
-    with pytest.raises(ValueError, match="noise_db"):
-        check_noise(odd)
-    check_noise(20.0)
-
-
-def test_place_of_a_victim_is_checked():
-    scenario = load("garage_sar")
-    with pytest.raises(ValueError, match=r"^set_victim: ann: position\.0: \.nan is not a finite number$"):
-        check_victim(scenario, "ann", (math.nan, 1.0))
-    with pytest.raises(ValueError, match=r"^set_victim: ann: position: \[100000, 1\] lies outside the plan, "):
-        check_victim(scenario, "ann", (1e5, 1.0))
-    check_victim(scenario, "ann", scenario.mission.victims[0].position)

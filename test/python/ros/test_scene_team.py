@@ -61,11 +61,10 @@ def test_body_has_the_robots_size_at_its_place():
     assert named(markers, "robot_ids")[0].text == "R4"
 
 
-def test_heading_shows_in_the_pose_of_wedge_and_arrow():
-    for namespace in ("wedges", "arrows"):
-        (item,) = named(drawn(robot(0, yaw_rad=1.0)), namespace)
-        assert 2.0 * math.atan2(item.pose.orientation.z, item.pose.orientation.w) == pytest.approx(1.0)
-        assert max(point.x for point in item.points) > -min(point.x for point in item.points)
+def test_arrow_points_ahead():
+    (item,) = named(drawn(robot(0, yaw_rad=1.0)), "arrows")
+    assert 2.0 * math.atan2(item.pose.orientation.z, item.pose.orientation.w) == pytest.approx(1.0)
+    assert max(point.x for point in item.points) > -min(point.x for point in item.points)
 
 
 def test_body_with_corners_is_drawn_over_its_footprint():
@@ -79,18 +78,19 @@ def test_body_with_corners_is_drawn_over_its_footprint():
     assert body.pose.orientation.z == pytest.approx(math.sqrt(0.5))
 
 
-def test_excluded_robot_is_ringed_in_grey_and_keeps_its_deck():
-    included, excluded = (drawn(robot(2, excluded=flag)) for flag in (False, True))
-    assert tint(named(included, "rings")[0]) == robot_colour(2)[:3]
-    assert tint(named(excluded, "rings")[0]) == EXCLUDED[:3]
-    assert tint(named(excluded, "decks")[0]) == robot_colour(2)[:3]
-    assert [(item.ns, item.id) for item in included] == [(item.ns, item.id) for item in excluded]
-
-
-def test_robots_of_several_swarms_are_ringed_in_the_colour_of_theirs():
-    rings = named(drawn(robot(2, swarm=0), robot(3, x_m=2.0, swarm=1)), "rings")
-    assert [tint(ring) for ring in rings] == [robot_colour(0)[:3], robot_colour(1)[:3]]
-    assert tint(named(drawn(robot(3, excluded=True, swarm=-1)), "rings")[0]) == EXCLUDED[:3]
+@pytest.mark.parametrize(
+    ("state", "colour"),
+    [
+        ({}, robot_colour(2)),
+        ({"excluded": True}, EXCLUDED),
+        ({"swarm": 1}, robot_colour(1)),
+        ({"excluded": True, "swarm": -1}, EXCLUDED),
+    ],
+)
+def test_ring_has_the_colour_of_the_robot_or_its_swarm_and_is_grey_if_excluded(state, colour):
+    markers = drawn(robot(2, **state))
+    assert tint(named(markers, "rings")[0]) == colour[:3]
+    assert tint(named(markers, "decks")[0]) == robot_colour(2)[:3]
 
 
 def test_number_is_north_of_a_lone_robot_and_away_from_the_rest_of_a_team():
@@ -127,22 +127,12 @@ def driven(path, *, step_s=1.0):
     return found
 
 
-def test_trail_keeps_points_at_its_spacing():
+def test_trail_has_points_at_its_spacing_and_restarts_when_time_jumps_back_or_the_robot_jumps():
     found = driven([(0.1 * i, 0.0) for i in range(10)])
     assert [x for x, _ in found.trail_m] == pytest.approx([0.0, 0.2, 0.4, 0.6, 0.8], abs=0.11)
-
-
-def test_trail_restarts_when_time_runs_backwards():
-    found = driven([(0.0, 0.0), (0.5, 0.0)])
-    found.move(0.5, Pose(0.8, 0.0, 0.0))
-    assert list(found.trail_m) == [(0.8, 0.0)]
-
-
-def test_trail_restarts_when_the_robot_was_put_elsewhere():
+    found.move(0.5, Pose(1.2, 0.0, 0.0))
+    assert list(found.trail_m) == [(1.2, 0.0)]
     assert list(driven([(0.0, 0.0), (0.5, 0.0), (9.0, 0.0)]).trail_m) == [(9.0, 0.0)]
-
-
-def test_trail_of_a_robot_that_stood_for_long_continues():
     assert list(driven([(0.0, 0.0)] * 50 + [(0.5, 0.0)]).trail_m) == [(0.0, 0.0), (0.5, 0.0)]
 
 
@@ -182,13 +172,11 @@ def test_links_are_green_and_endangered_ones_red():
     assert [(c.r, c.g, c.b) for c in item.colors] == [palette.rgb(code) for code in codes]
 
 
-def test_link_of_an_unknown_robot_is_not_drawn():
+def test_link_of_an_unknown_robot_is_not_drawn_and_that_of_robots_in_one_place_is():
     assert ends(link_markers(network(among(9, [(0, 1), (0, 8)])), POSITIONS_M, 1.0)) == [(0.0, 10.0)]
     assert link_markers(network(among(9, [(0, 1)])), {}, 1.0) == []
     assert link_markers(Links(), POSITIONS_M, 1.0) == []
 
-
-def test_robots_in_the_same_place_can_be_linked():
     assert ends(link_markers(network(among(2, [(0, 1)])), {0: (1.0, 1.0), 1: (1.0, 1.0)}, 1.0)) == [(1.0, 1.0)]
 
 

@@ -6,10 +6,14 @@ from typing import Any
 import pytest
 import rospy
 
-from robotteamsim.errors import ScenarioError
+from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.ros import settings
 from robotteamsim.ros.node import ParameterError, parameter
 from robotteamsim.ros.settings import read_seed, read_settings
+
+TF = "control.localisation=tf"
+ALONE = {"robots": 1, "controllers": "false", "mission": False, "prefix": False}
+"""Names without a prefix, in a world that runs alone."""
 
 
 @pytest.fixture
@@ -59,14 +63,8 @@ def test_settings_follow_the_parameters(parameters):
 
 
 def test_names_without_a_prefix_are_for_a_single_robot_of_the_world_alone(parameters):
-    alone = {"/robotteamsim/robots": 1, "/robotteamsim/controllers": "false", "/robotteamsim/mission": False}
-    parameters |= {"/robotteamsim/prefix": False, **alone}
+    parameters |= {f"/robotteamsim/{name}": value for name, value in ALONE.items()}
     assert not read_settings().prefix
-    others = {"/robotteamsim/robots": 2, "/robotteamsim/controllers": "team", "/robotteamsim/mission": True}
-    for name, value in others.items():
-        parameters |= {**alone, name: value}
-        with pytest.raises(ParameterError, match=r"^/robotteamsim/prefix: false; expected true unless"):
-            read_settings()
 
 
 def test_seed_of_a_reset_reaches_the_nodes_that_start_again(parameters):
@@ -79,39 +77,24 @@ def test_seed_of_a_reset_reaches_the_nodes_that_start_again(parameters):
 
 
 @pytest.mark.parametrize(
-    ("seed", "line"),
+    ("hosted", "meant", "nodes"),
     [
-        ("-1", "seed: -1 is below 0"),
-        ("x", "seed: 'x' is not a whole number"),
-        ("--5", "seed: '--5' is not a whole number"),
+        ("nodes", "nodes", 3),
+        ("per_robot", "nodes", 3),
+        ("team", "team", 3),
+        ("inside", "inside", 0),
+        ("none", "none", 0),
+        ("false", "none", 0),
+        (False, "none", 0),
     ],
 )
-def test_wrong_seed_is_reported(parameters, seed, line):
-    parameters["/robotteamsim/seed"] = seed
-    with pytest.raises(ParameterError, match=rf"/robotteamsim/{line}"):
-        read_settings()
-
-
-def test_without_controllers_every_robot_is_driven_by_others(parameters):
-    parameters["/robotteamsim/controllers"] = False
-    read = read_settings()
-    assert read.controllers == "none"
-    assert list(read.controlled) == []
-    assert read.is_driven_by_hand(0)
-
-
-@pytest.mark.parametrize(
-    ("hosted", "nodes"), [("nodes", 3), ("per_robot", 3), ("team", 3), ("inside", 0), ("none", 0), ("false", 0)]
-)
-def test_controllers_are_nodes_or_not(parameters, hosted, nodes):
+def test_controllers_are_nodes_or_not_and_without_them_every_robot_is_driven_by_others(
+    parameters, hosted, meant, nodes
+):
     parameters["/robotteamsim/controllers"] = hosted
-    assert len(read_settings().controlled) == nodes
-
-
-def test_unknown_host_of_controllers_is_rejected(parameters):
-    parameters["/robotteamsim/controllers"] = "tema"
-    with pytest.raises(ParameterError, match=r"^/robotteamsim/controllers: tema; expected nodes, team, inside, none$"):
-        read_settings()
+    read = read_settings()
+    assert (read.controllers, len(read.controlled)) == (meant, nodes)
+    assert read.is_driven_by_hand(0) == (meant == "none")
 
 
 @pytest.mark.parametrize(("text", "ids"), [("", ()), ("all", (0, 1, 2)), ("2 0", (0, 2))])
@@ -122,42 +105,52 @@ def test_robots_elsewhere_are_all_or_listed(parameters, text, ids):
 
 
 @pytest.mark.parametrize(
-    ("text", "line"), [("x", "elsewhere: 'x'; expected ids of robots"), ("3", "elsewhere: 3; expected 0 to 2")]
+    ("given", "line"),
+    [
+        ({"scenario": ""}, "/robotteamsim/scenario: is not set; expected the name or file of a"),
+        ({"set": "voice.noise_bd=20"}, "--set: voice.noise_bd: unknown key; did you mean 'noise_db'"),
+        ({"robots": 0}, "--set: robots.count: 0 is below 1"),
+        ({"seed": "-1"}, "/robotteamsim/seed: -1 is below 0"),
+        ({"seed": "x"}, "/robotteamsim/seed: 'x' is not a whole number"),
+        ({"seed": "--5"}, "/robotteamsim/seed: '--5' is not a whole number"),
+        (
+            {"controllers": "tema"},
+            "/robotteamsim/controllers: tema; expected nodes, team, inside, none",
+        ),
+        ({"teleop": 3}, "/robotteamsim/teleop: 3; expected 0 to 2"),
+        ({"elsewhere": "x"}, "/robotteamsim/elsewhere: 'x'; expected ids of robots"),
+        ({"elsewhere": "3"}, "/robotteamsim/elsewhere: 3; expected 0 to 2"),
+        ({"elsewhere": "1", "lockstep": True}, "/robotteamsim/lockstep: true; expected false with robots in another"),
+        (
+            {"set": TF, "lockstep": True},
+            "/robotteamsim/lockstep: true; expected false with control.localisation=tf",
+        ),
+        (
+            {"set": TF, "controllers": "inside"},
+            "/robotteamsim/controllers: inside; expected nodes or team with control.localisation=tf",
+        ),
+        (
+            {"set": TF + ' schedule=[{"at_s":9.0,"noise_db":20.0}]'},
+            "/use_sim_time: false; expected true, because the scenario has a schedule",
+        ),
+        (
+            {"set": TF + " mission.victims.0.path=[[29.0,5.0]]"},
+            "/use_sim_time: false; expected true, because the scenario has a victim victim_1 who walks",
+        ),
+        ({**ALONE, "robots": 2}, "/robotteamsim/prefix: false; expected true unless"),
+        ({**ALONE, "controllers": "team"}, "/robotteamsim/prefix: false; expected true unless"),
+        ({**ALONE, "mission": True}, "/robotteamsim/prefix: false; expected true unless"),
+    ],
 )
-def test_wrong_list_of_robots_elsewhere_is_rejected(parameters, text, line):
-    parameters["/robotteamsim/elsewhere"] = text
-    with pytest.raises(ParameterError, match=f"^/robotteamsim/{line}"):
+def test_settings_that_are_wrong_or_do_not_fit_are_rejected(parameters, given, line):
+    parameters |= {f"/robotteamsim/{name}": value for name, value in given.items()}
+    with pytest.raises(RobotTeamSimError, match="^" + re.escape(line)):
         read_settings()
 
 
-def test_robots_elsewhere_do_not_go_with_lockstep(parameters):
-    parameters |= {"/robotteamsim/elsewhere": "1", "/robotteamsim/lockstep": True}
-    with pytest.raises(ParameterError, match=r"^/robotteamsim/lockstep: true; expected false with robots in another"):
-        read_settings()
-
-
-def test_robot_driven_by_hand_must_be_one_of_the_team(parameters):
-    parameters["/robotteamsim/teleop"] = 3
-    with pytest.raises(ParameterError, match=r"/robotteamsim/teleop: 3; expected 0 to 2"):
-        read_settings()
-
-
-def test_team_of_none_is_rejected(parameters):
-    parameters["/robotteamsim/robots"] = 0
-    with pytest.raises(ScenarioError, match=r"--set: robots.count: 0 is below 1"):
-        read_settings()
-
-
-def test_missing_scenario_is_reported(parameters):
-    del parameters["/robotteamsim/scenario"]
-    with pytest.raises(ParameterError, match=r"/robotteamsim/scenario: is not set; expected the name or file of a"):
-        read_settings()
-
-
-def test_wrong_override_is_reported(parameters):
-    parameters["/robotteamsim/set"] = "voice.noise_bd=20"
-    with pytest.raises(ScenarioError, match=r"--set: voice.noise_bd: unknown key; did you mean 'noise_db'"):
-        read_settings()
+def test_times_of_a_scenario_go_with_poses_from_tf_by_the_simulated_clock(parameters):
+    parameters |= {"/robotteamsim/set": TF + ' schedule=[{"at_s":9.0,"noise_db":20.0}]', "/use_sim_time": True}
+    assert read_settings().scenario.control.tf_timeout_s == 0.3
 
 
 def test_other_nodes_leave_a_mistake_to_the_simulation(parameters, monkeypatch):
@@ -167,32 +160,6 @@ def test_other_nodes_leave_a_mistake_to_the_simulation(parameters, monkeypatch):
     with pytest.raises(ScenarioError, match="99 is above 80"):
         read_settings()
     assert waited_s == [10.0]
-
-
-def test_poses_from_tf_do_not_go_with_lockstep(parameters):
-    parameters |= {"/robotteamsim/set": "control.localisation=tf", "/robotteamsim/lockstep": True}
-    wanted = r"^/robotteamsim/lockstep: true; expected false with control.localisation=tf$"
-    with pytest.raises(ParameterError, match=wanted):
-        read_settings()
-    parameters["/robotteamsim/lockstep"] = False
-    assert read_settings().scenario.control.tf_timeout_s == 0.3
-
-
-@pytest.mark.parametrize(
-    ("setting", "what"),
-    [
-        ('schedule=[{"at_s":9.0,"noise_db":20.0}]', "schedule"),
-        ("mission.victims.0.path=[[29.0,5.0]]", "victim victim_1 who walks"),
-    ],
-)
-def test_times_of_a_scenario_need_the_simulated_clock_with_poses_from_tf(parameters, setting, what):
-    parameters["/robotteamsim/set"] = f"control.localisation=tf {setting}"
-    with pytest.raises(
-        ParameterError, match=f"^/use_sim_time: false; expected true, because the scenario has a {what}$"
-    ):
-        read_settings()
-    parameters["/use_sim_time"] = True
-    read_settings()
 
 
 def test_number_of_robots_must_fit_a_list_of_robots(parameters, tmp_path):

@@ -7,11 +7,11 @@ import rospy
 
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.recording.topics import robots
-from robotteamsim.ros.gate import Pacer
 from robotteamsim.ros.settings import Settings
 from robotteamsim.ros.stage import StageRequests, UnprefixedTypes
 from robotteamsim.scenario import load
 from robotteamsim.sensing.readings import OdometryReading
+from robotteamsim.shell.gate import Pacer
 
 
 @pytest.fixture

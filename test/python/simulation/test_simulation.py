@@ -183,6 +183,24 @@ def test_victim_outside_the_plan_is_rejected_with_the_override_that_put_them_the
         Simulation(loaded)
 
 
+@pytest.mark.parametrize(
+    ("position_m", "reason"),
+    [
+        ((float("nan"), 1.0), r"position\.0: \.nan is not a finite number$"),
+        ((1e5, 1.0), r"position: \[100000, 1\] lies outside the plan, "),
+    ],
+)
+def test_victim_at_an_impossible_place_is_rejected(position_m, reason):
+    with pytest.raises(ValueError, match=rf"^set_victim: ann: {reason}"):
+        Simulation(scenario.load("garage_sar")).set_victim("ann", position_m)
+
+
+@pytest.mark.parametrize("noise_db", [float("nan"), float("inf"), -1.0, 99.0])
+def test_noise_out_of_range_is_rejected(noise_db, hall_scenario):
+    with pytest.raises(ValueError, match="noise_db"):
+        Simulation(hall_scenario()).set_noise_db(noise_db)
+
+
 def test_voice_map_is_recorded_when_it_changes(hall_scenario):
     loop = Simulation(hall_scenario())
     assert loop.step().voice_map is not None

@@ -36,7 +36,7 @@ class When(Enum):
     ONCE = "once"
     CLOCK = "50 times per simulated second"
     SEARCH = "every 5 s"
-    REQUEST = "on subscription, then once a second"
+    REQUEST = "once a second, to subscribers"
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,16 +12,17 @@ from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.message_parts import robot_name
 from robotteamsim.network.messages import Message
+from robotteamsim.recording.topics.decisions import STAMPED_COMMAND
 from robotteamsim.recording.topics.mission import MISSION_STATUS
 from robotteamsim.recording.topics.radio import INBOX, VOICE
 from robotteamsim.recording.topics.world import ROBOTS, TeamPresence
 from robotteamsim.ros.inputs import Input, RobotInputs
 from robotteamsim.ros.node import ParameterError, on_shutdown, parameter, run
-from robotteamsim.ros.outputs import Decided, DecisionOutputs
+from robotteamsim.ros.outputs import Decided, decision_outputs
 from robotteamsim.ros.settings import Settings, read_seed, read_settings
-from robotteamsim.ros.steps import Step, Steps
-from robotteamsim.ros.tf_pose import TfPose
 from robotteamsim.ros.transforms import TfTransforms
+from robotteamsim.shell.steps import Step, Steps
+from robotteamsim.shell.tf_pose import TfPose
 
 logger = logging.getLogger(__name__)
 
@@ -56,10 +57,10 @@ class ControllerSlot:
         """Args: transforms: where the robot's pose comes from; None if it comes with its topics."""
         self.robot_id = robot_id
         control = settings.scenario.control
-        self._tf = None if transforms is None else TfPose(transforms, robot_name(robot_id), control.tf_timeout_s)
+        self._tf = None if transforms is None else TfPose(transforms.newest, robot_name(robot_id), control.tf_timeout_s)
         self._sensors = RobotInputs(settings, robot_id)
         self._voice, self._received = (Input.of(topic, settings, robot_id) for topic in (VOICE, INBOX))
-        self._outputs = DecisionOutputs(settings, [robot_id])
+        self._outputs = decision_outputs(settings, [robot_id])
         self._arrival = 1
         """Number of the robot's arrivals, including the start."""
         sensors = self._sensors
@@ -77,8 +78,9 @@ class ControllerSlot:
         self.build(settings)
 
     def announce(self) -> None:
-        """Publish that the controller has started."""
-        self._outputs.announce(self.robot_id)
+        """Publish that the controller has started, before it answers any step."""
+        begin = Decided(0, {self.robot_id: True}, {self.robot_id: Decision()})
+        self._outputs.publish(begin, only=STAMPED_COMMAND)
 
     def build(self, settings: Settings) -> None:
         """Create the controller, or create it again."""

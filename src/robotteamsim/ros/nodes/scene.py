@@ -17,7 +17,8 @@ from visualization_msgs.msg import Marker, MarkerArray
 
 from robotteamsim import msg
 from robotteamsim.errors import RobotTeamSimError
-from robotteamsim.geometry import PoseReading
+from robotteamsim.geometry import Pose, PoseReading
+from robotteamsim.message_parts import robot_name
 from robotteamsim.recording.topics.world import FIRE, SMOKE
 from robotteamsim.ros.launched import read_scenario
 from robotteamsim.ros.scene.building import building_markers, door_markers, openings_at_start
@@ -31,6 +32,7 @@ from robotteamsim.ros.scene.mission import (
 )
 from robotteamsim.ros.scene.shapes import FRAME, WHITE, marker, unit
 from robotteamsim.ros.scene.team import Links, RobotPicture, link_markers, links_of, team_markers, trail_marker
+from robotteamsim.ros.transforms import TfTransforms
 from robotteamsim.scenario import Bounds, Scenario
 from robotteamsim.scenario.sections import Robot
 from robotteamsim.setup import resolve
@@ -138,10 +140,7 @@ class Team:
         self._newest_links = Newest("/network/links", msg.NetworkLinks, links_of)
         self._links = Links()
         self.layers = {name: Layer(name) for name in ("trails", "links", "robots")}
-        self._transforms: tf2_ros.Buffer | None = None
-        if scenario.control.localisation == "tf":
-            self._transforms = tf2_ros.Buffer()
-            self._listener = tf2_ros.TransformListener(self._transforms)
+        self._transforms = TfTransforms() if scenario.control.localisation == "tf" else None
         self._changed = False
         self._trails_due_s = 0.0
 
@@ -158,27 +157,25 @@ class Team:
         model = self._models[robot_id] if robot_id < len(self._models) else Robot()
         robot = RobotPicture(robot_id, model, scenario.role_of(robot_id), scenario.base == robot_id)
         if self._transforms is None:
-            rospy.Subscriber(prefix + TRUTH, Odometry, self._move, callback_args=robot, buff_size=2**16)
+            rospy.Subscriber(prefix + TRUTH, Odometry, self._read_truth, callback_args=robot, buff_size=2**16)
         self._statuses[robot_id] = Newest(f"{prefix}controller/status", msg.ControllerStatus, lambda message: message)
         self._robots = dict(sorted([*self._robots.items(), (robot_id, robot)]))
 
-    def _move(self, message: Odometry, robot: RobotPicture) -> None:
+    def _read_truth(self, message: Odometry, robot: RobotPicture) -> None:
         place, turn = message.pose.pose.position, message.pose.pose.orientation
-        pose = PoseReading(place.x, place.y, turn.z, turn.w).pose
+        self._move(robot, message.header.stamp.to_sec(), PoseReading(place.x, place.y, turn.z, turn.w).pose)
+
+    def _move(self, robot: RobotPicture, time_s: float, pose: Pose) -> None:
         if np.isfinite((pose.x_m, pose.y_m, pose.yaw_rad)).all():
-            robot.move(message.header.stamp.to_sec(), pose)
+            robot.move(time_s, pose)
             self._changed = True
 
-    def _look_up(self, transforms: tf2_ros.Buffer) -> None:
+    def _look_up(self, transforms: TfTransforms) -> None:
         for robot_id, robot in self._robots.items():
-            try:
-                found = transforms.lookup_transform(FRAME, f"robot_{robot_id}/base_link", rospy.Time(0))
-            except tf2_ros.TransformException:
-                continue
-            odometry = Odometry(header=found.header)
-            odometry.pose.pose.position = found.transform.translation
-            odometry.pose.pose.orientation = found.transform.rotation
-            self._move(odometry, robot)
+            found, _ = transforms.newest(FRAME, f"{robot_name(robot_id)}/base_link")
+            if found is not None:
+                stamp_ns, *pose = found
+                self._move(robot, stamp_ns / 1e9, Pose(*pose))
 
     def update(self, now_s: float) -> None:
         """Draw new messages; trails twice per second [s, wall]."""

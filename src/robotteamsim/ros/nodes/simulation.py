@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import contextlib
+import itertools
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import rospy
 from nav_msgs.srv import GetMap, GetMapResponse
@@ -22,26 +24,19 @@ from robotteamsim.recording.topics.radio import HEARD_TOPICS, RADIO_MAP
 from robotteamsim.recording.topics.world import CLOCK, DOORS, MAP
 from robotteamsim.ros.answers import CommandsByTopic, ControllersByTopic, ControllersInside
 from robotteamsim.ros.elsewhere import RobotsElsewhere, SensorsElsewhere
-from robotteamsim.ros.gate import FairLock, Gate, Pacer
 from robotteamsim.ros.inputs import Input
 from robotteamsim.ros.messages import RosTypes
-from robotteamsim.ros.motion import StepMotion
 from robotteamsim.ros.node import ParameterError, is_running, on_shutdown, parameter, run, wait_for_shutdown
-from robotteamsim.ros.nodes.requests import check_noise, check_victim, pose_of, set_object
-from robotteamsim.ros.outputs import (
-    RADIO_MAP_RESOLUTION_M,
-    RadioMapOutputs,
-    RecordOutputs,
-    RobotOutputs,
-    TeamOutputs,
-    output_of,
-)
+from robotteamsim.ros.outputs import RadioMapOutputs, RecordOutputs, RobotOutputs, TeamOutputs, output_of
 from robotteamsim.ros.services import command
 from robotteamsim.ros.settings import SEED, Settings, read_settings
 from robotteamsim.ros.stage import StageRequests
 from robotteamsim.ros.subscriptions import recorded_topics, wait_for_subscribers
 from robotteamsim.ros.topics import Output
 from robotteamsim.sensing.robots import RobotSensors
+from robotteamsim.shell.gate import FairLock, Gate, Pacer
+from robotteamsim.shell.motion import StepMotion
+from robotteamsim.shell.requests import CHANGES, CHANGES_OF_BODIES, Change, pose_of
 from robotteamsim.simulation import Observer, Simulation, StepRecord, TeamInputs
 from robotteamsim.simulation.trial import Trial
 from robotteamsim.world.making import make_world
@@ -64,6 +59,7 @@ LAST_WORDS = (
     "The mission has ended, and this ends the launch. roslaunch reports it in red, as 'REQUIRED process [simulation] "
     "has died'; this is the normal end."
 )
+RADIO_MAP_RESOLUTION_M = 0.25
 FINEST_M, COARSEST_M = 0.05, 10.0
 """Range of the resolution of requested maps; a finer map would be a message of many megabytes."""
 
@@ -100,8 +96,8 @@ class SimulationNode:
         self._commands = CommandsByTopic(settings, self._robots)
         self._team = TeamOutputs(settings, localized=_is_localized())
         heard = range(settings.num_robots if settings.mission else 0)
-        self._heard = RobotOutputs(HEARD_TOPICS, heard, settings)
-        self._radio_maps = RadioMapOutputs(settings, heard, self._radio_map)
+        self._heard = RobotOutputs(itertools.product(heard, HEARD_TOPICS), settings)
+        self._radio_maps = RadioMapOutputs(settings, heard)
         self._record = RecordOutputs(settings)
         self._begin()
         self._requests = StageRequests(self._pacer.set_speed) if parameter("~stage_requests", False) else None
@@ -205,7 +201,7 @@ class SimulationNode:
         self._record.publish(record)
         with self._lock:
             self._record.publish_objects(self._simulation.world)
-        self._radio_maps.publish(time_ns)
+        self._radio_maps.publish(record, partial(self._radio_map, record, resolution_m=RADIO_MAP_RESOLUTION_M))
         if self._settings.mission:
             for event in record.events:
                 logger.info("%.1f s: %s", event.time_s, event.detail)
@@ -292,42 +288,35 @@ class SimulationNode:
         (grid,) = MAP.messages(self._make, 0, MAP.values(Source(self._settings.setup), None))
         self._map = output_of(MAP, self._settings)
         self._map.publish(grid)
-        self._static_map = rospy.Service("/static_map", GetMap, lambda _: GetMapResponse(map=grid))
-        self._reset_service = rospy.Service("/reset_positions", Empty, self._reset_positions)
-        locked = partial(command, lock=self._lock)
-        self._of_world = (
-            command("/pause", Trigger, self._pause),
-            command("/resume", Trigger, self._resume),
-            command("/step", srv.Step, self._make_steps),
-            command("/reset", Trigger, self._restart),
-            command("/reset_seed", srv.ResetSeed, self._reset_seed),
-            command("/set_speed", srv.SetSpeed, lambda request: self._pacer.set_speed(request.speed)),
-            locked("/set_pose", srv.SetPose, self._set_pose),
-            locked("/set_object", srv.SetObject, self._set_object),
-            locked("/remove_object", srv.RemoveObject, self._remove_object),
-            locked("/lift_object", srv.LiftObject, self._lift_object),
-            locked("/drop_object", srv.DropObject, lambda request: self._simulation.drop_object(request.robot_id)),
-            locked("/set_light", srv.SetLight, lambda request: self._simulation.set_light(request.name, request.lit)),
-            locked("/ignite", srv.Ignite, self._ignite),
-        )
+        rospy.Service("/static_map", GetMap, lambda _: GetMapResponse(map=grid))
+        rospy.Service("/reset_positions", Empty, self._reset_positions)
+        command("/pause", Trigger, self._pause)
+        command("/resume", Trigger, self._resume)
+        command("/step", srv.Step, self._make_steps)
+        command("/reset", Trigger, self._restart)
+        command("/reset_seed", srv.ResetSeed, self._reset_seed)
+        command("/set_speed", srv.SetSpeed, lambda request: self._pacer.set_speed(request.speed))
+        self._offer_changes(CHANGES_OF_BODIES)
 
     def _offer_services(self) -> None:
-        locked = partial(command, lock=self._lock)
-        self._services = (
-            locked("/spawn_robot", srv.SpawnRobot, self._spawn_robot),
-            locked("/remove_robot", srv.RemoveRobot, lambda request: self._simulation.remove_robot(request.robot_id)),
-            command("/set_door", srv.SetDoor, self._set_door),
-            locked("/set_noise", srv.SetNoise, self._set_noise),
-            locked("/set_victim", srv.SetVictim, self._set_victim),
-        )
+        self._offer_changes(CHANGES)
+        command("/spawn_robot", srv.SpawnRobot, self._spawn_robot, self._lock)
+        command("/set_door", srv.SetDoor, self._set_door)
         if self._settings.mission:
-            self._get_radio_map = rospy.Service("/get_radio_map", srv.GetRadioMap, self._serve_get_radio_map)
-            self._of_mission = [
-                rospy.Service(f"/mission/{name}", Trigger, self._server_of(name))
-                for name in ("start", "pause", "resume", "abort")
-            ]
+            rospy.Service("/get_radio_map", srv.GetRadioMap, self._serve_radio_map)
+            for name in ("start", "pause", "resume", "abort"):
+                rospy.Service(f"/mission/{name}", Trigger, partial(self._order_mission, name))
         if self._settings.is_another_world:
             Input.of(DOORS, self._settings).listen(self._follow_doors)
+
+    def _offer_changes(self, changes: Mapping[str, Change]) -> None:
+        for name, change in changes.items():
+            service_class = getattr(srv, name.title().replace("_", ""))
+            command(f"/{name}", service_class, partial(self._change, change), self._lock)
+
+    def _change(self, change: Change, request: Any) -> None:
+        change(self._simulation, request)
+        self._record.publish_objects(self._simulation.world)  # a paused simulation makes no step, which would
 
     def _follow_doors(self, _: str, __: int, doors: Mapping[str, bool]) -> None:
         """Open and close the doors that another world has opened and closed."""
@@ -337,51 +326,37 @@ class SimulationNode:
                 if name in states and states[name].closed != closed:
                     self._simulation.set_door(name, closed)
 
-    def _radio_map(self, robot_id: int, resolution_m: float) -> tuple[int, FieldMap] | None:
-        """Return stamp [ns] and radio map of a robot in the last step; None if there is no step or no robot."""
+    def _radio_map(self, record: StepRecord, robot_id: int, resolution_m: float) -> FieldMap:
+        """Return the signal of a robot where it was in a step."""
+        reading = record.readings[robot_id].ground_truth
         with self._lock:
-            record = self._last
-            if record is None or not record.is_there(robot_id):
-                return None
-            reading = record.readings[robot_id].ground_truth
-            radio_map = self._simulation.network.radio.rssi_map_dbm((reading.x_m, reading.y_m), resolution_m)
-            return record.sim_time_ns, radio_map
+            return self._simulation.network.radio.rssi_map_dbm((reading.x_m, reading.y_m), resolution_m)
 
-    def _serve_get_radio_map(self, request: srv.GetRadioMapRequest) -> srv.GetRadioMapResponse:
-        resolution_m = request.resolution_m or RADIO_MAP_RESOLUTION_M
-        problem, found = self._problem_of(request.robot_id, resolution_m), None
-        if not problem:
-            found = self._radio_map(request.robot_id, resolution_m)
-            problem = self._absence_of(request.robot_id) if found is None else ""
-        if found is None:
+    def _serve_radio_map(self, request: srv.GetRadioMapRequest) -> srv.GetRadioMapResponse:
+        robot_id, resolution_m = request.robot_id, request.resolution_m or RADIO_MAP_RESOLUTION_M
+        record, problem = self._last, ""
+        if not 0 <= robot_id < self._settings.num_robots:
+            problem = f"robot_id: {robot_id}; expected 0 to {self._settings.num_robots - 1}"
+        elif not FINEST_M <= resolution_m <= COARSEST_M:
+            problem = f"resolution_m: {resolution_m:g}; expected {FINEST_M:g} to {COARSEST_M:g}, or 0"
+        elif record is None:
+            problem = "no step has been taken yet"
+        elif not record.is_there(robot_id):
+            problem = f"robot_id: {robot_id}; the robot is not present"
+        if problem or record is None:
             return srv.GetRadioMapResponse(success=False, message=problem)
-        time_ns, radio_map = found
-        (message,) = RADIO_MAP.messages(self._make, time_ns, RADIO_MAP.values(None, radio_map, request.robot_id))
+        values = RADIO_MAP.values(None, self._radio_map(record, robot_id, resolution_m), robot_id)
+        (message,) = RADIO_MAP.messages(self._make, record.sim_time_ns, values)
         return srv.GetRadioMapResponse(success=True, map=message)
 
-    def _problem_of(self, robot_id: int, resolution_m: float) -> str:
-        """Return why there is no such radio map; empty if there may be one."""
-        if not 0 <= robot_id < self._settings.num_robots:
-            return f"robot_id: {robot_id}; expected 0 to {self._settings.num_robots - 1}"
-        if not FINEST_M <= resolution_m <= COARSEST_M:
-            return f"resolution_m: {resolution_m:g}; expected {FINEST_M:g} to {COARSEST_M:g}, or 0"
-        return ""
-
-    def _absence_of(self, robot_id: int) -> str:
-        if self._last is None:
-            return "no step has been taken yet"
-        return f"robot_id: {robot_id}; the robot is not present"
-
-    def _server_of(self, name: str) -> Callable[[TriggerRequest], TriggerResponse]:
-        def serve(_: TriggerRequest) -> TriggerResponse:
-            with self._lock:
-                mission = self._simulation.mission
-                before = mission.status.state
-                getattr(mission, name)()
-                after = mission.status.state
-            return TriggerResponse(success=before != after, message=f"the mission is {after}")
-
-        return serve
+    def _order_mission(self, order: str, _: TriggerRequest) -> TriggerResponse:
+        """Start, pause, resume or abort the mission."""
+        with self._lock:
+            mission = self._simulation.mission
+            before = mission.status.state
+            getattr(mission, order)()
+            after = mission.status.state
+        return TriggerResponse(success=before != after, message=f"the mission is {after}")
 
     def _pause(self, _: object) -> str:
         return "paused" if self._gate.pause(SERVICE_TIMEOUT_S) else "pausing after the current step"
@@ -408,15 +383,9 @@ class SimulationNode:
             self._simulation.world.reset_positions()
         return EmptyResponse()
 
-    def _set_pose(self, request: srv.SetPoseRequest) -> None:
-        self._simulation.world.set_pose(request.robot_id, pose_of(request))
-
     def _spawn_robot(self, request: srv.SpawnRobotRequest) -> None:
         self._simulation.spawn_robot(request.robot_id, None if request.at_start else pose_of(request))
         self._commands.stop(request.robot_id)  # of its controller before the robot left
-
-    def _ignite(self, request: srv.IgniteRequest) -> None:
-        self._simulation.ignite((request.position.x, request.position.y))
 
     def _set_door(self, request: srv.SetDoorRequest) -> None:
         """Open or close a door; another world that has doors does it itself, and publishes it."""
@@ -428,26 +397,6 @@ class SimulationNode:
                 return
         with self._lock:
             self._simulation.set_door(request.name, request.closed)
-
-    def _set_noise(self, request: srv.SetNoiseRequest) -> None:
-        check_noise(request.noise_db)
-        self._simulation.set_noise_db(request.noise_db)
-
-    def _set_victim(self, request: srv.SetVictimRequest) -> None:
-        position_m = (request.position.x, request.position.y)
-        check_victim(self._settings.scenario, request.name, position_m)
-        self._simulation.set_victim(request.name, position_m)
-
-    def _set_object(self, request: srv.SetObjectRequest) -> None:
-        set_object(self._simulation.world, request)
-        self._record.publish_objects(self._simulation.world)  # a paused simulation makes no step, which would
-
-    def _lift_object(self, request: srv.LiftObjectRequest) -> None:
-        self._simulation.lift_object(request.robot_id, request.name)
-
-    def _remove_object(self, request: srv.RemoveObjectRequest) -> None:
-        self._simulation.world.remove_object(request.name)
-        self._record.publish_objects(self._simulation.world)
 
 
 def _is_localized() -> bool:

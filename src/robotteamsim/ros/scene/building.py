@@ -1,46 +1,37 @@
-"""The building in the 3D scene: floor, walls, pillars and doors."""
+"""The building in the 3D scene: floor, walls, pillars, doors, and the boxes and barrels in it."""
 
 import itertools
-import math
 from collections.abc import Iterator, Mapping, Sequence
 
 import shapely
-from visualization_msgs.msg import Marker
+from visualization_msgs.msg import Marker, MarkerArray
 
 from robotteamsim import palette
-from robotteamsim.ros.scene.shapes import (
-    SHADOW_PER_HEIGHT,
-    Colour,
-    Mesh,
-    Position,
-    colour,
-    drawn_below,
-    faded,
-    lines,
-    mixed,
-)
-from robotteamsim.scenario.floor_plan import Bounds, FloorPlan
-from robotteamsim.scenario.plan import Solid, leaf_corners, solids
+from robotteamsim.geometry import Pose
+from robotteamsim.ros.scene.shapes import Colour, Mesh, Position, colour, faded, lines, marker
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.objects import MovableObject
+from robotteamsim.scenario.plan import leaf_corners, solids
 
 FLOOR = colour(palette.DARK_FLOOR)
 FLOOR_EDGE = colour(palette.DARK_FLOOR_EDGE)
-FLOOR_LINE = colour(palette.DARK_FLOOR_LINE)
 WALL_EDGE = colour(palette.WALL_EDGE)
-SHADOW = colour(palette.SHADOW, 0.38)
+BOX, BARREL = colour(palette.BOX), colour(palette.BARREL)
 
 FLOOR_MARGIN_M = 1.2
-FLOOR_LINE_SPACING_M = 5.0
 
 # Heights of what lies on the floor; far enough apart for the depth buffer of a camera 60 m away.
-FLOOR_LINE_Z_M, SHADOW_Z_M, VOICE_Z_M, DISC_Z_M, TRAIL_Z_M = 0.006, 0.012, 0.02, 0.03, 0.05
+VOICE_Z_M, DISC_Z_M, TRAIL_Z_M = 0.02, 0.03, 0.05
 # Its layers for `drawn_below`.
-SMOKE_LAYER, TRAIL_LAYER, DISC_LAYER, CONTOUR_LAYER, VOICE_LAYER, SHADOW_LAYER = range(6)
+SMOKE_LAYER, TRAIL_LAYER, DISC_LAYER, VOICE_LAYER = range(4)
 
 
 def building_markers(plan: FloorPlan, cut_height_m: float) -> list[Marker]:
-    """Return floor, shadows, walls, blocks and pillars, cut at a height to show the robots behind them."""
-    fixed = [solid for solid in solids(plan) if solid.kind != "door"]
-    return [*_floor_markers(plan.bounds), *_shadow_markers(fixed, cut_height_m), *_wall_markers(fixed, cut_height_m)]
+    """Return floor, walls, blocks and pillars, cut at a height to show the robots behind them."""
+    inside, floor = shapely.box(*plan.bounds.min, *plan.bounds.max), Mesh()
+    floor.polygon(inside.buffer(FLOOR_MARGIN_M, join_style="mitre"), -0.03, FLOOR_EDGE)
+    floor.polygon(inside, 0.0, FLOOR)
+    return [floor.marker("floor", 0), *_wall_markers(plan, cut_height_m)]
 
 
 def openings_at_start(plan: FloorPlan) -> dict[str, float]:
@@ -58,7 +49,7 @@ def door_markers(plan: FloorPlan, openings: Mapping[str, float], cut_height_m: f
         tint, leaf = colour(palette.LIT_DOORS[door.kind]), shapely.Polygon(leaf_corners(door, openings[door.name]))
         body, is_closed = Mesh(), openings[door.name] == 0.0
         if not is_closed:
-            tint = mixed(faded(tint, 0.75), faded(FLOOR, 0.75), 0.25)
+            tint = faded(tint, 0.6)
             if door.motion == "instant":
                 leaf = shapely.affinity.rotate(leaf, 90.0, origin=door.start)
         body.prism(leaf, 0.0, min(door.height_m, cut_height_m), tint)
@@ -69,49 +60,12 @@ def door_markers(plan: FloorPlan, openings: Mapping[str, float], cut_height_m: f
     return found
 
 
-def _floor_markers(bounds: Bounds) -> Iterator[Marker]:
-    (min_x, min_y), (max_x, max_y) = bounds.min, bounds.max
-    inside, floor = shapely.box(min_x, min_y, max_x, max_y), Mesh()
-    floor.polygon(inside.buffer(FLOOR_MARGIN_M, join_style="mitre"), -0.03, FLOOR_EDGE)
-    floor.polygon(inside, 0.0, FLOOR)
-    yield floor.marker("floor", 0)
-
-    def grid() -> Iterator[tuple[Position, Position, Colour]]:
-        for x in _multiples(FLOOR_LINE_SPACING_M, min_x, max_x):
-            yield (x, min_y, FLOOR_LINE_Z_M), (x, max_y, FLOOR_LINE_Z_M), FLOOR_LINE
-        for y in _multiples(FLOOR_LINE_SPACING_M, min_y, max_y):
-            yield (min_x, y, FLOOR_LINE_Z_M), (max_x, y, FLOOR_LINE_Z_M), FLOOR_LINE
-
-    yield lines("floor", 1, grid(), 0.04)
-
-
-def _multiples(spacing: float, low: float, high: float) -> list[float]:
-    return [i * spacing for i in range(math.floor(low / spacing) + 1, math.ceil(high / spacing))]
-
-
-def _shadow_markers(fixed: Sequence[Solid], cut_height_m: float) -> Iterator[Marker]:
-    """Yield the shadows of the walls: the floor that each edge sweeps along the light."""
-    cast = []
-    for solid in fixed:
-        x, y = (min(solid.element.height_m, cut_height_m) * offset for offset in SHADOW_PER_HEIGHT)
-        edges = itertools.pairwise(solid.polygon.exterior.coords)
-        cast += [
-            shapely.MultiPoint([(x0, y0), (x1, y1), (x1 + x, y1 + y), (x0 + x, y0 + y)]).convex_hull
-            for (x0, y0), (x1, y1) in edges
-        ]
-        cast.append(shapely.affinity.translate(solid.polygon, x, y))
-    dark = shapely.difference(shapely.union_all(cast), shapely.union_all([solid.polygon for solid in fixed]))
-    if not dark.is_empty:
-        shade = Mesh()
-        shade.polygon(dark, SHADOW_Z_M, SHADOW)
-        yield drawn_below(shade.marker("shadows", 0), SHADOW_LAYER)
-
-
-def _wall_markers(fixed: Sequence[Solid], cut_height_m: float) -> Iterator[Marker]:
+def _wall_markers(plan: FloorPlan, cut_height_m: float) -> Iterator[Marker]:
     """Yield one mesh of all solids and their upper edges; solids of equal height and colour have no inner faces."""
     groups: dict[tuple[float, str], list[shapely.Polygon]] = {}
-    for solid in fixed:
-        groups.setdefault((min(solid.element.height_m, cut_height_m), solid.kind), []).append(solid.polygon)
+    for solid in solids(plan):
+        if solid.kind != "door":
+            groups.setdefault((min(solid.element.height_m, cut_height_m), solid.kind), []).append(solid.polygon)
     body, edges = Mesh(), list[tuple[Position, Position, Colour]]()
     for (height_m, kind), outlines in groups.items():
         shape = shapely.union_all(outlines)
@@ -122,3 +76,16 @@ def _wall_markers(fixed: Sequence[Solid], cut_height_m: float) -> Iterator[Marke
     if edges:
         yield body.marker("walls", 0)
         yield lines("walls", 1, edges, 0.05)
+
+
+def object_markers(objects: Sequence[MovableObject], poses: Sequence[Pose], *, replace: bool = False) -> MarkerArray:
+    """Return one marker per object, with its index as id. Args: replace: first delete all other markers."""
+    markers = [_marker(i, obj, pose) for i, (obj, pose) in enumerate(zip(objects, poses, strict=True))]
+    return MarkerArray([Marker(action=Marker.DELETEALL), *markers] if replace else markers)
+
+
+def _marker(marker_id: int, obj: MovableObject, pose: Pose) -> Marker:
+    kind, tint = (Marker.CUBE, BOX) if obj.size_m else (Marker.CYLINDER, BARREL)
+    length_m, width_m = obj.size_m or (2.0 * obj.reach_m, 2.0 * obj.reach_m)
+    at, scale = (pose.x_m, pose.y_m, 0.5 * obj.height_m), (length_m, width_m, obj.height_m)
+    return marker("objects", marker_id, kind, tint, position=at, yaw_rad=pose.yaw_rad, scale=scale)

@@ -1,20 +1,17 @@
 """Maps in the 3D scene: voice, fire and smoke as coloured layers over the floor."""
 
-import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
-import contourpy
 import numpy as np
-import shapely
 from nav_msgs.msg import OccupancyGrid
 from scipy import ndimage
 from visualization_msgs.msg import Marker
 
 from robotteamsim import msg, palette
 from robotteamsim.recording.topics.world import BURNING_VALUE, BURNT_OUT_VALUE
-from robotteamsim.ros.scene.building import CONTOUR_LAYER, SMOKE_LAYER, VOICE_LAYER, VOICE_Z_M
-from robotteamsim.ros.scene.shapes import Colour, Mesh, Position, colour, drawn_below, lines
+from robotteamsim.ros.scene.building import SMOKE_LAYER, VOICE_LAYER, VOICE_Z_M
+from robotteamsim.ros.scene.shapes import Colour, Mesh, colour, drawn_below
 
 FINEST_CELL_M, LOUDEST_DB = 0.01, 300.0
 MAX_CELLS = 12_000
@@ -28,8 +25,6 @@ VOICE: Scale = [
 ]
 FADE_DB = 8.0
 """The voice layer fades out over this range above the noise, so that its edge does not show the cells."""
-CONTOUR_SPACING_DB = 10.0
-CONTOUR = colour(palette.VOICE_CONTOUR, 0.25)
 PILLAR_M = 1.5
 """Smaller silent holes are filled: pillars would tear the layer."""
 FIRE: Scale = [
@@ -43,7 +38,7 @@ SMOKE_Z_M, FIRE_Z_M = 0.6, 0.65
 
 
 def voice_markers(voice: msg.FloatMap) -> list[Marker]:
-    """Return a voice map with a contour every 10 dB; nothing without voices. Raises: ValueError."""
+    """Return a voice map; nothing without voices. Raises: ValueError."""
     levels_db = np.reshape(voice.data, (voice.height, voice.width))
     if not (voice.resolution_m >= FINEST_CELL_M and ((levels_db >= 0.0) & (levels_db <= LOUDEST_DB)).all()):
         raise ValueError(f"expected cells of at least {FINEST_CELL_M:g} m and levels of 0 to {LOUDEST_DB:g} dB")
@@ -55,9 +50,7 @@ def voice_markers(voice: msg.FloatMap) -> list[Marker]:
     x_m = _centers_m(voice.origin.x, voice.width, voice.resolution_m)
     y_m = _centers_m(voice.origin.y, voice.height, voice.resolution_m)
     fade = np.clip((levels_db - faintest_db) / FADE_DB, 0.0, 1.0)
-    layer = _layer("voice", x_m, y_m, levels_db, VOICE, VOICE_Z_M, fade)
-    contours = lines("contours", 0, _contours(x_m, y_m, levels_db, faintest_db), 0.05)
-    return [drawn_below(layer, VOICE_LAYER), drawn_below(contours, CONTOUR_LAYER)]
+    return [drawn_below(_layer("voice", x_m, y_m, levels_db, VOICE, VOICE_Z_M, fade), VOICE_LAYER)]
 
 
 def fire_markers(grid: OccupancyGrid) -> list[Marker]:
@@ -72,9 +65,11 @@ def smoke_markers(grid: OccupancyGrid) -> list[Marker]:
 
 def _grid_markers(name: str, grid: OccupancyGrid, scale: Scale, z_m: float) -> list[Marker]:
     info, values = grid.info, np.reshape(grid.data, (grid.info.height, grid.info.width))
+    if not (values > 0).any():
+        return []
     x_m = _centers_m(info.origin.position.x, info.width, info.resolution)
     y_m = _centers_m(info.origin.position.y, info.height, info.resolution)
-    return [_layer(name, x_m, y_m, values, scale, z_m)] if (values > 0).any() else []
+    return [_layer(name, x_m, y_m, values, scale, z_m)]
 
 
 def _centers_m(start_m: float, count: int, resolution_m: float) -> np.ndarray:
@@ -104,16 +99,3 @@ def _layer(
     result = mesh.marker(name, 0)
     result.color.a = 0.99  # rviz blends only what is not opaque
     return result
-
-
-def _contours(
-    x_m: np.ndarray, y_m: np.ndarray, levels_db: np.ndarray, faintest_db: float
-) -> Iterator[tuple[Position, Position, Colour]]:
-    """Yield the contour at the noise level, and one at every multiple of 10 dB above it."""
-    generator = contourpy.contour_generator(x_m, y_m, levels_db)
-    first = math.floor(faintest_db / CONTOUR_SPACING_DB) + 1
-    for level_db in (0.9 * faintest_db, *np.arange(first * CONTOUR_SPACING_DB, levels_db.max(), CONTOUR_SPACING_DB)):
-        for line in generator.lines(level_db):
-            smooth = shapely.LineString(np.asarray(line)).simplify(0.5 * (x_m[1] - x_m[0]))
-            for start, end in itertools.pairwise(smooth.coords):
-                yield (*start, VOICE_Z_M + 0.004), (*end, VOICE_Z_M + 0.004), CONTOUR

@@ -1,19 +1,15 @@
 """The mission in the 3D scene: areas, victims, and the headline above the building with the legend below it."""
 
 from collections.abc import Iterator, Sequence
-from typing import Literal
 
-import shapely
 from visualization_msgs.msg import Marker
 
 from robotteamsim import msg, palette
 from robotteamsim.geometry import Pose
 from robotteamsim.mission.status import SAVED
 from robotteamsim.ros.scene.building import DISC_LAYER, DISC_Z_M
-from robotteamsim.ros.scene.people import figure
-from robotteamsim.ros.scene.shapes import Mesh, colour, drawn_below, faded, label, unit
+from robotteamsim.ros.scene.shapes import Mesh, colour, drawn_below, faded, label, person, unit
 from robotteamsim.scenario import Scenario
-from robotteamsim.scenario.plan import obstacles
 
 VICTIM_COLOURS = {state: colour(code) for state, code in palette.VICTIM_STATES.items()}
 VICTIM_GROUND = colour(palette.ROBOT_BODY, 0.6)
@@ -24,9 +20,6 @@ NAME_M, NUMBER_M, HEADLINE_M, LEGEND_M = 1.1, 1.4, 1.8, 1.1
 """Heights of capital letters in a building of 60 x 40 m."""
 WIDTH_PER_LETTER = 0.48
 """Of a text on the screen, per height of a capital letter."""
-DASHES = 12
-"""Of the ring of a victim who waits."""
-Shape = Literal["ring", "dashes", "disc", "line"]
 
 
 def area_markers(areas: Sequence[msg.Area], size: float) -> Iterator[Marker]:
@@ -58,13 +51,13 @@ class VictimPictures:
         self._of_scenario = {victim.name: victim for victim in scenario.mission.victims}
         self._distance_m = scenario.mission.save_distance_m
         self._size = unit(scenario.plan.bounds)
-        self._text_z_m, self._walls = text_z_m, obstacles(scenario.plan)
+        self._text_z_m = text_z_m
         self._fallen: set[str] = set()
 
     def markers(self, victims: Sequence[msg.Victim]) -> Iterator[Marker]:
         """Yield a figure for each victim in the colour of their state; with a name and a ring if they need help.
 
-        In the ring, a robot saves the victim. It is dashed while the victim waits, and filled when saved.
+        In the ring, a robot saves the victim; it is filled when they are saved.
         """
         if all(victim.state == "waiting" for victim in victims):  # at the start, or after a reset
             self._fallen.clear()
@@ -80,20 +73,16 @@ class VictimPictures:
         tint = VICTIM_COLOURS["fleeing" if flees else victim.state]
         x, y = victim.position.x, victim.position.y
         raised_m = SHOULDER_M if lies and victim.state == "carried" else 0.0
-        yield from figure("victims", index, Pose(x, y, 0.6 + 1.9 * index), tint, lies=lies, raised_m=raised_m)
+        yield from person("victims", index, Pose(x, y, 0.6 + 1.9 * index), tint, lies=lies, raised_m=raised_m)
         if not lies and (flees or victim.state in {"carried", *SAVED}):
             return  # a crowd at an exit would hide the scene
         ring, inner_m = Mesh(), self._distance_m - 0.1
         ring.ring((x, y), 0.0, inner_m, DISC_Z_M + 0.01, faded(tint, 0.55) if victim.state in SAVED else VICTIM_GROUND)
-        dashes = DASHES if victim.state == "waiting" else 0
-        ring.ring((x, y), inner_m, self._distance_m, DISC_Z_M + 0.01, tint, dashes)
+        ring.ring((x, y), inner_m, self._distance_m, DISC_Z_M + 0.01, tint)
         yield drawn_below(ring.marker("victim_rings", index), DISC_LAYER)
         height_m = NAME_M * self._size
-        name = victim.name.replace("_", " ")
-        half_m, away_m = 0.5 * WIDTH_PER_LETTER * height_m * len(name), self._distance_m + 0.75 * height_m
-        south = shapely.box(x - half_m, y - away_m - 1.2 * height_m, x + half_m, y - away_m + 0.5 * height_m)
-        name_y = y + away_m if shapely.intersects(self._walls, south) else y - away_m
-        yield label("victim_names", index, name, tint, (x, name_y, self._text_z_m), height_m)
+        at = (x, y - self._distance_m - 0.75 * height_m, self._text_z_m)
+        yield label("victim_names", index, victim.name.replace("_", " "), tint, at, height_m)
 
 
 def headline_words(status: msg.MissionStatus) -> str:
@@ -116,48 +105,38 @@ def headline_marker(words: str, scenario: Scenario) -> Marker:
     return label("headline", 0, words, colour(palette.HEADLINE), at, height_m)
 
 
-def legend_entries(scenario: Scenario) -> Iterator[tuple[str, str, Shape]]:
-    """Yield the words, the code of the colour and the shape of everything that the scene of a scenario can show."""
+def legend_entries(scenario: Scenario) -> Iterator[tuple[str, str]]:
+    """Yield the words and the code of the colour of everything that the scene of a scenario can show."""
     mission, fire = scenario.mission, scenario.fire is not None
     if mission.victims:
-        shapes: dict[str, Shape] = {"waiting": "dashes", "saved": "disc", "safe": "disc"}
-        states = palette.RESCUED if mission.saved_by == "firefighter" else palette.VICTIMS
-        yield from ((state, code, shapes.get(state, "ring")) for state, code in states.items())
+        yield from (palette.RESCUED if mission.saved_by == "firefighter" else palette.VICTIMS).items()
         if any(victim.flees for victim in mission.victims):
-            yield "fleeing", palette.FLEEING, "disc"
+            yield "fleeing", palette.FLEEING
         if fire:
-            yield "collapsed or dead", palette.CASUALTY, "ring"
+            yield "collapsed or dead", palette.CASUALTY
     if fire:
-        yield from (("fire", palette.FLAME, "disc"), ("smoke", palette.SMOKE, "disc"))
+        yield from (("fire", palette.FLAME), ("smoke", palette.SMOKE))
     if scenario.firefighters is not None:
-        yield "firefighter", palette.HELMET, "disc"
+        yield "firefighter", palette.HELMET
     if mission.areas:
-        yield "target area", palette.TARGET_AREA, "ring"
-        yield "explored", palette.EXPLORED_AREA, "disc"
+        yield from (("target area", palette.TARGET_AREA), ("explored", palette.EXPLORED_AREA))
     if scenario.team_size > 1:
-        yield "link", palette.STRONG_LINK, "line"
-        yield "endangered link", palette.ENDANGERED_LINK, "line"
+        yield from (("link", palette.STRONG_LINK), ("endangered link", palette.ENDANGERED_LINK))
     if scenario.base is not None:
-        yield "base" if scenario.command_centre is None else "centre", palette.WHITE, "ring"
+        yield "base" if scenario.command_centre is None else "centre", palette.WHITE
 
 
 def legend_markers(scenario: Scenario) -> Iterator[Marker]:
-    """Yield the legend as a row of symbols and words, south of the building and no wider than it."""
+    """Yield the legend as a row of discs and words, south of the building and no wider than it."""
     entries, bounds = list(legend_entries(scenario)), scenario.plan.bounds
-    widths = [WIDTH_PER_LETTER * len(words) + 3.0 for words, _, _ in entries]  # in heights of a capital letter
+    widths = [WIDTH_PER_LETTER * len(words) + 3.0 for words, _ in entries]  # in heights of a capital letter
     (min_x, min_y), (max_x, _) = bounds.min, bounds.max
     height_m = min(LEGEND_M * unit(bounds), max(max_x - min_x, 40.0 * unit(bounds)) / max(sum(widths), 1.0))
     x, y = 0.5 * (min_x + max_x - height_m * sum(widths)), min_y - 2.4 * unit(bounds)
-    for i, ((words, code, shape), width) in enumerate(zip(entries, widths, strict=True)):
-        tint, symbol, middle_m, radius_m = colour(code), Mesh(), (x + 0.6 * height_m, y), 0.6 * height_m
-        if shape == "line":
-            left, right, low, high = x, x + 1.3 * height_m, y - 0.1 * height_m, y + 0.1 * height_m
-            symbol.polygon(shapely.box(left, low, right, high), DISC_Z_M, tint)
-        else:
-            symbol.ring(middle_m, 0.7 * radius_m, radius_m, DISC_Z_M, tint, 6 if shape == "dashes" else 0)
-        if shape == "disc":
-            symbol.ring(middle_m, 0.0, 0.7 * radius_m, DISC_Z_M, faded(tint, 0.55))
+    for i, ((words, code), width) in enumerate(zip(entries, widths, strict=True)):
+        symbol, radius_m = Mesh(), 0.6 * height_m
+        symbol.ring((x + radius_m, y), 0.0, radius_m, DISC_Z_M, colour(code))
         yield symbol.marker("legend", i)
         text_x = x + (1.7 + 0.5 * WIDTH_PER_LETTER * len(words)) * height_m
-        yield label("legend_words", i, words, tint, (text_x, y + 0.25 * height_m, 0.5 * height_m), height_m)
+        yield label("legend_words", i, words, colour(code), (text_x, y + 0.25 * height_m, 0.5 * height_m), height_m)
         x += width * height_m

@@ -1,4 +1,4 @@
-"""Building blocks of the 3D scene: colours, markers and triangle meshes."""
+"""Building blocks of the 3D scene: colours, markers, people and triangle meshes."""
 
 import itertools
 import math
@@ -11,6 +11,7 @@ from std_msgs.msg import ColorRGBA
 from visualization_msgs.msg import Marker
 
 from robotteamsim import palette
+from robotteamsim.geometry import Pose
 from robotteamsim.scenario import Bounds
 
 FRAME = "map"
@@ -21,16 +22,13 @@ FITTED_M = 60.0, 40.0
 PITCH_RAD = 1.12
 """Of the camera of the default view, which looks north and down."""
 
-SHADOW_PER_HEIGHT = (0.55, -0.45)
-"""Offset of the shadow of a point 1 m above the floor [m, m]: the sun is in the north-west."""
-
 Colour = tuple[float, float, float, float]
 """Red, green, blue and opacity, each 0..1."""
 
 Position = tuple[float, float, float]
 """x, y, z in the map frame, or in the frame of the marker's own pose [m]."""
 
-_SUN_AZIMUTH_RAD = math.atan2(-SHADOW_PER_HEIGHT[1], -SHADOW_PER_HEIGHT[0])
+_SUN_AZIMUTH_RAD = 0.75 * math.pi
 
 
 def unit(bounds: Bounds) -> float:
@@ -44,7 +42,12 @@ def colour(code: str, alpha: float = 1.0) -> Colour:
     return (*palette.rgb(code), alpha)
 
 
-WHITE = colour(palette.WHITE)
+WHITE, SKIN = colour(palette.WHITE), colour(palette.SKIN)
+
+# Parts of a person: whether it is dressed, place along the body and above the floor, and size [m].
+_LYING = ((False, 0.72, 0.13, (0.26, 0.24, 0.26)), (True, 0.0, 0.15, (1.3, 0.52, 0.3)))
+# Larger than life: from above, one sees little of them.
+_UPRIGHT = ((False, 0.0, 2.4, (0.6, 0.6, 0.55)), (True, 0.0, 1.2, (0.5, 0.85, 2.0)))
 
 
 def faded(base: Colour, alpha: float) -> Colour:
@@ -56,12 +59,6 @@ def shaded(base: Colour, factor: float) -> Colour:
     """Return the colour darkened (factor below 1) or brightened, with the same opacity."""
     red, green, blue = (min(1.0, part * factor) for part in base[:3])
     return (red, green, blue, base[3])
-
-
-def mixed(low: Colour, high: Colour, fraction: float) -> Colour:
-    """Return the colour at a fraction (0..1) from `low` to `high`."""
-    red, green, blue, alpha = (a + fraction * (b - a) for a, b in zip(low, high, strict=True))
-    return (red, green, blue, alpha)
 
 
 def marker(
@@ -93,7 +90,8 @@ def label(namespace: str, marker_id: int, words: str, tint: Colour, position: Po
     Args: position: x and y of the place on the floor at which the default view sees it, and its height above the floor.
           height_m: of a capital letter.
     """
-    light, (x, y, z) = faded(mixed(tint, WHITE, 0.5), 1.0), position
+    (red, green, blue, _), (x, y, z) = tint, position
+    light = (0.5 + 0.5 * red, 0.5 + 0.5 * green, 0.5 + 0.5 * blue, 1.0)
     at, scale = (x, y - z / math.tan(PITCH_RAD), z), (0.0, 0.0, height_m)
     result = marker(namespace, marker_id, Marker.TEXT_VIEW_FACING, light, position=at, scale=scale)
     result.text = words
@@ -124,6 +122,20 @@ def drawn_below(item: Marker, layer: int) -> Marker:
     for point in item.points:
         point.z += depth_m
     return item
+
+
+def person(
+    namespace: str, number: int, pose: Pose, clothes: Colour, *, head: Colour = SKIN, lies: bool, raised_m: float = 0.0
+) -> list[Marker]:
+    """Return head and body. Args: number: of the person.  raised_m: height above the floor of one who is carried."""
+    found = []
+    for i, (dressed, along_m, z_m, size_m) in enumerate(_LYING if lies else _UPRIGHT):
+        at, tint = pose @ Pose(along_m, 0.0, 0.0), clothes if dressed else head
+        place = (at.x_m, at.y_m, z_m + raised_m)
+        found.append(
+            marker(namespace, 2 * number + i, Marker.SPHERE, tint, position=place, yaw_rad=pose.yaw_rad, scale=size_m)
+        )
+    return found
 
 
 def circle_points(radius_m: float, sides: int = 48) -> list[tuple[float, float]]:
@@ -170,18 +182,13 @@ class Mesh:
                     corners = [(x0, y0, low_m), (x1, y1, low_m), (x1, y1, high_m), (x0, y0, high_m)]
                     self.quad(corners, [low, low, high, high])
 
-    def ring(
-        self, center_m: tuple[float, float], inner_m: float, outer_m: float, z_m: float, tint: Colour, dashes: int = 0
-    ) -> None:
-        """Add a flat ring, or a disc if the inner radius is 0. Args: dashes: number of dashes; 0: no gaps."""
+    def ring(self, center_m: tuple[float, float], inner_m: float, outer_m: float, z_m: float, tint: Colour) -> None:
+        """Add a flat ring, or a disc if the inner radius is 0."""
         x_m, y_m = center_m
-        inside, outside = circle_points(inner_m), circle_points(outer_m)
-        sides = len(inside) - 1
-        for i in range(sides):
-            if dashes and i * 2 * dashes // sides % 2:
-                continue
-            flat = (inside[i], outside[i], outside[i + 1], inside[i + 1])
-            self.quad([(x_m + x, y_m + y, z_m) for x, y in flat], [tint] * 4)
+        edges = (itertools.pairwise(circle_points(radius_m)) for radius_m in (inner_m, outer_m))
+        for (inner, next_inner), (outer, next_outer) in zip(*edges, strict=True):
+            corners = [(x_m + x, y_m + y, z_m) for x, y in (inner, outer, next_outer, next_inner)]
+            self.quad(corners, [tint] * 4)
 
     def marker(self, namespace: str, marker_id: int) -> Marker:
         """Return the collected triangles as one marker."""

@@ -17,7 +17,6 @@ from robotteamsim import msg, palette
 from robotteamsim.geometry import Pose
 from robotteamsim.network.compact import row_bytes, unpacked
 from robotteamsim.ros.scene.building import TRAIL_LAYER, TRAIL_Z_M
-from robotteamsim.ros.scene.people import COAT, HELMET, figure
 from robotteamsim.ros.scene.shapes import (
     WHITE,
     Colour,
@@ -30,12 +29,14 @@ from robotteamsim.ros.scene.shapes import (
     label,
     lines,
     marker,
+    person,
     shaded,
 )
 from robotteamsim.scenario.scenario import Role
 from robotteamsim.scenario.sections import Robot
 
 EXCLUDED, BODY = colour(palette.EXCLUDED_ROBOT), colour(palette.ROBOT_BODY)
+HELMET, COAT = colour(palette.HELMET), colour(palette.TURNOUT_COAT)
 LINK, ENDANGERED_LINK = colour(palette.STRONG_LINK), colour(palette.ENDANGERED_LINK)
 LINK_Z_M = 0.07
 FEW_ROBOTS = 8
@@ -117,17 +118,13 @@ def _body(robot: RobotPicture, pose: Pose) -> list[Marker]:
     """Return body and deck: cylinders, or a prism over the footprint; or a firefighter."""
     tint, model = robot_colour(robot.robot_id), robot.model
     if robot.role == "firefighter":
-        return figure("firefighters", robot.robot_id, pose, COAT, head=HELMET, lies=False)
+        return person("firefighters", robot.robot_id, pose, COAT, head=HELMET, lies=False)
     if model.corners_m:
         mesh, footprint = Mesh(), shapely.Polygon(model.corners_m)
         mesh.prism(footprint, 0.0, 0.9 * model.height_m, BODY)
         mesh.prism(shapely.affinity.scale(footprint, 0.92, 0.92), 0.9 * model.height_m, model.height_m, tint)
         return [_placed(mesh.marker("bodies", robot.robot_id), pose)]
     width_m, height_m = 2.0 * model.reach_m, model.height_m
-    nose_m, tail_m, half_m = 0.9 * model.reach_m, -0.65 * model.reach_m, 0.6 * model.reach_m
-    wedge, z_m = Mesh(), height_m + 0.012
-    for side_m in (half_m, -half_m):
-        wedge.triangle([(nose_m, 0.0, z_m), (tail_m, side_m, z_m), (0.5 * tail_m, 0.0, z_m)], [WHITE] * 3)
     return [
         marker(
             name,
@@ -138,7 +135,7 @@ def _body(robot: RobotPicture, pose: Pose) -> list[Marker]:
             scale=(part * width_m, part * width_m, thickness * height_m),
         )
         for name, part_tint, z, part, thickness in (("bodies", BODY, 0.45, 1.0, 0.9), ("decks", tint, 0.95, 0.92, 0.1))
-    ] + [_placed(wedge.marker("wedges", robot.robot_id), pose)]
+    ]
 
 
 def _ring(robot: RobotPicture, pose: Pose, sign: Colour, ring_m: float, width_m: float) -> Iterator[Marker]:

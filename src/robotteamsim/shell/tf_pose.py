@@ -1,8 +1,8 @@
-"""Where a robot is according to tf, and since when that is unknown. Independent of ROS."""
+"""Where a robot is according to tf, and since when that is unknown."""
 
 from __future__ import annotations
 
-from typing import Protocol
+from collections.abc import Callable
 
 from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.recording.topics.base import check_place
@@ -10,22 +10,16 @@ from robotteamsim.recording.topics.base import check_place
 MAP = "map"
 
 
-class Transforms(Protocol):
-    """The source of transforms, such as `transforms.TfTransforms`."""
-
-    def newest(self, target: str, source: str) -> tuple[tuple[int, float, float, float] | None, str]:
-        """Return stamp [ns], x, y [m] and yaw [rad] of the source frame in the target frame; or None and the reason."""
-
-    def clear(self) -> None:
-        """Forget all transforms but static ones."""
+Newest = Callable[[str, str], tuple[tuple[int, float, float, float] | None, str]]
+"""Returns stamp [ns], x, y [m] and yaw [rad] of the second frame in the first one; or None and the reason."""
 
 
 class TfPose:
     """The pose of one robot, `map` -> `robot_<id>/base_link`."""
 
-    def __init__(self, transforms: Transforms, robot_name: str, timeout_s: float) -> None:
+    def __init__(self, newest_transform: Newest, robot_name: str, timeout_s: float) -> None:
         """Args: timeout_s: without a new transform for this time, the robot is lost [s]."""
-        self._transforms = transforms
+        self._newest_transform = newest_transform
         self._frame = f"{robot_name}/base_link"
         self._timeout_s = timeout_s
         self.name = f"{MAP} -> {self._frame}"
@@ -46,7 +40,7 @@ class TfPose:
 
         Clocks of robots may differ: a transform from the future counts from the step in which it arrived.
         """
-        found, self.reason = self._transforms.newest(MAP, self._frame)
+        found, self.reason = self._newest_transform(MAP, self._frame)
         if found is not None:
             self._note(step_ns, *found)
         if self._seen_ns is None:

@@ -1,4 +1,4 @@
-"""Controls when the world takes its next step: pause, single steps, reset, pace. Uses threads but not ROS."""
+"""Controls when the world takes its next step: pause, single steps, reset, pace."""
 
 import math
 import threading

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from robotteamsim.ros.tf_pose import TfPose
+from robotteamsim.shell.tf_pose import TfPose
 
 S = 10**9
 LOST = "/tf: no transform map -> robot_1/base_link for 0.3 s (control.tf_timeout_s)"
@@ -15,16 +15,11 @@ LOST = "/tf: no transform map -> robot_1/base_link for 0.3 s (control.tf_timeout
 class Table:
     """The newest transform, as set."""
 
-    def __init__(self) -> None:
-        self.newest_one: tuple[int, float, float, float] | None = None
-        self.asked: set[tuple[str, str]] = set()
+    newest_one: tuple[int, float, float, float] | None = None
 
-    def newest(self, target: str, source: str) -> tuple[tuple[int, float, float, float] | None, str]:
-        self.asked.add((target, source))
+    def newest(self, *frames: str) -> tuple[tuple[int, float, float, float] | None, str]:
+        assert frames == ("map", "robot_1/base_link")
         return self.newest_one, "" if self.newest_one else "no such frame"
-
-    def clear(self) -> None:
-        self.newest_one = None
 
 
 @pytest.fixture
@@ -34,13 +29,12 @@ def table() -> Table:
 
 @pytest.fixture
 def tf(table) -> TfPose:
-    return TfPose(table, "robot_1", 0.3)
+    return TfPose(table.newest, "robot_1", 0.3)
 
 
 def test_pose_is_that_of_base_link_in_the_map(tf, table):
     table.newest_one = (5 * S, 2.0, 3.0, math.pi / 2.0)
     assert tf.follow(5 * S) == ""
-    assert table.asked == {("map", "robot_1/base_link")}
     assert (tf.newest.x_m, tf.newest.y_m, tf.newest.qz) == pytest.approx((2.0, 3.0, math.sqrt(0.5)))
 
 
@@ -86,7 +80,7 @@ def test_transform_beyond_1000_km_does_not_count(tf, table):
 def test_restart_forgets_the_pose(tf, table):
     table.newest_one = (5 * S, 2.0, 3.0, 0.0)
     tf.follow(5 * S)
-    table.clear()
+    table.newest_one = None
     tf.restart()
     assert tf.follow(S // 10) == ""
     assert tf.newest is None

@@ -1,4 +1,4 @@
-"""Messages of several topics, collected by the step that they belong to. Independent of ROS."""
+"""Messages of several topics, collected by the step that they belong to."""
 
 from __future__ import annotations
 
