@@ -3,7 +3,7 @@
 import unicodedata
 from typing import Annotated, Any, TypeVar
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field
 from pydantic_core import PydanticCustomError
 
 from robotteamsim.scenario.yaml_text import shown
@@ -58,6 +58,19 @@ Name = Annotated[str, AfterValidator(_as_name)]
 def wrong(key: str, text: str) -> PydanticCustomError:
     """Return the error that a model's own check raises: `key` is relative to the model, `text` says what is wrong."""
     return PydanticCustomError("wrong", "{key}: {text}", {"key": key, "text": text})
+
+
+def by_kind(default: str | None = None) -> Discriminator:
+    """Return what selects the member of a union of sections, which are tagged "<kind>", by their key `kind`.
+
+    Args: default: the kind of a section without the key.
+    """
+
+    def tag(value: Any) -> str:
+        kind = value.get("kind", default) if isinstance(value, dict) else getattr(value, "kind", default)
+        return f"<{kind}>"
+
+    return Discriminator(tag)
 
 
 def _in_tenths(loss_db: float) -> float:

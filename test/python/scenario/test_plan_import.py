@@ -15,9 +15,8 @@ from robotteamsim.errors import ScenarioError
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario import load, load_floor_plan, occupancy_grid, solids, write_floor_plan
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
+from robotteamsim.scenario.map_image import export_map, import_map
 from robotteamsim.scenario.plan import FREE, OCCUPIED
-from robotteamsim.scenario.plan_export import export_map
-from robotteamsim.scenario.plan_import import import_map
 from robotteamsim.scenario.sections import Radio
 
 ROOT = Path(__file__).parents[3]

@@ -14,8 +14,7 @@ import yaml
 
 from robotteamsim.rng import stream
 from robotteamsim.scenario import load, occupancy_grid
-from robotteamsim.scenario.plan_import import CACHED_PIXELS, import_map
-from robotteamsim.scenario.published_map import published_map
+from robotteamsim.scenario.map_image import CACHED_PIXELS, import_map, published_map
 
 DATA = Path(__file__).parents[2] / "data"
 THRESHOLDS = [(0.65, 0.196), (0.4, 0.1)]

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from robotteamsim.scenario.rectangles import rectangle_of
+from robotteamsim.scenario.plan import rectangle_of
 
 
 def test_outline_of_a_turned_square_equals_the_hand_calculation():

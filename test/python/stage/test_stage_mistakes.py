@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from robotteamsim.errors import ScenarioError
 from robotteamsim.setup import resolve
 from robotteamsim.stage import import_world
-from robotteamsim.stage.tokens import read_tokens
+from robotteamsim.stage.world_file import read_tokens
 
 pytestmark = pytest.mark.slow
 
