@@ -48,16 +48,16 @@ def read_image(path: Path) -> np.ndarray:
         raise ValueError(f"has more than {MAX_PIXELS // 10**6} million pixels")
     level = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:
-        image = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+        pixels = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
     except cv2.error:  # a header that promises billions of pixels
-        image = None
+        pixels = None
     finally:
         cv2.utils.logging.setLogLevel(level)
-    if image is None:
+    if pixels is None:
         raise ValueError("cannot be read as an image")
-    if image.dtype not in (np.uint8, np.uint16):
-        raise ValueError(f"has {image.dtype} pixels; expected 8 or 16 bits")
-    return image if image.dtype == np.uint8 else (image // 256).astype(np.uint8)
+    if pixels.dtype not in (np.uint8, np.uint16):
+        raise ValueError(f"has {pixels.dtype} pixels; expected 8 or 16 bits")
+    return pixels if pixels.dtype == np.uint8 else (pixels // 256).astype(np.uint8)
 
 
 def lightness(image: np.ndarray, *, negate: bool, with_alpha: bool) -> np.ndarray:
