@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
@@ -13,9 +12,9 @@ from pydantic import ConfigDict, Field, model_validator
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.map_import.cells import FREE_THRESH, OCCUPIED_THRESH, darkness, lightness, read_image, solid_cells
-from robotteamsim.map_import.pieces import Piece, StraightPiece, in_metres, solid_pieces
 from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Model, PlanarPose, wrong
-from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
+from robotteamsim.scenario.floor_plan import Bounds, FloorPlan
+from robotteamsim.scenario.image_walls import in_metres, walls_and_blocks
 from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN, OccupancyGrid, occupancy_grid
 from robotteamsim.scenario.plan_cache import cached_plan
 from robotteamsim.scenario.problems import checked
@@ -123,7 +122,7 @@ def read_map(path: Path) -> MapImage:
 def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
     """Return the floor plan of a map_server image.
 
-    `map_import.cells.solid_cells` decides which cells are solid, and `map_import.pieces.solid_pieces` converts them to
+    `map_import.cells.solid_cells` decides which cells are solid, and `image_walls.walls_and_blocks` converts them to
     walls and blocks. Plans of large images are taken from the cache, see `plan_cache`.
 
     Raises: ScenarioError: one line with file, key, value and what was expected.
@@ -144,27 +143,13 @@ def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
         solid = solid_cells(
             image.dark, settings.occupied_thresh, settings.free_thresh, settings.resolution, closed=True
         )
-        walls, blocks = walls_and_blocks(solid_pieces(solid, settings.origin[:2], cell_m))
+        walls, blocks = walls_and_blocks(solid, settings.origin[:2], cell_m)
         return FloorPlan(name=name, bounds=bounds, walls=tuple(walls), blocks=tuple(blocks))
 
     if pixels.shape[0] * pixels.shape[1] < CACHED_PIXELS:
         return plan()
     keys = f"{name} {settings.model_dump_json()} {pixels.shape}"
     return cached_plan((keys.encode(), pixels.tobytes()), plan)
-
-
-def walls_and_blocks(pieces: Iterable[Piece]) -> tuple[list[Wall], list[Block]]:
-    """Return pieces of an image as elements of a plan, named wall_1, wall_2, ... and block_1, block_2, ..."""
-    walls: list[Wall] = []
-    blocks: list[Block] = []
-    for piece in pieces:
-        if isinstance(piece, StraightPiece):
-            name = f"wall_{len(walls) + 1}"
-            walls.append(Wall(name=name, start=piece.start, end=piece.end, thickness_m=piece.thickness_m))
-        else:
-            name = f"block_{len(blocks) + 1}"
-            blocks.append(Block(name=name, polygon=piece.corners, thickness_m=piece.thickness_m))
-    return walls, blocks
 
 
 def published_map(scenario: Scenario) -> OccupancyGrid:

@@ -17,10 +17,9 @@ from robotteamsim.map_import.cells import (
     solid_cells,
     without_corner_contacts,
 )
-from robotteamsim.map_import.pieces import solid_pieces
 from robotteamsim.scenario.body import MAX_CORNERS
 from robotteamsim.scenario.floor_plan import Block, Wall
-from robotteamsim.scenario.map_image import walls_and_blocks
+from robotteamsim.scenario.image_walls import walls_and_blocks
 from robotteamsim.scenario.plan import Corners, counter_clockwise, wall_corners
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.yaml_text import is_file, shown
@@ -143,7 +142,7 @@ class SolidReader:
         if not (min(cell) >= MIN_PIXEL_M and max(cell) <= MAX_PIXEL_M):
             text = f"pixels would be {cell[0]:.3g} x {cell[1]:.3g} m; expected {MIN_PIXEL_M:g} to {MAX_PIXEL_M:g} m"
             raise entity.error("size", text)
-        walls, blocks = walls_and_blocks(solid_pieces(solid, (-0.5 * size[0], -0.5 * size[1]), cell))
+        walls, blocks = walls_and_blocks(solid, (-0.5 * size[0], -0.5 * size[1]), cell)
         body = compose(pose, self._values.pose(entity, "origin")[0])
         height = _height(size[2])
         for wall in walls:
