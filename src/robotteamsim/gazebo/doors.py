@@ -6,7 +6,8 @@ The joint is at 0 in the state at the start, and at its other limit in the other
 import math
 
 from robotteamsim import palette
-from robotteamsim.gazebo.elements import Element, Solid, element, flag, model, pose, surface, values
+from robotteamsim.gazebo.elements import Element, element, flag, model, pose, surface, values
+from robotteamsim.gazebo.shapes import Solid
 from robotteamsim.scenario.floor_plan import Door
 
 JOINT = "leaf_joint"

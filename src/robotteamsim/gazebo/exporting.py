@@ -7,17 +7,7 @@ from dataclasses import dataclass
 from robotteamsim import palette
 from robotteamsim.gazebo.doors import BUILDING_BITS, door_model, door_setting
 from robotteamsim.gazebo.elements import (
-    BLOCKS,
-    DOOR,
-    FLOOR,
-    OBJECT,
-    PILLARS,
-    ROBOT,
-    WALLS,
-    WORLD_PLUGIN,
     Element,
-    Names,
-    Solid,
     element,
     flag,
     material,
@@ -28,7 +18,9 @@ from robotteamsim.gazebo.elements import (
     text_of,
     values,
 )
+from robotteamsim.gazebo.names import BLOCKS, DOOR, FLOOR, OBJECT, PILLARS, ROBOT, WALLS, WORLD_PLUGIN, Names
 from robotteamsim.gazebo.robots import DriveKind, has_wheels, robot_model
+from robotteamsim.gazebo.shapes import Solid
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import Corners, counter_clockwise

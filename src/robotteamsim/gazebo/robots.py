@@ -5,18 +5,9 @@ from typing import Literal
 
 import shapely
 
-from robotteamsim.gazebo.elements import (
-    ROBOT_PLUGIN,
-    Element,
-    Solid,
-    element,
-    flag,
-    material,
-    model,
-    pose,
-    surface,
-    values,
-)
+from robotteamsim.gazebo.elements import Element, element, flag, material, model, pose, surface, values
+from robotteamsim.gazebo.names import ROBOT_PLUGIN
+from robotteamsim.gazebo.shapes import Solid
 from robotteamsim.palette import INK
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.sensors import Laser
