@@ -22,9 +22,8 @@ from robotteamsim.propagation import RadioField
 from robotteamsim.rng import stream
 from robotteamsim.scenario import load_floor_plan
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan
+from robotteamsim.scenario.map_image import export_map, import_map
 from robotteamsim.scenario.plan import obstacles
-from robotteamsim.scenario.plan_export import export_map
-from robotteamsim.scenario.plan_import import import_map
 from robotteamsim.scenario.sections import Radio
 
 MAPS = Path(__file__).resolve().parents[1] / "test" / "data" / "maps"

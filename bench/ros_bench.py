@@ -34,7 +34,7 @@ import numpy as np
 import results_file
 from world_bench import free_robots, plan_of_rectangles
 
-from robotteamsim.scenario.dumping import write_floor_plan
+from robotteamsim.scenario.loading import write_floor_plan
 
 ROSLAUNCH = (sys.executable, "-c", "import roslaunch; roslaunch.main()")
 STEP_S = 0.1

@@ -12,6 +12,7 @@ from robotteamsim.cli.parser import PLAN_HELP, SCENARIO_HELP, UsageError, path_o
 from robotteamsim.cli.pictures import add_png_option, save
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
+from robotteamsim.scenario.map_image import import_map
 from robotteamsim.scenario.yaml_text import write
 from robotteamsim.setup import resolve
 from robotteamsim.wording import counted
@@ -99,9 +100,6 @@ def add_to(commands: Any) -> None:
 
 def import_image(options: argparse.Namespace) -> None:
     """Import an image."""
-    # Imported late, because OpenCV takes longer to load than most commands take to run.
-    from robotteamsim.scenario.plan_import import import_map
-
     out = options.out or Path("plan.yaml")
     if options.out is None and out.exists():
         raise UsageError(f"{out} already exists; choose a file with --out")

@@ -7,8 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robotteamsim.gazebo.elements import Element, element, material, pose, values
-from robotteamsim.scenario.plan import Corners
-from robotteamsim.scenario.rectangles import rectangle_of
+from robotteamsim.scenario.plan import Corners, rectangle_of
 
 
 @dataclass(frozen=True, slots=True)

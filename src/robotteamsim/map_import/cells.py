@@ -25,10 +25,11 @@ MAX_PIXELS = 25_000_000
 """Of an image: 5000 x 5000, which is 250 m x 250 m in pixels of 0.05 m. Each takes some 40 bytes during the import."""
 
 
-def read_image(path: Path) -> np.ndarray | None:
-    """Return the pixels of an image; None if it cannot be read. OpenCV's own messages are suppressed.
+def read_image(path: Path) -> np.ndarray:
+    """Return the pixels of an image in OpenCV's order: uint8, the upper bits of an image of 16 bits.
 
-    Raises: ValueError: more than MAX_PIXELS pixels according to its header; no pixel has been read.
+    Raises: ValueError: what is wrong, as in "cannot be read as an image"; OpenCV's own messages are suppressed. The
+            header is read first, so that an image of more than MAX_PIXELS pixels does not fill the memory.
     """
     import cv2
     from PIL import Image
@@ -42,16 +43,21 @@ def read_image(path: Path) -> np.ndarray | None:
     except (Image.DecompressionBombError, Image.DecompressionBombWarning):
         is_too_large = True
     except (OSError, ValueError, SyntaxError):  # Pillow raises SyntaxError for a damaged PNG
-        return None
+        raise ValueError("cannot be read as an image") from None
     if is_too_large:
-        raise ValueError(f"more than {MAX_PIXELS // 10**6} million pixels")
+        raise ValueError(f"has more than {MAX_PIXELS // 10**6} million pixels")
     level = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
     try:
-        return cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
+        pixels = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
     except cv2.error:  # a header that promises billions of pixels
-        return None
+        pixels = None
     finally:
         cv2.utils.logging.setLogLevel(level)
+    if pixels is None:
+        raise ValueError("cannot be read as an image")
+    if pixels.dtype not in (np.uint8, np.uint16):
+        raise ValueError(f"has {pixels.dtype} pixels; expected 8 or 16 bits")
+    return pixels if pixels.dtype == np.uint8 else (pixels // 256).astype(np.uint8)
 
 
 def lightness(image: np.ndarray, *, negate: bool, with_alpha: bool) -> np.ndarray:
@@ -66,11 +72,6 @@ def lightness(image: np.ndarray, *, negate: bool, with_alpha: bool) -> np.ndarra
         light = (light if with_alpha else light[:, :, :3]).mean(axis=2)
     upright: np.ndarray = np.flipud(255.0 - light if negate else light)
     return upright
-
-
-def in_bytes(image: np.ndarray) -> np.ndarray:
-    """Return an image of 8 or 16 bits in 8 bits: the upper ones."""
-    return image if image.dtype == np.uint8 else (image // 256).astype(np.uint8)
 
 
 def darkness(light: np.ndarray) -> np.ndarray:

@@ -1,8 +1,7 @@
 """The typed scenario and floor plan: YAML and map_server images in, clear errors out."""
 
-from robotteamsim.scenario.dumping import dump, write_floor_plan
 from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
-from robotteamsim.scenario.loading import from_mapping, load, load_floor_plan
+from robotteamsim.scenario.loading import dump, from_mapping, load, load_floor_plan, write_floor_plan
 from robotteamsim.scenario.plan import OccupancyGrid, Solid, door_corners, occupancy_grid, solids, wall_corners
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.schema import json_schema

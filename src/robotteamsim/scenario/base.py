@@ -1,9 +1,10 @@
 """The base of all scenario models and the types they share."""
 
 import unicodedata
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, TypeVar
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Discriminator, Field
 from pydantic_core import PydanticCustomError
 
 from robotteamsim.scenario.yaml_text import shown
@@ -18,7 +19,7 @@ def _form(text: str, length: int) -> BeforeValidator:
 
     def check(value: Any) -> Any:
         if not isinstance(value, (list, tuple)) or len(value) != length:
-            raise PydanticCustomError("wrong", "{text}", {"key": "", "text": f"{shown(value)} is not {text}"})
+            raise wrong("", f"{shown(value)} is not {text}")
         return tuple(value)
 
     return BeforeValidator(check)
@@ -44,10 +45,9 @@ MAX_NAME_CHARACTERS = 100
 
 def _as_name(name: str) -> str:
     if any(unicodedata.category(char) == "Cc" for char in name):
-        raise PydanticCustomError("wrong", "{text}", {"key": "", "text": f"{shown(name)} has control characters"})
+        raise wrong("", f"{shown(name)} has control characters")
     if len(name) > MAX_NAME_CHARACTERS:
-        text = f"{shown(name)} is longer than {MAX_NAME_CHARACTERS} characters"
-        raise PydanticCustomError("wrong", "{text}", {"key": "", "text": text})
+        raise wrong("", f"{shown(name)} is longer than {MAX_NAME_CHARACTERS} characters")
     return name
 
 
@@ -56,13 +56,29 @@ Name = Annotated[str, AfterValidator(_as_name)]
 
 
 def wrong(key: str, text: str) -> PydanticCustomError:
-    """Return the error that a model's own check raises: `key` is relative to the model, `text` says what is wrong."""
-    return PydanticCustomError("wrong", "{key}: {text}", {"key": key, "text": text})
+    """Return the error that a check of our own raises: `text` says what is wrong.
+
+    Args: key: relative to the checked model or value; "" is that itself.
+    """
+    return PydanticCustomError("wrong", "{key}: {text}" if key else "{text}", {"key": key, "text": text})
+
+
+def by_kind(default: str | None = None) -> Discriminator:
+    """Return what selects the member of a union of sections, which are tagged "<kind>", by their key `kind`.
+
+    Args: default: the kind of a section without the key.
+    """
+
+    def tag(value: Any) -> str:
+        kind = value.get("kind", default) if isinstance(value, dict) else getattr(value, "kind", default)
+        return f"<{kind}>"
+
+    return Discriminator(tag)
 
 
 def _in_tenths(loss_db: float) -> float:
     if abs(loss_db * 10.0 - round(loss_db * 10.0)) > 1e-6:
-        raise PydanticCustomError("wrong", "{text}", {"key": "", "text": f"{loss_db:g} is not a multiple of 0.1"})
+        raise wrong("", f"{loss_db:g} is not a multiple of 0.1")
     return loss_db
 
 
@@ -73,14 +89,18 @@ NoiseDb = Annotated[float, Field(ge=0.0, le=80.0)]
 """A background noise [dB]."""
 
 
-def first_repeated(names: list[str]) -> tuple[int, str] | None:
-    """Return index and value of the first duplicate name; None if all differ."""
+def check_names(items: Mapping[str, Any], what: str = "") -> None:
+    """Raise a model's error for an item with the name of an earlier one. Args: items: by key. what: they are."""
     seen: set[str] = set()
-    for index, name in enumerate(names):
-        if name in seen:
-            return index, name
-        seen.add(name)
-    return None
+    for key, item in items.items():
+        if item.name in seen:
+            raise wrong(f"{key}.name", f"'{item.name}' is already the name of another{what and f' {what}'}")
+        seen.add(item.name)
+
+
+def by_index(key: str, items: Sequence[Item]) -> dict[str, Item]:
+    """Return the items of a list by their keys."""
+    return {f"{key}.{index}": item for index, item in enumerate(items)}
 
 
 class Model(BaseModel):

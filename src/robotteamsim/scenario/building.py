@@ -42,7 +42,7 @@ class Building:
 
     def grid_without_doors(self, resolution_m: float) -> OccupancyGrid:
         """Return the occupancy grid of walls and blocks alone; do not change it."""
-        return self.shared(_grid_without_doors, resolution_m)
+        return self.shared(_grid, resolution_m, None)
 
 
 @functools.lru_cache(maxsize=8)
@@ -51,13 +51,8 @@ def building_of(plan: FloorPlan) -> Building:
     return Building(plan)
 
 
-def _grid(building: Building, resolution_m: float, doors: Doors) -> OccupancyGrid:
-    grid = occupancy_grid(building.plan, resolution_m, dict(doors))
-    grid.cells.flags.writeable = False
-    return grid
-
-
-def _grid_without_doors(building: Building, resolution_m: float) -> OccupancyGrid:
-    grid = occupancy_grid(building.plan.model_copy(update={"doors": ()}), resolution_m)
+def _grid(building: Building, resolution_m: float, doors: Doors | None) -> OccupancyGrid:
+    plan = building.plan if doors is not None else building.plan.model_copy(update={"doors": ()})
+    grid = occupancy_grid(plan, resolution_m, dict(doors or ()))
     grid.cells.flags.writeable = False
     return grid

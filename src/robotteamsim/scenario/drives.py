@@ -5,8 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, Tag
 
-from robotteamsim.scenario.base import Model
-from robotteamsim.scenario.kinds import one_of_kinds
+from robotteamsim.scenario.base import Model, by_kind
 
 
 class Drive(Model):
@@ -55,5 +54,5 @@ class CarDrive(Model):
 
 AnyDrive = Annotated[
     Annotated[Drive, Tag("<differential>")] | Annotated[OmniDrive, Tag("<omni>")] | Annotated[CarDrive, Tag("<car>")],
-    *one_of_kinds(("differential", "omni", "car"), default="differential"),
+    by_kind(default="differential"),
 ]

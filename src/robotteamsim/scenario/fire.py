@@ -7,7 +7,7 @@ from typing import Literal
 import shapely
 from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Many, Model, Name, Point, first_repeated, wrong
+from robotteamsim.scenario.base import Many, Model, Name, Point, by_index, check_names, wrong
 
 Growth = Literal["slow", "medium", "fast", "ultra_fast"]
 
@@ -140,9 +140,7 @@ class Fire(Model):
 
     @model_validator(mode="after")
     def _check(self) -> Fire:
-        repeated = first_repeated([fuel.name for fuel in self.fuel])
-        if repeated:
-            raise wrong(f"fuel.{repeated[0]}.name", f"'{repeated[1]}' is already the name of another")
+        check_names(by_index("fuel", self.fuel))
         if self.fds is not None:
             for key in ("fuel", "ignitions"):
                 if getattr(self, key):

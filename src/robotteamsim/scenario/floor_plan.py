@@ -8,7 +8,7 @@ from typing import Literal
 import shapely
 from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Many, Model, Name, Point, first_repeated, wrong
+from robotteamsim.scenario.base import Many, Model, Name, Point, by_index, check_names, wrong
 
 MAX_SIDE_M = 1000.0
 """Grids of larger plans would not fit into memory."""
@@ -185,12 +185,13 @@ class FloorPlan(Model):
 
     @model_validator(mode="after")
     def _check(self) -> FloorPlan:
-        places = [f"{key}.{i}" for key in ("walls", "blocks", "doors") for i in range(len(getattr(self, key)))]
-        elements: tuple[Wall | Block | Door, ...] = (*self.walls, *self.blocks, *self.doors)
-        repeated = first_repeated([element.name for element in elements])
-        if repeated:
-            raise wrong(f"{places[repeated[0]]}.name", f"'{repeated[1]}' is already the name of another element")
-        for place, element in zip(places, elements, strict=True):
+        elements: dict[str, Wall | Block | Door] = {
+            **by_index("walls", self.walls),
+            **by_index("blocks", self.blocks),
+            **by_index("doors", self.doors),
+        }
+        check_names(elements, "element")
+        for place, element in elements.items():
             points = element.polygon if isinstance(element, Block) else (element.start, element.end)
             for point in points:
                 if not self.bounds.contains(point):

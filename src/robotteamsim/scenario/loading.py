@@ -1,4 +1,4 @@
-"""Reading scenarios and floor plans from YAML, with overrides; every mistake is reported in one line."""
+"""Reading scenarios and floor plans from YAML, with overrides, and writing them; a mistake is reported in one line."""
 
 import logging
 import os
@@ -12,13 +12,14 @@ from robotteamsim.errors import PlacementError, ScenarioError
 from robotteamsim.scenario.base import Model
 from robotteamsim.scenario.door_places import misplaced_doors
 from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.map_image import import_map
 from robotteamsim.scenario.origin import Key, Origin
 from robotteamsim.scenario.overrides import Override, drop_foreign_keys
 from robotteamsim.scenario.patrol import read_patrol_graph
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.shipped import is_bare_name, shipped_plan, shipped_scenario
-from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown
+from robotteamsim.scenario.shipped import is_bare_name, shipped_map_name, shipped_plan, shipped_scenario
+from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown, write
 
 _logger = logging.getLogger(__name__)
 
@@ -93,6 +94,25 @@ def load_floor_plan(path_or_name: str | os.PathLike[str]) -> FloorPlan:
     return _read_plan(Path(name), name)
 
 
+def dump(scenario: Scenario, *, inline_plan: bool = False) -> str:
+    """Return a scenario as YAML with every key; `load` reads an equal scenario from it.
+
+    A shipped map is written as its name, another plan file as its absolute path.
+
+    Args: inline_plan: write the plan itself even if it came from a file, so that the text is self-contained.
+    """
+    data = scenario.model_dump(by_alias=True, mode="json")
+    if scenario.plan_file and not inline_plan:
+        data["plan"] = shipped_map_name(Path(scenario.plan_file)) or scenario.plan_file
+    return write(data)
+
+
+def write_floor_plan(plan: FloorPlan, path: str | os.PathLike[str]) -> None:
+    """Write a floor plan as a plan.yaml without keys that have their default. Raises: OSError."""
+    data = plan.model_dump(by_alias=True, mode="json", exclude_defaults=True)
+    Path(path).write_text(write(data), encoding="utf-8")
+
+
 def _plan_file(name: str, folder: Path, place: str) -> tuple[Path, str]:
     if is_bare_name(name) and not is_file(folder / name):
         try:
@@ -110,9 +130,6 @@ def _read_plan(path: Path, place: str) -> FloorPlan:
     if "plan" in data and not _is_plan(data):
         raise ScenarioError(f"{place}: this is a scenario, not a floor plan; its key 'plan' names its floor plan")
     if "image" in data:
-        # OpenCV takes longer to import than most scenarios to load.
-        from robotteamsim.scenario.plan_import import import_map
-
         return import_map(path)
     plan = _validated(FloorPlan, data, Origin(place))
     _check_doors(plan, "", Origin(place))

@@ -6,7 +6,7 @@ import math
 
 from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Many, Model, Name, Point, first_repeated, wrong
+from robotteamsim.scenario.base import Many, Model, Name, Point, by_index, check_names, wrong
 from robotteamsim.scenario.plan import Corners
 
 
@@ -99,7 +99,5 @@ class Mujoco(Model):
 
     @model_validator(mode="after")
     def _check(self) -> Mujoco:
-        repeated = first_repeated([light.name for light in self.lights])
-        if repeated:
-            raise wrong(f"lights.{repeated[0]}.name", f"'{repeated[1]}' is already the name of another")
+        check_names(by_index("lights", self.lights))
         return self

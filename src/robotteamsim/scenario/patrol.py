@@ -12,8 +12,7 @@ from pydantic import Field, model_validator
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.base import Many, Model, Point, wrong
-from robotteamsim.scenario.text_file import read_text
-from robotteamsim.scenario.yaml_text import shown
+from robotteamsim.scenario.yaml_text import read_text, shown
 
 MAX_VERTICES = 10_000
 

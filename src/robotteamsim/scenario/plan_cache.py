@@ -67,7 +67,7 @@ def _store(file: Path, data: bytes) -> None:
 def _code() -> bytes:
     """Return a digest of everything that may change the import of the same image."""
     digest = hashlib.sha256()
-    for file in sorted(Path(map_import.__file__).parent.glob("*.py")):
+    for file in (*sorted(Path(map_import.__file__).parent.glob("*.py")), Path(__file__).with_name("image_walls.py")):
         digest.update(file.read_bytes())
     for name in _LIBRARIES:
         try:

@@ -5,7 +5,7 @@ import itertools
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any, TypeVar, get_args, get_origin
+from typing import Any, TypeVar, get_args, get_origin
 
 from pydantic import Tag, ValidationError
 from pydantic.fields import FieldInfo
@@ -98,6 +98,9 @@ def _problem(detail: _Detail, root: type[Model], data: Any) -> Problem:
     elif kind == "extra_forbidden":
         path = [*(part for part in place[:-1] if not _is_tag(part)), place[-1]]  # a key may look like a tag
         text = renaming(path) or f"unknown key{_foreign(root, place) or _known_key(path, place, root)}"
+    elif kind == "union_tag_invalid":
+        path += ["kind"]
+        text = _wrong_kind(detail)
     elif kind == "missing":
         text = f"missing{_meaning(_model_at(root, place[:-1]), str(path[-1]))}"
     elif kind in _TEXTS:
@@ -126,30 +129,20 @@ def _wrong_choice(value: Any, expected: str) -> str:
     return f"{shown(value)} is not one of {', '.join(choices)}{suggestion(str(value), choices)}"
 
 
+def _wrong_kind(detail: _Detail) -> str:
+    kind = detail["input"].get("kind") if isinstance(detail["input"], dict) else None
+    kinds = [tag.strip("'<>") for tag in detail["ctx"]["expected_tags"].split(", ")]
+    if kind is None:
+        return f"missing; expected one of {', '.join(kinds)}"
+    return f"{shown(kind)} is not one of {', '.join(kinds)}{suggestion(str(kind), kinds)}"
+
+
 def _foreign(root: type[Model], place: Sequence[str | int]) -> str:
     """Return a hint: the other kinds of this section that have the key; "" if none has it, or there are no kinds."""
-    *section, key = place
-    if not section or not _is_tag(section[-1]):
-        return ""
-    own = str(section[-1])
-    while section and (isinstance(section[-1], int) or _is_tag(section[-1])):
-        section.pop()
-    model = _model_at(root, section[:-1])
-    field = _field(model, str(section[-1])) if model else None
-    kinds = dict(_kinds(field.annotation)) if field else {}
-    names = [tag[1:-1] for tag, kind in kinds.items() if tag != own and _field(kind, str(key))]
+    kinds, own = _kinds_at(root, place[:-1])
+    # The form of a team is not a kind of the other form, a list.
+    names = [tag[1:-1] for tag, kind in kinds.items() if tag not in (own, "<list>") and _field(kind, str(place[-1]))]
     return f" of {own[1:-1]}; known to {', '.join(names)}" if names else ""
-
-
-def _kinds(annotation: Any) -> Iterator[tuple[str, type[Model]]]:
-    """Yield the tags and models of a union of kinds, or of a list of such."""
-    for argument in get_args(annotation):
-        tag = next((one.tag for one in getattr(argument, "__metadata__", ()) if isinstance(one, Tag)), None)
-        kind = get_args(argument)[0] if tag else None
-        if tag and isinstance(kind, type) and issubclass(kind, Model):
-            yield tag, kind
-        else:
-            yield from _kinds(argument)
 
 
 def _known_key(path: Sequence[str | int], place: Sequence[str | int], root: type[Model]) -> str:
@@ -169,32 +162,44 @@ def _known_key(path: Sequence[str | int], place: Sequence[str | int], root: type
 
 
 def _meaning(model: type[Model] | None, key: str) -> str:
-    fields = {_key(name, field): field for name, field in model.model_fields.items()} if model else {}
-    return f"; expected {fields[key].description}" if key in fields and fields[key].description else ""
+    field = _field(model, key) if model else None
+    return f"; expected {field.description}" if field and field.description else ""
 
 
 def _paths(model: type[Model], prefix: str = "") -> Iterator[str]:
-    """Yield the dotted keys of a model's sections, without those in lists."""
+    """Yield the dotted keys of a model's sections, of the first kind of each, without those in lists."""
     for name, field in model.model_fields.items():
         yield f"{prefix}{name}"
-        section = _section(field.annotation, int_follows=False)
-        if section is not None:
-            yield from _paths(section, f"{prefix}{name}.")
+        if get_origin(field.annotation) is not tuple:
+            for _, section in itertools.islice(_kinds(field.annotation), 1):
+                yield from _paths(section, f"{prefix}{name}.")
 
 
-def _model_at(root: type[Model], path: Sequence[str | int]) -> type[Model] | None:
+def _model_at(root: type[Model], place: Sequence[str | int]) -> type[Model] | None:
     """Return the model that contains a location; None: it is in a dictionary or a list of numbers."""
-    model: type[Model] | None = root
-    for position, part in enumerate(path):
-        if isinstance(part, int) or _is_tag(part):
-            continue
-        field = _field(model, part) if model else None
-        # The index of a list and the tag of a union, in either order.
-        after = list(itertools.takewhile(lambda part: isinstance(part, int) or _is_tag(part), path[position + 1 :]))
-        int_follows = any(isinstance(part, int) for part in after)
-        tag = next(filter(_is_tag, after), None)
-        model = _section(field.annotation, int_follows, str(tag)) if field else None
-    return model
+    kinds, tag = _kinds_at(root, place)
+    return kinds.get(tag)
+
+
+def _kinds_at(root: type[Model], place: Sequence[str | int]) -> tuple[dict[str, type[Model]], str]:
+    """Return the models that a section may be, by tag, and the tag that it has."""
+    kinds, tag = {"": root}, ""
+    for part in place:
+        if _is_tag(part):
+            tag = str(part)
+        elif isinstance(part, str):
+            field = _field(kinds[tag], part) if tag in kinds else None
+            kinds, tag = dict(_kinds(field.annotation)) if field else {}, ""
+    return kinds, tag
+
+
+def _kinds(annotation: Any, tag: str = "") -> Iterator[tuple[str, type[Model]]]:
+    """Yield the models in the type of a key, or of a list, each with the tag of its kind; "" if it has no kinds."""
+    if isinstance(annotation, type) and issubclass(annotation, Model):
+        yield tag, annotation
+    tag = next((part.tag for part in getattr(annotation, "__metadata__", ()) if isinstance(part, Tag)), tag)
+    for argument in get_args(annotation):
+        yield from _kinds(argument, tag)
 
 
 def _is_tag(part: str | int) -> bool:
@@ -209,20 +214,3 @@ def _field(model: type[Model], key: str) -> FieldInfo | None:
 def _key(name: str, field: FieldInfo) -> str:
     """Return the name of a field in YAML."""
     return field.validation_alias if isinstance(field.validation_alias, str) else name
-
-
-def _section(annotation: Any, int_follows: bool, tag: str = "") -> type[Model] | None:
-    """Return the model of an annotation: itself, or that of its items where an index follows.
-
-    Args: tag: selects the member of a tagged union.
-    """
-    if isinstance(annotation, type) and issubclass(annotation, Model):
-        return None if int_follows else annotation
-    origin, arguments = get_origin(annotation), get_args(annotation)
-    if origin is Annotated:
-        return _section(arguments[0], int_follows, tag)
-    if origin is tuple:
-        return _section(arguments[0], False, tag) if int_follows else None
-    tagged = [argument for argument in arguments if Tag(tag) in getattr(argument, "__metadata__", ())]
-    found = (_section(argument, int_follows, tag) for argument in tagged or arguments if origin is not dict)
-    return next((model for model in found if model is not None), None)

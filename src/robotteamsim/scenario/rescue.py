@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
-from pydantic_core import PydanticCustomError
 
-from robotteamsim.scenario.base import Model, Name, Point
+from robotteamsim.scenario.base import Model, Name, Point, wrong
 from robotteamsim.scenario.yaml_text import shown
 
 
@@ -17,8 +16,7 @@ def _centre_form(value: Any) -> str:
 
 def _check_centre(value: Any) -> Any:
     if isinstance(value, bool) or not isinstance(value, (int, list, tuple)):
-        text = f"{shown(value)} is neither a robot nor a place; expected the id of a robot, or [x, y]"
-        raise PydanticCustomError("wrong", "{text}", {"key": "", "text": text})
+        raise wrong("", f"{shown(value)} is neither a robot nor a place; expected the id of a robot, or [x, y]")
     return value
 
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
 
-from robotteamsim.scenario.base import Many, Model, Name, first_repeated, wrong
+from robotteamsim.scenario.base import Many, Model, Name, by_index, check_names, wrong
 from robotteamsim.scenario.controllers import AnyControl
 from robotteamsim.scenario.controllers.swarms import RdpsoControl
 from robotteamsim.scenario.fire import Fire
@@ -16,7 +16,7 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.origin import Origin
 from robotteamsim.scenario.radio_presets import with_preset
 from robotteamsim.scenario.rescue import CommandCentre, PeopleTuning, Relays
-from robotteamsim.scenario.schedule import ScheduledEvent, problem_of
+from robotteamsim.scenario.schedule import ScheduledEvent, check_schedule
 from robotteamsim.scenario.sections import Mission, Network, PlacedRobot, Radio, Run, Team, Voice
 
 MAX_ROBOTS = 3000
@@ -90,102 +90,91 @@ class Scenario(Model):
         elements: tuple[Wall | Block, ...] = (*self.plan.walls, *self.plan.blocks)
         for element in elements:
             if element.material is not None and element.material not in self.radio.materials:
-                raise wrong(
-                    "radio.materials",
-                    f"has no '{element.material}', the material of '{element.name}' in the plan; known: {known}",
-                )
-        num_robots = self.num_robots
-        problem = self._problem_of_third_dimension() or self._problem_of_roles()
-        if problem:
-            raise wrong(*problem)
-        problem = self.control.problem_with(num_robots)
-        if problem:
-            raise wrong(f"control.{problem[0]}", problem[1])
-        repeated = first_repeated([obj.name for obj in self.objects])
-        if repeated:
-            raise wrong(f"objects.{repeated[0]}.name", f"'{repeated[1]}' is already the name of another")
+                text = f"has no '{element.material}', the material of '{element.name}' in the plan; known: {known}"
+                raise wrong("radio.materials", text)
+        self._check_third_dimension()
+        self._check_roles()
+        self.control.check_number(self.num_robots)
+        check_names(by_index("objects", self.objects))
         if not any(self.present_at_start):
             raise wrong("robots", "none of them is present at the start")
         doors = [door.name for door in self.plan.doors]
         lights = [light.name for light in self.run.mujoco.lights]
-        problem = problem_of(self.schedule, self.present_at_start, doors, lights) or self._problem_of_fire(doors)
-        if problem:
-            raise wrong(*problem)
-        if self.mission.base is not None and self.mission.base >= num_robots:
-            raise wrong("mission.base", f"there is no robot {self.mission.base}; expected 0 to {num_robots - 1}")
-        if self.mission.base is not None and num_robots == 1:
+        check_schedule(self.schedule, self.present_at_start, doors, lights)
+        self._check_fire(doors)
+        base, last = self.mission.base, self.num_robots - 1
+        if base is not None and base > last:
+            raise wrong("mission.base", f"there is no robot {base}; expected 0 to {last}")
+        if base is not None and last == 0:
             raise wrong("mission.base", "is the only robot; expected at least one other robot to search")
         return self
 
-    def _problem_of_third_dimension(self) -> tuple[str, str] | None:
-        """Return a key and its mistake if something does not exist in the selected world, or has no place there."""
+    def _check_third_dimension(self) -> None:
+        """Raise the error of what does not exist in the selected world, or has no place there."""
         robots = (self.robots,) if isinstance(self.robots, Team) else self.robots
-        only = {
-            "robots.gripper": any(robot.gripper for robot in robots),
-            "run.mujoco.ramps": bool(self.run.mujoco.ramps),
-            "run.mujoco.lights": bool(self.run.mujoco.lights),
-        }
         if self.run.world != "mujoco":
             for key, robot in zip(self._robot_keys, robots, strict=True):
                 for index, sensor in enumerate(robot.sensors):
                     if sensor.needs_mujoco:
                         text = f"{sensor.kind} '{sensor.name}' needs run.world mujoco, not {self.run.world}"
-                        return f"{key}.sensors.{index}", text
-            used_key = next((key for key, used in only.items() if used), None)
-            return None if used_key is None else (used_key, f"need run.world mujoco, not {self.run.world}")
-        for index, ramp in enumerate(self.run.mujoco.ramps):
-            for key, (x, y) in (("from", ramp.start), ("to", ramp.end)):
-                if not self.plan.bounds.contains((x, y)):
-                    text = f"[{x:g}, {y:g}] lies outside the bounds {self.plan.bounds}"
-                    return f"run.mujoco.ramps.{index}.{key}", text
-        for index, light in enumerate(self.run.mujoco.lights):
-            if not self.plan.bounds.contains(light.position):
-                x, y = light.position
-                text = f"[{x:g}, {y:g}] lies outside the bounds {self.plan.bounds}"
-                return f"run.mujoco.lights.{index}.position", text
-        return None
+                        raise wrong(f"{key}.sensors.{index}", text)
+            only = {
+                "robots.gripper": any(robot.gripper for robot in robots),
+                "run.mujoco.ramps": self.run.mujoco.ramps,
+                "run.mujoco.lights": self.run.mujoco.lights,
+            }
+            for key, used in only.items():
+                if used:
+                    raise wrong(key, f"need run.world mujoco, not {self.run.world}")
+        places = [(f"ramps.{i}.from", ramp.start) for i, ramp in enumerate(self.run.mujoco.ramps)]
+        places += [(f"ramps.{i}.to", ramp.end) for i, ramp in enumerate(self.run.mujoco.ramps)]
+        places += [(f"lights.{i}.position", light.position) for i, light in enumerate(self.run.mujoco.lights)]
+        for key, (x, y) in places:
+            if not self.plan.bounds.contains((x, y)):
+                raise wrong(f"run.mujoco.{key}", f"[{x:g}, {y:g}] lies outside the bounds {self.plan.bounds}")
 
-    def _problem_of_fire(self, doors: list[str]) -> tuple[str, str] | None:
-        """Return a key and its mistake if the fire contradicts the plan or the rest of the scenario."""
-        if self.fire is None:
-            for index, event in enumerate(self.schedule):
-                if event.ignite is not None:
-                    return f"schedule.{index}.ignite", "there is no section 'fire' with fuel"
-            return None
+    def _check_fire(self, doors: list[str]) -> None:
+        """Raise the error of a fire that contradicts the plan or the rest of the scenario."""
         for index, event in enumerate(self.schedule):
-            if event.ignite is not None and self.fire.fds is not None:
-                return f"schedule.{index}.ignite", "not allowed with fire.fds, whose fire is already computed"
+            if event.ignite is not None and self.fire is None:
+                raise wrong(f"schedule.{index}.ignite", "there is no section 'fire' with fuel")
+            if event.ignite is not None and self.fire is not None and self.fire.fds is not None:
+                raise wrong(f"schedule.{index}.ignite", "not allowed with fire.fds, whose fire is already computed")
+        if self.fire is None:
+            return
         for index, name in enumerate(self.fire.fireproof):
             if name not in doors:
                 known = ", ".join(doors) or "none"
-                return f"fire.fireproof.{index}", f"there is no door '{name}'; known: {known}"
+                raise wrong(f"fire.fireproof.{index}", f"there is no door '{name}'; known: {known}")
         if self.run.world != "box2d":
-            return "fire", f"needs run.world box2d, not {self.run.world}"
+            raise wrong("fire", f"needs run.world box2d, not {self.run.world}")
         if self.fire.update_ns < self.run.step_ns:
-            return "fire.update_s", f"{self.fire.update_s:g} is below run.step_s, {self.run.step_s:g}"
-        return None
+            raise wrong("fire.update_s", f"{self.fire.update_s:g} is below run.step_s, {self.run.step_s:g}")
 
-    def _problem_of_roles(self) -> tuple[str, str] | None:
-        """Return a key and its mistake if robots, firefighters, command centre and victims do not fit together."""
+    def _check_roles(self) -> None:
+        """Raise the error of robots, firefighters, command centre and victims that do not fit together."""
         robots, mission, centre = self.num_robots, self.mission, self.command_centre
         if robots == 0 and self.firefighters is None:
-            return "robots.count", "0 is below 1"
+            raise wrong("robots.count", "0 is below 1")
         if isinstance(centre, int) and centre >= robots:
-            return "command_centre", f"there is no robot {centre}; expected 0 to {robots - 1}, or [x, y]"
+            raise wrong("command_centre", f"there is no robot {centre}; expected 0 to {robots - 1}, or [x, y]")
         if centre is not None and mission.base is not None:
-            return "mission.base", "not allowed together with command_centre"
+            raise wrong("mission.base", "not allowed together with command_centre")
         if self.firefighters is not None and centre is None:
-            return "command_centre", "missing; firefighters need the id of a robot, or [x, y]"
+            raise wrong("command_centre", "missing; firefighters need the id of a robot, or [x, y]")
         if self.firefighters is None and mission.saved_by == "firefighter":
-            return "mission.saved_by", "'firefighter' needs the section firefighters, which is missing"
+            raise wrong("mission.saved_by", "'firefighter' needs the section firefighters, which is missing")
         if self.firefighters is not None and mission.saved_by != "firefighter":
-            return "mission.saved_by", f"'{mission.saved_by}' is not allowed with firefighters; expected 'firefighter'"
+            raise wrong(
+                "mission.saved_by", f"'{mission.saved_by}' is not allowed with firefighters; expected 'firefighter'"
+            )
         if self.relays.count > robots:
-            return "relays.count", f"{self.relays.count} is above the number of robots, {robots}"
+            raise wrong("relays.count", f"{self.relays.count} is above the number of robots, {robots}")
         fleeing = [index for index, victim in enumerate(mission.victims) if victim.flees]
         if fleeing and not mission.exits:
-            return f"mission.victims.{fleeing[0]}.flees", "there is no exit; expected at least one in mission.exits"
-        return None
+            raise wrong(
+                f"mission.victims.{fleeing[0]}.flees", "there is no exit; expected at least one in mission.exits"
+            )
 
     @property
     def _robot_keys(self) -> tuple[str, ...]:

@@ -76,30 +76,28 @@ def in_order(schedule: Sequence[ScheduledEvent]) -> list[tuple[int, ScheduledEve
     return sorted(enumerate(schedule), key=lambda item: item[1].at_s)
 
 
-def problem_of(
+def check_schedule(
     schedule: Sequence[ScheduledEvent], present: Sequence[bool], doors: Sequence[str], lights: Sequence[str]
-) -> tuple[str, str] | None:
-    """Return a key and its mistake if the schedule contradicts itself, the team or the plan.
+) -> None:
+    """Raise the error of a schedule that contradicts itself, the team or the plan.
 
     Args: present: at the start, per robot.  doors, lights: the names of the plan's doors, and of the lights.
     """
     for index, event in enumerate(schedule):
         if event.door is not None and event.door not in doors:
-            return f"schedule.{index}.door", f"there is no door '{event.door}'; known: {', '.join(doors) or 'none'}"
+            known = ", ".join(doors) or "none"
+            raise wrong(f"schedule.{index}.door", f"there is no door '{event.door}'; known: {known}")
         if event.light is not None and event.light not in lights:
-            return f"schedule.{index}.light", f"there is no light '{event.light}'; known: {', '.join(lights) or 'none'}"
-    return _problem_of_robots(schedule, list(present))
-
-
-def _problem_of_robots(schedule: Sequence[ScheduledEvent], there: list[bool]) -> tuple[str, str] | None:
+            known = ", ".join(lights) or "none"
+            raise wrong(f"schedule.{index}.light", f"there is no light '{event.light}'; known: {known}")
+    there = list(present)
     for index, event in in_order(schedule):
         robot_id, arrives = event.robot_id, event.spawn is not None
         if robot_id is None:
             continue
         key = f"schedule.{index}.{event.kind}"
         if robot_id >= len(there):
-            return key, f"there is no robot {robot_id}; expected 0 to {len(there) - 1}"
+            raise wrong(key, f"there is no robot {robot_id}; expected 0 to {len(there) - 1}")
         if there[robot_id] == arrives:
-            return key, f"robot {robot_id} is {'already' if arrives else 'not'} present at {event.at_s:g} s"
+            raise wrong(key, f"robot {robot_id} is {'already' if arrives else 'not'} present at {event.at_s:g} s")
         there[robot_id] = arrives
-    return None

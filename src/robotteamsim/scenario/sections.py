@@ -16,7 +16,8 @@ from robotteamsim.scenario.base import (
     NoiseDb,
     PlanarPose,
     Point,
-    first_repeated,
+    by_index,
+    check_names,
     wrong,
 )
 from robotteamsim.scenario.body import Body, check_footprint, disc_at, polygon_at
@@ -124,9 +125,7 @@ class Robot(Model):
 
     @model_validator(mode="after")
     def _check_body(self) -> Robot:
-        repeated = first_repeated([sensor.name for sensor in self.sensors])
-        if repeated:
-            raise wrong(f"sensors.{repeated[0]}.name", f"'{repeated[1]}' is already the name of another sensor")
+        check_names(by_index("sensors", self.sensors), "sensor")
         if self.footprint_m:
             check_footprint("footprint_m", self.footprint_m)
         if self.wheels.radius_m is not None and self.wheels.radius_m > self.height_m:
@@ -275,9 +274,7 @@ class Mission(Model):
     @model_validator(mode="after")
     def _check(self) -> Mission:
         for key, items in (("areas", self.areas), ("victims", self.victims), ("exits", self.exits)):
-            repeated = first_repeated([item.name for item in items])
-            if repeated:
-                raise wrong(f"{key}.{repeated[0]}.name", f"'{repeated[1]}' is already the name of another")
+            check_names(by_index(key, items))
         random = {f"random_{number}" for number in range(1, self.random_victims + 1)}
         for index, victim in enumerate(self.victims):
             if victim.name in random:

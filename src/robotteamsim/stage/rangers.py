@@ -105,42 +105,37 @@ class RangerReader:
     def _beams(self, robot: Entity, ranger: Entity) -> _Beams:
         """Return the beams of a ranger; its pose is relative to the top of the robot."""
         values = self._values
-        if ranger.kind == "laser":
-            sensor, range_m, fov_rad, samples, noise_m = self._old_laser(ranger)
-        else:
-            sensor, range_m, fov_rad, samples, noise_m = self._sensor(ranger)
         pose, z = values.pose(ranger, "pose")
         origin, origin_z = values.pose(ranger, "origin")
-        mount = compose(pose, origin)
-        if sensor is not ranger:
-            mount = compose(mount, values.pose(sensor, "pose")[0])
         base_m = values.size(robot, DEFAULT_SIZE_M)[2] if values.whole(robot, "stack_children", 1) else 0.0
-        return _Beams(ranger, sensor, range_m, fov_rad, samples, noise_m, mount, base_m + z + origin_z)
+        mount, height_m = compose(pose, origin), base_m + z + origin_z
+        if ranger.kind == "laser":
+            low, high, fov, samples = _LASER_DEFAULTS
+            range_m = values.number(ranger, "range_min", "l", low), values.number(ranger, "range_max", "l", high)
+            fov_rad, samples = values.number(ranger, "fov", "a", fov), values.whole(ranger, "samples", samples)
+            return _Beams(ranger, ranger, range_m, fov_rad, samples, 0.0, mount, height_m)
+        sensor = self._sensor(ranger)
+        low, high = values.numbers(sensor, "range", "ll", (0.0, 5.0))
+        fov_rad, samples = values.number(sensor, "fov", "a", _DEFAULT_FOV_RAD), values.whole(sensor, "samples", 1)
+        mount = compose(mount, values.pose(sensor, "pose")[0])
+        return _Beams(ranger, sensor, (low, high), fov_rad, samples, self._noise_m(sensor), mount, height_m)
 
-    def _sensor(self, ranger: Entity) -> tuple[Entity, tuple[float, float], float, int, float]:
+    def _sensor(self, ranger: Entity) -> Entity:
         sensors = ranger.of_kind("sensor")
         if not sensors:
             raise ranger.place.error(f"{ranger.called}: expected a sensor( ... ) in a ranger")
         for other in sensors[1:]:
-            self._notes.say(
-                other.place, f"{other.called}: omitted: stage_ros publishes only the first sensor of a ranger"
-            )
-        values, sensor = self._values, sensors[0]
-        low, high = values.numbers(sensor, "range", "ll", (0.0, 5.0))
-        fov_rad = values.number(sensor, "fov", "a", _DEFAULT_FOV_RAD)
-        samples = values.whole(sensor, "samples", 1)
-        variance, share, angle = values.numbers(sensor, "noise", "lfa", (0.0, 0.0, 0.0))
+            text = f"{other.called}: omitted: stage_ros publishes only the first sensor of a ranger"
+            self._notes.say(other.place, text)
+        return sensors[0]
+
+    def _noise_m(self, sensor: Entity) -> float:
+        variance, share, angle = self._values.numbers(sensor, "noise", "lfa", (0.0, 0.0, 0.0))
         if share != 0.0 or angle != 0.0:
             self._notes.of(sensor, "noise", "only the constant part is simulated, not the parts for range and angle")
         if variance < 0.0:
             raise sensor.error("noise", f"{variance:g} is below 0")
-        return sensor, (low, high), fov_rad, samples, math.sqrt(variance)
-
-    def _old_laser(self, laser: Entity) -> tuple[Entity, tuple[float, float], float, int, float]:
-        values = self._values
-        low, high, fov, samples = _LASER_DEFAULTS
-        range_m = (values.number(laser, "range_min", "l", low), values.number(laser, "range_max", "l", high))
-        return laser, range_m, values.number(laser, "fov", "a", fov), values.whole(laser, "samples", int(samples)), 0.0
+        return math.sqrt(variance)
 
     def _checked(self, model: type[M], beams: _Beams, keys: dict[str, Any]) -> M:
         """Return a sensor with the keys that all sensors have. Raises: ScenarioError."""

@@ -12,17 +12,15 @@ from robotteamsim.map_import.cells import (
     FREE_THRESH,
     OCCUPIED_THRESH,
     darkness,
-    in_bytes,
     lightness,
     read_image,
     solid_cells,
     without_corner_contacts,
 )
-from robotteamsim.map_import.pieces import solid_pieces
 from robotteamsim.scenario.body import MAX_CORNERS
 from robotteamsim.scenario.floor_plan import Block, Wall
+from robotteamsim.scenario.image_walls import walls_and_blocks
 from robotteamsim.scenario.plan import Corners, counter_clockwise, wall_corners
-from robotteamsim.scenario.plan_import import walls_and_blocks
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.yaml_text import is_file, shown
 from robotteamsim.stage.values import Notes, Pose2, Values, compose, tidy
@@ -144,7 +142,7 @@ class SolidReader:
         if not (min(cell) >= MIN_PIXEL_M and max(cell) <= MAX_PIXEL_M):
             text = f"pixels would be {cell[0]:.3g} x {cell[1]:.3g} m; expected {MIN_PIXEL_M:g} to {MAX_PIXEL_M:g} m"
             raise entity.error("size", text)
-        walls, blocks = walls_and_blocks(solid_pieces(solid, (-0.5 * size[0], -0.5 * size[1]), cell))
+        walls, blocks = walls_and_blocks(solid, (-0.5 * size[0], -0.5 * size[1]), cell)
         body = compose(pose, self._values.pose(entity, "origin")[0])
         height = _height(size[2])
         for wall in walls:
@@ -182,12 +180,9 @@ class SolidReader:
         if not is_file(path):
             raise entity.error("bitmap", f"there is no file {shown(file)}")
         try:
-            image = read_image(path)
+            return read_image(path)
         except ValueError as error:
-            raise entity.error("bitmap", f"{shown(file)} has {error}") from None
-        if image is None or image.dtype not in (np.uint8, np.uint16):
-            raise entity.error("bitmap", f"'{file}' cannot be read as an image")
-        return in_bytes(image)
+            raise entity.error("bitmap", f"{shown(file)} {error}") from None
 
     def _add_body(self, entity: Entity, pose: Pose2, z_m: float, tallest_m: float, name: str) -> None:
         body = body_of(entity, self._values)

@@ -9,8 +9,7 @@ from pydantic import ValidationError
 from robotteamsim.geometry import normalise_angle
 from robotteamsim.scenario.base import Model
 from robotteamsim.scenario.problems import problems, suggestion
-from robotteamsim.stage.tokens import Place
-from robotteamsim.stage.world_file import Entity, Property
+from robotteamsim.stage.world_file import Entity, Place, Property
 
 M = TypeVar("M", bound=Model)
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from robotteamsim.control.rdpso.terms import LinkKeeper, RuledOut, strongest_tree
-from robotteamsim.scenario.controllers.links import LinkTuning
+from robotteamsim.scenario.controllers.base import LinkTuning
 from robotteamsim.scenario.controllers.swarms import RdpsoControl
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.scenario import Scenario

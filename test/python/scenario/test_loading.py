@@ -75,21 +75,19 @@ def test_override_of_the_algorithm_drops_no_key_that_was_never_one(tmp_path) -> 
     assert load("garage_sar", ["control={algorithm: greedy}"]).control.algorithm == "greedy"
 
 
-def test_misspelt_name_gets_a_suggestion() -> None:
-    assert _message("garage_sra") == "garage_sra: no shipped scenario of this name; did you mean 'garage_sar'?"
-
-
-def test_missing_file_is_named() -> None:
-    assert _message("nowhere/room.yaml") == "nowhere/room.yaml: there is no such file"
-
-
-def test_folder_is_rejected_as_a_scenario(tmp_path: Path) -> None:
-    assert _message(f"{tmp_path}/") == f"{tmp_path}/: Is a directory"
-
-
-def test_binary_file_is_rejected_as_a_scenario(room: str) -> None:
-    Path(room).write_bytes(b"\xff\xfe\x00")
-    assert _message(room) == "room.yaml: not a text file in UTF-8"
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("garage_sra", "no shipped scenario of this name; did you mean 'garage_sar'?"),
+        ("nowhere/room.yaml", "there is no such file"),
+        ("folder/", "Is a directory"),
+        ("binary.yaml", "not a text file in UTF-8"),
+    ],
+)
+def test_name_of_no_scenario_is_rejected(room: str, name: str, message: str) -> None:
+    Path("folder").mkdir()
+    Path("binary.yaml").write_bytes(b"\xff\xfe\x00")
+    assert _message(name) == f"{name}: {message}"
 
 
 def test_override_replaces_a_value_of_the_file(room: str) -> None:
@@ -143,6 +141,7 @@ def test_plan_given_as_override_is_relative_to_the_current_folder(room: str) -> 
             "--set: voice.constant_db.0: the file has no list voice.constant_db; set the whole list",
         ),
         ("plan.walls=3", "--set: plan.walls: 3 is not a list"),
+        ("mission.patrol.graph=no.graph", "--set: mission.patrol.graph: there is no file 'no.graph'"),
         # The file has no control.swarms: what its defaults do not fit is what was set.
         ("control.swarms.min=3", "--set: control.swarms.initial: 1 is below min, 3"),
         ("control.swarms.initial=2", "--set: control.swarms.max: 1 is below initial, 2"),

@@ -10,9 +10,8 @@ import pytest
 from scipy import ndimage
 
 from robotteamsim.scenario import load, load_floor_plan, map_names, occupancy_grid, scenario_names
+from robotteamsim.scenario.map_image import export_map, import_map
 from robotteamsim.scenario.plan import FREE
-from robotteamsim.scenario.plan_export import export_map
-from robotteamsim.scenario.plan_import import import_map
 from robotteamsim.scenario.shipped import shipped_plan
 from robotteamsim.setup import resolve
 
@@ -31,7 +30,7 @@ def test_shipped_image_equals_the_export_of_the_plan(name: str, tmp_path: Path) 
     folder = shipped_plan(name).parent
     assert (folder / "map.yaml").read_bytes() == (tmp_path / "map.yaml").read_bytes()
     assert (folder / "map.pgm").read_bytes() == (tmp_path / "map.pgm").read_bytes(), (
-        f"run robotteamsim.scenario.plan_export.export_map for maps/{name}"
+        f"run robotteamsim.scenario.map_image.export_map for maps/{name}"
     )
     assert (folder / "SOURCE.md").is_file()
 

@@ -71,8 +71,3 @@ def test_graph_that_cannot_be_patrolled_is_rejected(old, new, line, tmp_path):
     with pytest.raises(ScenarioError) as raised:
         load("garage_sar", [f"mission.patrol.graph={path}"])
     assert str(raised.value) == f"--set: {line}"
-
-
-def test_file_that_is_not_there_is_rejected():
-    with pytest.raises(ScenarioError, match=r"--set: mission.patrol.graph: there is no file '?no.graph"):
-        load("garage_sar", ["mission.patrol.graph=no.graph"])

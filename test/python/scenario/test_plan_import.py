@@ -15,9 +15,8 @@ from robotteamsim.errors import ScenarioError
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario import load, load_floor_plan, occupancy_grid, solids, write_floor_plan
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
+from robotteamsim.scenario.map_image import export_map, import_map
 from robotteamsim.scenario.plan import FREE, OCCUPIED
-from robotteamsim.scenario.plan_export import export_map
-from robotteamsim.scenario.plan_import import import_map
 from robotteamsim.scenario.sections import Radio
 
 ROOT = Path(__file__).parents[3]
@@ -182,6 +181,7 @@ def test_thick_rectangle_is_a_block(tmp_path: Path) -> None:
     image[10:22, 20:32] = BLACK
     blocks = [block for block in import_map(_write(tmp_path, image)).blocks if (1.0, 3.0) in block.polygon]
     assert set(blocks[0].polygon) == {(1.0, 3.0), (2.2, 3.0), (2.2, 4.2), (1.0, 4.2)}
+    assert blocks[0].thickness_m == 1.0  # anything thicker counts as this
 
 
 @pytest.mark.parametrize("end", [(55, 35), (55, 17), (12, 35)])
@@ -197,13 +197,23 @@ def test_slanted_wall_becomes_few_straight_pieces_without_gaps(tmp_path: Path, e
     assert line.buffer(0.2).covers(union)
 
 
-def test_pillar_of_few_cells_stays_and_smaller_specks_go(tmp_path: Path) -> None:
+def test_pillar_of_few_cells_stays_smaller_specks_go_and_pockets_are_filled(tmp_path: Path) -> None:
     image = _room()
     image[10:12, 10:12] = BLACK
     image[20, 20:22] = BLACK
+    image[25:29, 25:29] = BLACK
+    image[26:28, 26:28] = WHITE  # a pocket of 0.04 m^2
     grid = occupancy_grid(import_map(_write(tmp_path, image)), 0.1)
-    assert np.count_nonzero(grid.cells[5:-5, 5:-5] == OCCUPIED) == 4
+    assert np.count_nonzero(grid.cells[5:-5, 5:-5] == OCCUPIED) == 4 + 16
     assert grid.cells[grid.cell_at(0.1, 3.1)] != FREE
+
+
+def test_cells_that_touch_by_a_corner_alone_are_joined(tmp_path: Path) -> None:
+    image = _room()
+    image[range(10, 22), range(10, 22)] = BLACK
+    solid = occupancy_grid(import_map(_write(tmp_path, image)), 0.1).cells == OCCUPIED
+    a, b, c, d = solid[:-1, :-1], solid[:-1, 1:], solid[1:, :-1], solid[1:, 1:]
+    assert not ((a & d & ~b & ~c) | (b & c & ~a & ~d)).any()
 
 
 def test_image_without_walls_is_closed_at_its_border(tmp_path: Path) -> None:

@@ -7,7 +7,6 @@ from typing import get_args
 
 import pytest
 
-from robotteamsim.errors import ScenarioError
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario import Scenario, dump, load
 from robotteamsim.scenario.radio_presets import PRESETS
@@ -67,19 +66,3 @@ def test_signal_of_zigbee_is_lost_at_113_m_in_free_space() -> None:
     field = RadioField(scenario.plan.model_copy(update={"walls": (), "blocks": (), "doors": ()}), scenario.radio)
     near, far = (-field.path_loss_db((0.0, 0.0), (x_m, 0.0)) for x_m in (112.0, 113.0))
     assert near > scenario.network.lost_below_dbm > far
-
-
-@pytest.mark.parametrize(
-    ("value", "shown"), [("lroa", "'lroa'"), ("3", "3"), ("[zigbee]", "[zigbee]"), ("bluetooth", "'bluetooth'")]
-)
-def test_unknown_preset_is_rejected_in_one_line_that_names_the_known_ones(value: str, shown: str) -> None:
-    with pytest.raises(ScenarioError) as caught:
-        load("garage_sar", [f"radio.preset={value}"])
-    known = "none, wifi_2_4_ghz, wifi_5_ghz, zigbee, lora_868_mhz"
-    assert str(caught.value).startswith(f"--set: radio.preset: {shown} is not one of {known}")
-    assert "\n" not in str(caught.value)
-
-
-def test_thresholds_in_the_wrong_order_are_rejected_with_a_preset() -> None:
-    with pytest.raises(ScenarioError, match="endangered_below_dbm: -85 is below lost_below_dbm, -80"):
-        load("garage_sar", ["radio.preset=zigbee", "network.lost_below_dbm=-80"])

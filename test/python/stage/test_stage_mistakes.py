@@ -1,4 +1,4 @@
-"""Whatever stands in a world file, it is imported or refused in one line."""
+"""Any text in a world file is imported or rejected in one line."""
 
 from __future__ import annotations
 
@@ -11,26 +11,15 @@ from hypothesis import strategies as st
 from robotteamsim.errors import ScenarioError
 from robotteamsim.setup import resolve
 from robotteamsim.stage import import_world
-from robotteamsim.stage.tokens import read_tokens
+from robotteamsim.stage.world_file import read_tokens
 
 pytestmark = pytest.mark.slow
 
 DATA = Path(__file__).parents[2] / "data" / "stage"
 
 JUNK = ["(", ")", "[", "]", '"', '"x"', "0", "-1", "1e9", "999999999", "0.000001", "nan", "model", "position", "ranger"]
-JUNK += [
-    "define",
-    'include "a.world"',
-    "size",
-    "pose",
-    "samples",
-    "block",
-    "sensor",
-    "boundary 1",
-    "bitmap",
-    "#",
-    "\x00",
-]
+JUNK += ["define", 'include "a.world"', "size", "pose", "samples", "block", "sensor", "boundary 1", "bitmap"]
+JUNK += ["#", "\x00"]
 
 
 def _words(file: str) -> list[str]:

@@ -7,8 +7,7 @@ from pathlib import Path
 import pytest
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.stage.tokens import read_tokens
-from robotteamsim.stage.world_file import Entity, read_world_file
+from robotteamsim.stage.world_file import Entity, read_tokens, read_world_file
 
 
 @pytest.fixture

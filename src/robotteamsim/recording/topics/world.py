@@ -14,8 +14,8 @@ from robotteamsim.hazards.field import FARTHEST_SIGHT_M
 from robotteamsim.message_parts import MAP_FRAME, Make, header, point
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.topics.base import Topic, When, field_map, occupancy_grid
+from robotteamsim.scenario.map_image import published_map
 from robotteamsim.scenario.plan import OccupancyGrid
-from robotteamsim.scenario.published_map import published_map
 from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.people import PersonState

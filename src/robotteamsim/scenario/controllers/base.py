@@ -49,9 +49,8 @@ class Control(Model):
         """Whether the team may be several swarms."""
         return False
 
-    def problem_with(self, num_robots: int) -> tuple[str, str] | None:
-        """Return a key and its mistake if the keys do not fit this number of robots."""
-        return None
+    def check_number(self, num_robots: int) -> None:
+        """Raise the scenario's error of keys that do not fit this number of robots."""
 
     def as_kind(self, kind: type[Kind], **keys: object) -> Kind:
         """Return the keys of another kind of controller: those that both have, and some others; defaults for the rest.
@@ -72,6 +71,38 @@ class ListeningControl(Control):
         default=True,
         description="voices at places where no victim can be are neither local nor global bests; false: all count",
     )
+
+
+class LinkTuning(Model):
+    """How the communication term of eq. (22) keeps links."""
+
+    gated: bool = Field(
+        default=True,
+        description="the term acts only while a link is endangered; false: always, with c4, as in the printed eq. (22)",
+    )
+    endangered_fraction: float = Field(
+        default=0.8,
+        gt=0.0,
+        lt=1.0,
+        description="a link by distance is endangered beyond this fraction of network.max_distance_m",
+    )
+
+
+class LinkedControl(Control):
+    """The keys of the communication term of eq. (22)."""
+
+    c4: float = Field(
+        default=0.4,
+        ge=0.0,
+        le=2.0,
+        description="communication weight; acts while a link is endangered, or always without communication.gated",
+    )
+    kept_link: Literal["nearest", "tree"] = Field(
+        default="nearest",
+        description="link that the communication term keeps: that to the nearest teammate, or the weakest of the "
+        "robot's own links in the strongest spanning tree of the team",
+    )
+    communication: LinkTuning = LinkTuning()
 
 
 class OtherControl(Control):

@@ -10,8 +10,7 @@ from typing import ClassVar, Literal
 from pydantic import Field
 
 from robotteamsim.scenario.base import Model
-from robotteamsim.scenario.controllers.base import ListeningControl
-from robotteamsim.scenario.controllers.links import LinkedControl
+from robotteamsim.scenario.controllers.base import LinkedControl, ListeningControl
 
 
 class FloorSearchTuning(Model):

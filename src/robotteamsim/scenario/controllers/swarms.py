@@ -7,9 +7,8 @@ from typing import ClassVar, Literal
 from pydantic import Field, model_validator
 
 from robotteamsim.scenario.base import Model, wrong
-from robotteamsim.scenario.controllers.base import ListeningControl
+from robotteamsim.scenario.controllers.base import LinkedControl, ListeningControl
 from robotteamsim.scenario.controllers.driving import DoorTuning
-from robotteamsim.scenario.controllers.links import LinkedControl
 
 
 class SocialExclusion(Model):
@@ -96,12 +95,11 @@ class SeveralSwarmsControl(SwarmControl):
         """See `Control`."""
         return self.swarms.max > 1
 
-    def problem_with(self, num_robots: int) -> tuple[str, str] | None:
+    def check_number(self, num_robots: int) -> None:
         """See `Control`."""
         if num_robots and self.swarms.initial > num_robots:
             text = f"{self.swarms.initial} swarms need at least as many robots, not {num_robots}"
-            return "swarms.initial", text
-        return None
+            raise wrong("control.swarms.initial", text)
 
     @model_validator(mode="after")
     def _check_swarms(self) -> SeveralSwarmsControl:

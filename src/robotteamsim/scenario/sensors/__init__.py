@@ -4,7 +4,7 @@ from typing import Annotated
 
 from pydantic import Tag
 
-from robotteamsim.scenario.kinds import one_of_kinds
+from robotteamsim.scenario.base import by_kind
 from robotteamsim.scenario.sensors.base import Sensor, is_free_name
 from robotteamsim.scenario.sensors.camera import Camera
 from robotteamsim.scenario.sensors.gps import Fix, Gps
@@ -35,6 +35,6 @@ AnySensor = Annotated[
     | Annotated[LightSensor, Tag("<light>")]
     | Annotated[Gps, Tag("<gps>")]
     | Annotated[HeatSensor, Tag("<heat>")],
-    *one_of_kinds(("laser", "sonar", "camera", "light", "gps", "heat")),
+    by_kind(),
 ]
 """A sensor of any kind."""

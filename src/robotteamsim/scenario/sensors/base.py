@@ -12,11 +12,10 @@ from typing import Annotated, Any, ClassVar, Protocol
 
 import numpy as np
 from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer
-from pydantic_core import PydanticCustomError
 
 from robotteamsim.geometry import Pose
 from robotteamsim.message_parts import Make, header, robot_frame
-from robotteamsim.scenario.base import Model
+from robotteamsim.scenario.base import Model, wrong
 
 _NAME = re.compile("[a-z][a-z0-9_]*")
 
@@ -36,12 +35,10 @@ def is_free_name(name: str) -> bool:
 
 def _as_topic(name: str) -> str:
     if not _NAME.fullmatch(name):
-        text = f"'{name}' cannot be a topic; expected a lower-case letter, then letters, digits and _"
-    elif name in _TAKEN:
-        text = f"'{name}' is reserved for the robot itself"
-    else:
-        return name
-    raise PydanticCustomError("wrong", "{text}", {"key": "", "text": text})
+        raise wrong("", f"'{name}' cannot be a topic; expected a lower-case letter, then letters, digits and _")
+    if name in _TAKEN:
+        raise wrong("", f"'{name}' is reserved for the robot itself")
+    return name
 
 
 SensorName = Annotated[str, AfterValidator(_as_topic)]

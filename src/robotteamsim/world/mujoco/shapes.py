@@ -7,8 +7,7 @@ from typing import Any
 
 import mujoco
 
-from robotteamsim.scenario.plan import Corners
-from robotteamsim.scenario.rectangles import rectangle_of
+from robotteamsim.scenario.plan import Corners, rectangle_of
 
 GROUND, BODIES = 1, 2
 """Bits of contype: the floor; walls, leaves, objects and the bodies of robots."""

@@ -1,0 +1,193 @@
+"""Floor plans and occupancy grids as images of map_server: a yaml, and a pgm or png."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from pydantic import ConfigDict, Field, model_validator
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.map_import.cells import FREE_THRESH, OCCUPIED_THRESH, darkness, lightness, read_image, solid_cells
+from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Model, PlanarPose, wrong
+from robotteamsim.scenario.floor_plan import Bounds, FloorPlan
+from robotteamsim.scenario.image_walls import in_metres, walls_and_blocks
+from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN, OccupancyGrid, occupancy_grid
+from robotteamsim.scenario.plan_cache import cached_plan
+from robotteamsim.scenario.problems import checked
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown, write
+from robotteamsim.wording import printable
+
+RESOLUTION_M = 0.05
+"""Of the map of a plan that is not an image."""
+
+CACHED_PIXELS = 200_000
+"""Plans of larger images are kept in the cache."""
+
+_FREE_GREY, _UNKNOWN_GREY, _OCCUPIED_GREY = 254, 205, 0
+
+
+class MapFile(Model):
+    """The yaml of a map_server image; keys that map_server does not know are ignored, as it ignores them."""
+
+    model_config = ConfigDict(extra="ignore")
+
+    image: str = Field(min_length=1, description="image file, relative to this file")
+    resolution: float = Field(ge=0.001, le=10.0, description="edge of a pixel [m]")
+    origin: PlanarPose = Field(description="[x, y, yaw] of the lower left pixel's corner; yaw must be 0")
+    negate: Literal[0, 1, False, True] = Field(default=0, description="1: white is occupied")
+    occupied_thresh: float = Field(
+        default=OCCUPIED_THRESH, gt=0.0, lt=1.0, description="darker than this share is occupied"
+    )
+    free_thresh: float = Field(default=FREE_THRESH, gt=0.0, lt=1.0, description="lighter than this share is free")
+    mode: Literal["trinary", "scale", "raw"] = Field(default="trinary", description="of the values on /map")
+
+    @model_validator(mode="after")
+    def _check(self) -> MapFile:
+        if self.origin[2] != 0.0:
+            raise wrong("origin", f"yaw {self.origin[2]:g} is not 0; turn the image instead")
+        if self.free_thresh >= self.occupied_thresh:
+            raise wrong("free_thresh", f"{self.free_thresh:g} is not below occupied_thresh, {self.occupied_thresh:g}")
+        return self
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MapImage:
+    """A map: its yaml and the pixels of its image, in OpenCV's order."""
+
+    settings: MapFile
+    pixels: np.ndarray
+
+    @property
+    def dark(self) -> np.ndarray:
+        """How dark each pixel is, see `map_import.cells.darkness`."""
+        return darkness(self._light)
+
+    @property
+    def _light(self) -> np.ndarray:
+        settings = self.settings
+        return lightness(self.pixels, negate=bool(settings.negate), with_alpha=settings.mode == "trinary")
+
+    def occupancy_grid(self) -> OccupancyGrid:
+        """Return the grid that map_server publishes, cell by cell [map_server 1.17, image_loader.cpp].
+
+        trinary: 100 where darker than `occupied_thresh`, 0 where lighter than `free_thresh`, else -1. scale: from 1 to
+        99 between the thresholds, -1 where the last channel is 0. raw: the mean of the colours in 8 bits, signed.
+        """
+        settings, light = self.settings, self._light
+        if settings.mode == "raw":
+            cells = light.astype(np.uint8).view(np.int8)
+        else:
+            dark = darkness(light)
+            low, high = settings.free_thresh, settings.occupied_thresh
+            between = np.full(dark.shape, UNKNOWN, dtype=np.int8)
+            if settings.mode == "scale":
+                share = np.clip((dark - low) / (high - low), 0.0, 1.0)
+                between = np.where(self._last_channel == 0, UNKNOWN, 1.0 + 98.0 * share).astype(np.int8)
+            cells = np.where(dark > high, OCCUPIED, np.where(dark < low, FREE, between)).astype(np.int8)
+        return OccupancyGrid(settings.origin[:2], settings.resolution, cells)
+
+    @property
+    def _last_channel(self) -> np.ndarray:
+        """What map_server takes for the alpha channel: without one, blue, which is the first in OpenCV; of grey, 1."""
+        if self.pixels.ndim == 2:
+            return np.ones(self.pixels.shape, np.uint8)
+        channel = 3 if self.pixels.shape[2] == 4 else 0
+        upright: np.ndarray = np.flipud(self.pixels[:, :, channel])
+        return upright
+
+
+def read_map(path: Path) -> MapImage:
+    """Return the map of a yaml.
+
+    Raises: ScenarioError: one line with file, key, value and what was expected.
+    """
+    settings = checked(MapFile, read_mapping(path, str(path), "the yaml of a map"), place=f"{path}: ")
+    image_path = path.parent / settings.image
+    if not is_file(image_path):
+        raise ScenarioError(f"{path}: image: there is no file {shown(settings.image)}")
+    try:
+        pixels = read_image(image_path)
+    except ValueError as error:
+        raise ScenarioError(f"{path}: image: '{settings.image}' {error}") from None
+    if min(pixels.shape[:2]) < 3:
+        raise ScenarioError(f"{path}: image: '{settings.image}' has fewer than 3 rows or columns")
+    return MapImage(settings, pixels)
+
+
+def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
+    """Return the floor plan of a map_server image.
+
+    `map_import.cells.solid_cells` decides which cells are solid, and `image_walls.walls_and_blocks` converts them to
+    walls and blocks. Plans of large images are taken from the cache, see `plan_cache`.
+
+    Raises: ScenarioError: one line with file, key, value and what was expected.
+    """
+    path = Path(map_yaml)
+    image = read_map(path)
+    settings, pixels = image.settings, image.pixels
+    cell_m = (settings.resolution, settings.resolution)
+    low, high = in_metres(settings.origin[:2], cell_m, np.array([(0, 0), pixels.shape[1::-1]])).tolist()
+    bounds = checked(Bounds, {"min": low, "max": high}, place=f"{path}: image: bounds.")
+    if not (image.dark < settings.free_thresh).any():
+        text = f"no cell of '{settings.image}' is free; is negate or free_thresh wrong?"
+        raise ScenarioError(f"{path}: image: {text}")
+
+    name = printable(path.stem)[:MAX_NAME_CHARACTERS]
+
+    def plan() -> FloorPlan:
+        solid = solid_cells(
+            image.dark, settings.occupied_thresh, settings.free_thresh, settings.resolution, closed=True
+        )
+        walls, blocks = walls_and_blocks(solid, settings.origin[:2], cell_m)
+        return FloorPlan(name=name, bounds=bounds, walls=tuple(walls), blocks=tuple(blocks))
+
+    if pixels.shape[0] * pixels.shape[1] < CACHED_PIXELS:
+        return plan()
+    keys = f"{name} {settings.model_dump_json()} {pixels.shape}"
+    return cached_plan((keys.encode(), pixels.tobytes()), plan)
+
+
+def published_map(scenario: Scenario) -> OccupancyGrid:
+    """Return the grid that map_server publishes if the plan is a map_server yaml, else the plan in cells of 5 cm.
+
+    A plan with changed keys is not the image any more, so it is drawn.
+
+    Raises: ScenarioError: the yaml or its image cannot be read any more.
+    """
+    if scenario.plan_file is not None:
+        path = Path(scenario.plan_file)
+        if "image" in read_mapping(path, scenario.plan_file, "a floor plan"):
+            return read_map(path).occupancy_grid()
+    return occupancy_grid(scenario.plan, RESOLUTION_M)
+
+
+def export_map(plan: FloorPlan, folder: str | os.PathLike[str], resolution_m: float = RESOLUTION_M) -> None:
+    """Write `map.yaml` and `map.pgm` into a folder: free cells white, occupied black, closed doors as walls.
+
+    Raises: OSError: the folder cannot be written.
+    """
+    grid = occupancy_grid(plan, resolution_m)
+    settings = {
+        "image": "map.pgm",
+        "resolution": resolution_m,
+        "origin": [*grid.origin_m, 0.0],
+        "negate": 0,
+        "occupied_thresh": OCCUPIED_THRESH,
+        "free_thresh": FREE_THRESH,
+    }
+    Path(folder, "map.pgm").write_bytes(_pgm(grid))
+    Path(folder, "map.yaml").write_text(write(settings), encoding="utf-8")
+
+
+def _pgm(grid: OccupancyGrid) -> bytes:
+    """Return an occupancy grid as a binary grey image (PGM, P5), highest y in the first row."""
+    grey = np.full(grid.cells.shape, _UNKNOWN_GREY, dtype=np.uint8)
+    grey[grid.cells == FREE] = _FREE_GREY
+    grey[grid.cells == OCCUPIED] = _OCCUPIED_GREY
+    rows, columns = grid.cells.shape
+    return b"P5\n%d %d\n255\n" % (columns, rows) + np.flipud(grey).tobytes()
