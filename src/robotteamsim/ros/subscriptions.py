@@ -9,8 +9,8 @@ from xmlrpc.client import ServerProxy
 import rosgraph
 import rospy
 
-from robotteamsim.message_parts import robot_name
 from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS
+from robotteamsim.ros.settings import Settings
 
 logger = logging.getLogger(__name__)
 
@@ -23,11 +23,12 @@ Connections = frozenset[tuple[str, str]]
 """Pairs of subscriber and topic."""
 
 
-def recorded_topics(num_robots: int) -> list[str]:
+def recorded_topics(settings: Settings) -> list[str]:
     """Return the topics of a bag. They are listed, because rosbag takes seconds to discover them."""
     names = ["/tf_static", *(topic.name for topic in TEAM_TOPICS)]
-    for robot_id in range(num_robots):
-        names += [f"/{robot_name(robot_id)}/{topic.name}" for topic in ROBOT_TOPICS if topic.in_bags]
+    for robot_id, robot in enumerate(settings.setup.robots):
+        names += [settings.robot_topic(robot_id, topic.name) for topic in ROBOT_TOPICS if topic.in_bags]
+        names += [settings.robot_topic(robot_id, name) for sensor in robot.sensors for name in sensor.topics]
     return names
 
 

@@ -18,7 +18,7 @@ def main() -> None:
 
 
 def _command() -> list[str]:
-    topics = recorded_topics(read_settings().num_robots)
+    topics = recorded_topics(read_settings())
     program = roslib.packages.find_node("rosbag", "record")[0]
     bag = parameter("~bag", "mission.bag")
     return [program, "--tcpnodelay", "--buffsize", "0", "--output-name", bag, *topics, f"__name:={RECORDER}"]

@@ -116,7 +116,7 @@ class SimulationNode:
         if self._starts_paused:
             self._gate.wait()  # until clients that need the first step have subscribed
         else:
-            recorded = recorded_topics(self._settings.num_robots) if parameter("~recorded", False) else []
+            recorded = recorded_topics(self._settings) if parameter("~recorded", False) else []
             wait_for_subscribers(recorded, START_TIMEOUT_S, self._gate.sleep)
         try:
             self._serve()
