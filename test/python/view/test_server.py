@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import http.client
 import json
-import threading
 from collections.abc import Callable, Iterator
 
 import pytest
 from playwright.sync_api import Browser
-from shown_page import READY_MS, opened
+from shown_page import READY_MS, opened, served, taken
 
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Run
 from robotteamsim.simulation import Simulation
-from robotteamsim.view.html import live_page
-from robotteamsim.view.live import LiveMission, Pause, Restart, SetNoise, SetVictim, Step, Update, Viewer
+from robotteamsim.view.live import LiveMission, Pause, Restart, SetNoise, SetVictim, Step
 from robotteamsim.view.server import ViewServer
 
 _WAIT_S = 60.0
@@ -36,18 +34,8 @@ def mission(hall_scenario: Callable[..., Scenario]) -> Iterator[LiveMission]:
 
 @pytest.fixture
 def server(mission: LiveMission) -> Iterator[ViewServer]:
-    with ViewServer(0, live_page("hall"), mission) as server:
-        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05})
-        thread.start()
+    with served(mission) as server:
         yield server
-        server.shutdown()
-        thread.join()
-
-
-def _taken(mission: LiveMission, viewer: Viewer) -> Update:
-    update = mission.take(viewer, _WAIT_S)
-    assert update is not None
-    return update
 
 
 def _post(server: ViewServer, body: str, headers: dict[str, str] | None = None) -> tuple[int, str]:
@@ -61,12 +49,12 @@ def _post(server: ViewServer, body: str, headers: dict[str, str] | None = None) 
 
 def test_first_update_contains_the_scene_and_further_ones_each_step(mission: LiveMission) -> None:
     viewer = mission.subscribe()
-    first = _taken(mission, viewer)
+    first = taken(mission, viewer)
     assert first.restarted
     assert len(first.scene.robots) == 2
     assert first.events[0].kind == "start"
     mission.execute(Step())
-    times_s = [frame.time_s for frame in _taken(mission, viewer).frames]
+    times_s = [frame.time_s for frame in taken(mission, viewer).frames]
     assert times_s[-1] == pytest.approx(first.frames[-1].time_s + 0.1)
 
 
@@ -76,7 +64,7 @@ def test_steps_are_those_of_the_same_mission_without_a_viewer(
     viewer = mission.subscribe()
     for _ in range(20):
         mission.execute(Step())
-    frames = _taken(mission, viewer).frames
+    frames = taken(mission, viewer).frames
     alone = Simulation(hall_scenario())
     alone.mission.start()
     for _ in range(21):
@@ -90,11 +78,11 @@ def test_commands_change_the_mission_and_a_restart_begins_it_again(mission: Live
     mission.execute(SetNoise(33.0))
     mission.execute(SetVictim("eve", (10.0, 5.0)))
     mission.execute(Step())
-    frame = _taken(mission, viewer).frames[-1]
+    frame = taken(mission, viewer).frames[-1]
     assert frame.noise_db == 33.0
     assert frame.victims[-1].name == "eve"
     mission.execute(Restart(7))
-    again = _taken(mission, viewer)
+    again = taken(mission, viewer)
     assert again.restarted
     assert again.status["seed"] == 7
     assert len(again.frames[-1].victims) == 2
@@ -102,13 +90,13 @@ def test_commands_change_the_mission_and_a_restart_begins_it_again(mission: Live
 
 def test_changes_of_a_paused_mission_are_shown_before_the_next_step(mission: LiveMission) -> None:
     viewer = mission.subscribe()
-    first = _taken(mission, viewer).frames[-1]
+    first = taken(mission, viewer).frames[-1]
     mission.execute(SetVictim("eve", (10.0, 5.0)))
     mission.execute(SetNoise(33.0))
-    frame = _taken(mission, viewer).frames[-1]
+    frame = taken(mission, viewer).frames[-1]
     assert frame.time_s == first.time_s
     assert (frame.victims[-1].name, frame.noise_db) == ("eve", 33.0)
-    again = _taken(mission, mission.subscribe())
+    again = taken(mission, mission.subscribe())
     assert [one.time_s for one in again.frames] == [first.time_s]
 
 
