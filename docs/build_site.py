@@ -19,7 +19,7 @@ from sphinx.cmd.build import main as sphinx_build
 
 from robotteamsim.scenario import json_schema, load
 from robotteamsim.view.html import mission_page
-from robotteamsim.view.simulated import record_mission
+from robotteamsim.view.recorder import record_mission
 
 DOCS = Path(__file__).parent
 ROOT = DOCS.parent

@@ -13,8 +13,7 @@ from playwright.sync_api import Browser, sync_playwright
 
 from robotteamsim.scenario import load
 from robotteamsim.view.html import mission_page
-from robotteamsim.view.recorder import Recording
-from robotteamsim.view.simulated import record_mission
+from robotteamsim.view.recorder import Recording, record_mission
 
 IMAGES = Path(__file__).parent / "images"
 _FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]

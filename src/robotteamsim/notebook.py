@@ -30,10 +30,9 @@ from robotteamsim.scenario import Scenario, from_mapping, load
 from robotteamsim.scenario.overrides import Override
 from robotteamsim.simulation import Result
 from robotteamsim.view.from_bag import recording_of
-from robotteamsim.view.inline import HEIGHT_PX, player_frame
+from robotteamsim.view.html import HEIGHT_PX, player_frame
 from robotteamsim.view.plan_svg import plan_svg
-from robotteamsim.view.recorder import Recording
-from robotteamsim.view.simulated import record_mission
+from robotteamsim.view.recorder import Recording, record_mission
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -20,7 +20,7 @@ from robotteamsim.recording.idleness import IdlenessLog, patrols
 from robotteamsim.recording.results import FILE_NAME, EventList
 from robotteamsim.recording.table import print_result
 from robotteamsim.simulation import Observer, Simulation
-from robotteamsim.view.page_writer import PageWriter
+from robotteamsim.view.html import PageWriter
 
 ALLOW_CODE = "--allow-code"
 TRAJECTORIES = "trajectories"

@@ -146,7 +146,7 @@ def _is_bag(target: str) -> bool:
 
 def _recording(options: argparse.Namespace, target: str) -> Recording:
     """Read a bag, or simulate a scenario or the mission of a folder again."""
-    from robotteamsim.view.simulated import record_mission
+    from robotteamsim.view.recorder import record_mission
 
     if Path(target).is_dir():
         return _repeated(options, Path(target))
@@ -162,7 +162,7 @@ def _recording(options: argparse.Namespace, target: str) -> Recording:
 
 def _repeated(options: argparse.Namespace, folder: Path) -> Recording:
     """Simulate the mission of a folder again. Raises: RecordingError: the result is another one."""
-    from robotteamsim.view.simulated import repeat_mission
+    from robotteamsim.view.recorder import repeat_mission
 
     path = folder / FILE_NAME
     try:

@@ -19,7 +19,7 @@ from robotteamsim.recording.topics.radio import NETWORK_STATE, VOICE_MAP
 from robotteamsim.recording.topics.robots import SCAN
 from robotteamsim.recording.topics.world import DOORS, FIRE, PEOPLE, SMOKE, TEMPERATURE
 from robotteamsim.scenario.plan import OccupancyGrid
-from robotteamsim.view.frame import Link, enclosed_of, links_of
+from robotteamsim.view.frame import Link, enclosed_of, finite_ranges, links_of
 
 _MOST_DB, _MOST_M, _MOST_RAD, _MOST_C = 1e3, 1e6, 1e2, 1e4
 """Larger numbers are not measurements, but damage."""
@@ -142,9 +142,8 @@ def _scan(message: Any) -> Scan:
     if not 0.0 <= highest_m <= _MOST_M:
         raise ValueError(f"range_max {highest_m:g} m; expected 0 to {_MOST_M:g}")
     _finite([message.angle_min, message.angle_increment], "angles", _MOST_RAD)
-    ranges_m = np.nan_to_num(np.asarray(message.ranges, dtype=np.float64), nan=highest_m, posinf=highest_m, neginf=0.0)
-    angles_rad = float(message.angle_min), float(message.angle_increment)
-    return Scan(np.clip(ranges_m, 0.0, highest_m).tolist(), *angles_rad, highest_m)
+    ranges_m = finite_ranges(np.clip(message.ranges, 0.0, highest_m), highest_m)
+    return Scan(ranges_m, float(message.angle_min), float(message.angle_increment), highest_m)
 
 
 def _finite(values: Any, name: str, most: float) -> np.ndarray:

@@ -10,9 +10,8 @@ from robotteamsim.analysis.report.samples import cell_name, cell_scenario
 from robotteamsim.campaign import Outcome, StoredCampaign
 from robotteamsim.control import foreign_code
 from robotteamsim.errors import RecordingError, RobotTeamSimError
-from robotteamsim.view.inline import player_frame
-from robotteamsim.view.recorder import Recording
-from robotteamsim.view.simulated import repeat_mission
+from robotteamsim.view.html import player_frame
+from robotteamsim.view.recorder import Recording, repeat_mission
 
 RULE = (
     "Missions are ordered by victims saved, then by areas explored, then by duration (shorter is better). Shown are "

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from typing import Literal, Protocol
+from typing import Any, Literal
 
 import msgspec
 import numpy as np
@@ -11,8 +11,7 @@ import numpy as np
 from robotteamsim.interface import OUTSIDE
 from robotteamsim.mission.events import AnyEvent
 from robotteamsim.scenario.sections import Victim
-from robotteamsim.simulation import StepRecord
-from robotteamsim.world.contract import AnyWorld
+from robotteamsim.simulation import Simulation, StepRecord
 
 Pose = tuple[float, float, float]
 """x, y [m], yaw [rad] in `map`."""
@@ -32,7 +31,7 @@ Gait = Literal["lies", "walks", "flees"]
 
 
 class VictimShape(msgspec.Struct, frozen=True):
-    """A victim: where they are [m], their state, and how they move."""
+    """A victim: where they are [m], their state (`fleeing` if they flee and are not found), and how they move."""
 
     name: str
     position_m: tuple[float, float]
@@ -78,43 +77,60 @@ class Frame(msgspec.Struct, frozen=True):
     scans_m: tuple[list[float], ...] = ()
 
 
-def frame_of(record: StepRecord, world: AnyWorld, *, with_scans: bool, fallen: Collection[str] = frozenset()) -> Frame:
-    """Return the frame of a step. Args: world: just after that step, for its objects.  fallen: as `victim_shapes`."""
+def frame_of(
+    record: StepRecord, simulation: Simulation, *, with_scans: bool, fallen: Collection[str] = frozenset()
+) -> Frame:
+    """Return the frame of a step, with what was changed since then if no other step was made.
+
+    Args: fallen: names of the victims who have collapsed.
+    """
     scans = [finite_ranges(reading.ranges_m, FAR_M) for reading in record.readings] if with_scans else []
     poses = []
     for robot_id, reading in enumerate(record.readings):
         pose = reading.true_pose
         poses.append((pose.x_m, pose.y_m, pose.yaw_rad) if record.is_there(robot_id) else None)
-    status = record.mission
+    world, mission = simulation.world, simulation.mission
+    status, enclosed = mission.status, enclosed_of(record.people)
     return Frame(
         time_s=record.sim_time_s,
         poses=tuple(poses),
         swarms=tuple(OUTSIDE if decision.excluded else decision.swarm for decision in record.decisions),
         links=links_of(record.network.adjacency, record.network.rssi_dbm),
         fiedler_value=record.network.fiedler_value,
-        doors=tuple(state.opening for state in record.doors.values()),
+        doors=tuple(state.opening for state in world.door_states().values()),
         objects=tuple((pose.x_m, pose.y_m, pose.yaw_rad) for pose in world.objects().values()),
-        victims=victim_shapes(record.victims, status.victims, fallen, enclosed_of(record.people)),
+        victims=tuple(
+            victim_shape(victim.name, victim.position, state, gait_of(victim), fallen, enclosed)
+            for victim, state in zip(mission.victims, status.victims, strict=True)
+        ),
         explored=status.explored,
         target=status.target_area,
         state=status.state,
-        noise_db=record.noise_db,
+        noise_db=mission.noise_db,
         endangered=status.endangered_links,
         scans_m=tuple(scans),
     )
 
 
-def victim_shapes(
-    victims: Sequence[Victim],
-    states: Sequence[str],
-    fallen: Collection[str] = frozenset(),
-    enclosed: Collection[str] = frozenset(),
-) -> tuple[VictimShape, ...]:
-    """Return victims with their states. Args: fallen, enclosed: as `gait_now`."""
-    return tuple(
-        VictimShape(v.name, v.position, state, gait_now(v.name, gait_of(v), fallen, enclosed))
-        for v, state in zip(victims, states, strict=True)
-    )
+def victim_shape(
+    name: str,
+    position_m: tuple[float, float],
+    state: str,
+    gait: Gait,
+    fallen: Collection[str],
+    enclosed: Collection[str],
+) -> VictimShape:
+    """Return a victim as shown.
+
+    Args: gait: at the start.  fallen: names of those who have collapsed.  enclosed: of those who wait,
+          for no path to an exit is open.
+    """
+    if name in fallen:
+        gait = "lies"
+    elif gait == "flees" and name in enclosed:
+        gait = "walks"
+    is_fleeing = gait == "flees" and state in ("waiting", "heard")
+    return VictimShape(name, position_m, "fleeing" if is_fleeing else state, gait)
 
 
 def gait_of(victim: Victim) -> Gait:
@@ -124,42 +140,23 @@ def gait_of(victim: Victim) -> Gait:
     return "walks" if victim.can_walk or victim.walks else "lies"
 
 
-def gait_now(name: str, gait: Gait, fallen: Collection[str], enclosed: Collection[str]) -> Gait:
-    """Return how a victim moves who moved otherwise at the start.
-
-    Args: fallen: names of those who have collapsed.  enclosed: of those who wait, for no path to an
-          exit is open.
-    """
-    if name in fallen:
-        return "lies"
-    return "walks" if gait == "flees" and name in enclosed else gait
-
-
 def fallen_of(events: Iterable[AnyEvent]) -> frozenset[str]:
     """Return the names of the victims who collapse in these events."""
     return frozenset(event.subject for event in events if event.kind == "victim_collapsed")
 
 
-class MovingPerson(Protocol):
-    """A person of the world, or of a message on /world/people."""
+def enclosed_of(people: Iterable[Any]) -> frozenset[str]:
+    """Return the names of the people for whom no path to an exit is open.
 
-    @property
-    def name(self) -> str:
-        """That of the victim."""
-
-    @property
-    def motion(self) -> str:
-        """As in `PersonState`."""
-
-
-def enclosed_of(people: Iterable[MovingPerson]) -> frozenset[str]:
-    """Return the names of the people for whom no path to an exit is open."""
+    Args: people: each a `PersonState`, or of a message on /world/people.
+    """
     return frozenset(person.name for person in people if person.motion == "enclosed")
 
 
 def finite_ranges(ranges_m: np.ndarray, far_m: float) -> list[float]:
-    """Return ranges in which inf, no return, is `far_m` [m], and -inf, too near, is 0."""
-    ranges: list[float] = np.nan_to_num(ranges_m, nan=far_m, posinf=far_m, neginf=0.0).tolist()
+    """Return ranges to 5 cm, in which inf, no return, is `far_m` [m], and -inf, too near, is 0."""
+    known_m = np.nan_to_num(np.asarray(ranges_m, dtype=np.float64), nan=far_m, posinf=far_m, neginf=0.0)
+    ranges: list[float] = (np.rint(20.0 * known_m) / 20.0).tolist()
     return ranges
 
 

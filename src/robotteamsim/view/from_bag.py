@@ -9,16 +9,16 @@ import msgspec
 import numpy as np
 
 from robotteamsim.analysis.runs.reading import read_run
-from robotteamsim.analysis.runs.recorded_run import RecordedRobot, RecordedRun, RecordedStatus
+from robotteamsim.analysis.runs.recorded_run import Flags, RecordedRobot, RecordedRun, RecordedStatus
 from robotteamsim.errors import RecordingError
 from robotteamsim.interface import OUTSIDE
+from robotteamsim.recording.topics.radio import VOICE_MAP
 from robotteamsim.recording.topics.world import FIRE, SMOKE
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.view.bag_layers import BagLayers, Timeline, read_layers
-from robotteamsim.view.frame import Frame, Link, Pose, VictimShape, fallen_of, gait_now, gait_of, links_of, shown_events
-from robotteamsim.view.hazard_layers import HazardMaps, fire_map, smoke_map
-from robotteamsim.view.layer_map import layer_map
+from robotteamsim.view.frame import Frame, Link, Pose, fallen_of, gait_of, links_of, shown_events, victim_shape
+from robotteamsim.view.layers import SMOKE_S, field_layer, fire_layer, keep_map, smoke_layer
 from robotteamsim.view.recorder import FRAME_S, MOST_SCANNED, SCAN_S, Recording
 from robotteamsim.view.scene import Scene, scene_of_run
 from robotteamsim.world.doors import DoorStates
@@ -46,20 +46,19 @@ def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | N
             f"{_LONGEST_S:.0f} s, and stamps of one clock"
         )
     layers = read_layers(paths, [robot.name for robot in run.robots] if len(run.robots) <= MOST_SCANNED else [])
-    fire = scenario.fire if scenario is not None else None
-    hazards = _hazards(layers, run.start_ns, (fire or Fire()).heat.block_c)
     scene = _with_lasers(scene_of_run(run, scenario), layers)
-    events = []
+    found = Recording(scene, run.name, _frames(run, layers, scene, scenario))
     for stamp_ns, event in run.events:
-        events += shown_events([event], (stamp_ns - run.start_ns) / 1e9)
-    return Recording(
-        scene=msgspec.structs.replace(scene, has_fire=bool(hazards.fire or hazards.smoke)),
-        title=run.name,
-        frames=_frames(run, layers, scene, scenario),
-        events=events,
-        voice=[layer_map((stamp_ns - run.start_ns) / 1e9, found) for stamp_ns, found in layers.voice.samples],
-        hazards=hazards,
-    )
+        found.events += shown_events([event], (stamp_ns - run.start_ns) / 1e9)
+    for stamp_ns, levels in layers.voice.samples:
+        found.voice.append(field_layer((stamp_ns - run.start_ns) / 1e9, levels, 0.0))
+    fire = scenario.fire if scenario is not None else None
+    _add_hazards(found, layers, run.start_ns, (fire or Fire()).heat.block_c)
+    for topic, maps in ((VOICE_MAP, found.voice), (FIRE, found.fire), (SMOKE, found.smoke)):
+        if len({(one.values.shape, one.origin_m, one.cell_m) for one in maps}) > 1:
+            raise RecordingError(f"{topic.name}: maps of different sizes or places; expected one floor")
+    found.scene = msgspec.structs.replace(scene, has_fire=bool(found.fire or found.smoke))
+    return found
 
 
 def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenario | None) -> list[Frame]:
@@ -67,6 +66,7 @@ def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenari
     statuses = Timeline((status.stamp_ns, status) for status in run.statuses)
     victims = Timeline(run.victims)
     gaits = {victim.name: gait_of(victim) for victim in scenario.mission.victims} if scenario else {}
+    excluded = [_timeline(robot.excluded) for robot in run.robots]
     fallen_ns = _fallen_ns(run)
     doors = DoorStates.at_start(scenario.plan) if scenario else {}
     places = {robot.robot_id: place for place, robot in enumerate(run.robots) if robot.robot_id is not None}
@@ -84,14 +84,12 @@ def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenari
             Frame(
                 time_s=(stamp_ns - run.start_ns) / 1e9,
                 poses=tuple(_pose(robot, stamp_ns) for robot in run.robots),
-                swarms=tuple(OUTSIDE if _is_excluded(robot, stamp_ns) else 0 for robot in run.robots),
+                swarms=tuple(OUTSIDE if flags.at(stamp_ns, False) else 0 for flags in excluded),
                 links=_among(places, layers.links.at(stamp_ns, links)),
                 fiedler_value=fiedler_value,
                 doors=tuple(openings.get(name, state.opening) for name, state in doors.items()),
                 victims=tuple(
-                    VictimShape(
-                        v.name, v.position_m, v.state, gait_now(v.name, gaits.get(v.name, "lies"), fallen, enclosed)
-                    )
+                    victim_shape(v.name, v.position_m, v.state, gaits.get(v.name, "lies"), fallen, enclosed)
                     for v in victims.at(stamp_ns, ())
                 ),
                 explored=status.explored,
@@ -110,25 +108,19 @@ _BEFORE_MISSION = RecordedStatus(
 )
 
 
-def _hazards(layers: BagLayers, start_ns: int, block_c: float) -> HazardMaps:
-    """Return the maps of fire and smoke. Args: block_c: from this temperature on, cells are hot [degC].
-
-    Raises: RecordingError: the floor changes.
-    """
-    for topic, line in ((FIRE.name, layers.fire), (SMOKE.name, layers.smoke)):
-        if len({(grid.cells.shape, grid.origin_m, grid.resolution_m) for _, grid in line.samples}) > 1:
-            raise RecordingError(f"{topic}: maps of different sizes or places; expected one floor")
-    found = HazardMaps()
+def _add_hazards(found: Recording, layers: BagLayers, start_ns: int, block_c: float) -> None:
+    """Add the maps of fire and smoke. Args: block_c: from this temperature on, cells are hot [degC]."""
     temperatures = dict(layers.temperatures.samples)
     for stamp_ns, grid in layers.fire.samples:
-        time_s, heat = (stamp_ns - start_ns) / 1e9, temperatures.get(stamp_ns)
+        heat = temperatures.get(stamp_ns)
         is_hot = np.zeros(grid.cells.shape, dtype=bool)
         if heat is not None and heat.values.shape == is_hot.shape:
             is_hot = heat.values >= block_c
-        found.add_fire(fire_map(time_s, grid.origin_m, grid.resolution_m, grid.cells, is_hot))
+        time_s = (stamp_ns - start_ns) / 1e9
+        keep_map(found.fire, fire_layer(time_s, grid.origin_m, grid.resolution_m, grid.cells, is_hot))
     for stamp_ns, grid in layers.smoke.samples:
-        found.add_smoke(smoke_map((stamp_ns - start_ns) / 1e9, grid.origin_m, grid.resolution_m, grid.cells))
-    return found
+        time_s = (stamp_ns - start_ns) / 1e9
+        keep_map(found.smoke, smoke_layer(time_s, grid.origin_m, grid.resolution_m, grid.cells), SMOKE_S)
 
 
 def _with_lasers(scene: Scene, layers: BagLayers) -> Scene:
@@ -177,12 +169,8 @@ def _pose(robot: RecordedRobot, stamp_ns: int) -> Pose | None:
     return x_m, y_m, yaw_rad
 
 
-def _is_excluded(robot: RecordedRobot, stamp_ns: int) -> bool:
-    flags = robot.excluded
-    if flags is None:
-        return False
-    index = int(np.searchsorted(flags.stamps_ns, stamp_ns, side="right")) - 1
-    return index >= 0 and bool(flags.values[index])
+def _timeline(flags: Flags | None) -> Timeline[bool]:
+    return Timeline(() if flags is None else zip(flags.stamps_ns.tolist(), flags.values.tolist(), strict=True))
 
 
 def _network(run: RecordedRun, stamp_ns: int) -> tuple[tuple[Link, ...], float]:

@@ -1,4 +1,4 @@
-"""The viewer's page: as one self-contained file, or in parts for a server."""
+"""The viewer's page: as one self-contained file, within another page, or in parts for a server."""
 
 from __future__ import annotations
 
@@ -10,12 +10,17 @@ from pathlib import Path
 from string import Template
 
 from robotteamsim import palette
-from robotteamsim.view.columns import packed
-from robotteamsim.view.recorder import Recording
+from robotteamsim.recording.files import check_replaceable, write_atomically
+from robotteamsim.setup import Setup
+from robotteamsim.simulation import Result, Simulation
+from robotteamsim.view.document import packed
+from robotteamsim.view.recorder import FrameRecorder, Recording
 
 PAGE = Path(__file__).parent / "page"
 MODULES = tuple(sorted(path.stem for path in PAGE.glob("*.js") if path.stem != "three.min"))
 """The viewer's own JavaScript modules; one imports another as viewer/<name>."""
+
+HEIGHT_PX = 600
 
 
 def mission_page(recordings: Sequence[Recording], title: str, *, compare: bool = False) -> str:
@@ -30,10 +35,33 @@ def mission_page(recordings: Sequence[Recording], title: str, *, compare: bool =
     return _page(title, modules, data)
 
 
+def player_frame(recordings: Sequence[Recording], title: str, height_px: int = HEIGHT_PX) -> str:
+    """Return an iframe that contains the whole player; several missions get a selector."""
+    page = html.escape(mission_page(recordings, title))
+    style = f"width:100%;height:{height_px}px;border:0;border-radius:8px"
+    return f'<iframe srcdoc="{page}" title="{html.escape(title)}" style="{style}" loading="lazy"></iframe>'
+
+
 def live_page(title: str) -> str:
     """Return the page of a live mission, whose modules the server provides under /page/."""
     modules = {"three": "/page/three.min.js"} | {f"viewer/{name}": f"/page/{name}.js" for name in MODULES}
     return _page(title, modules, "")
+
+
+class PageWriter(FrameRecorder):
+    """Records a simulation, and writes the page that plays it when the mission has ended, completely or not at all."""
+
+    def __init__(self, path: Path, simulation: Simulation) -> None:
+        super().__init__(simulation)
+        self._path = path
+
+    def begin(self, setup: Setup) -> None:
+        """Raises: RecordingError: the file cannot be written."""
+        check_replaceable(self._path)
+
+    def end(self, result: Result) -> None:
+        """Write the page. Raises: RecordingError."""
+        write_atomically(self._path, mission_page([self.recording], self.recording.title))
 
 
 def _page(title: str, modules: dict[str, str], data: str) -> str:

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import queue
 import threading
 import time
-from collections.abc import Callable, Collection, Mapping
-from concurrent.futures import Future
+from collections.abc import Callable
 from typing import Annotated, Any
 
 import msgspec
@@ -14,10 +12,9 @@ import msgspec
 from robotteamsim.hazards import HazardField
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Simulation, StepRecord
-from robotteamsim.view.columns import header, map_document
-from robotteamsim.view.frame import Frame, ShownEvent, enclosed_of, fallen_of, frame_of, shown_events, victim_shapes
-from robotteamsim.view.hazard_layers import fire_layer, smoke_layer
-from robotteamsim.view.layer_map import LayerMap, layer_map
+from robotteamsim.view.document import film, header
+from robotteamsim.view.frame import Frame, ShownEvent, fallen_of, frame_of, shown_events
+from robotteamsim.view.layers import LayerMap, field_layer, hazard_layers
 from robotteamsim.view.recorder import RadioCoverage, Recording
 from robotteamsim.view.scene import scene_of
 
@@ -26,6 +23,9 @@ _FRAME_WALL_S = 1.0 / 15.0
 
 _RADIO_SIM_S = 1.0
 """Simulated time between maps of the radio coverage [s]."""
+
+_BREAK_S = 1e-4
+"""Least time between the steps of two frames, in which commands are executed [s]."""
 
 FIRST_LAYERS = frozenset(("fire", "smoke"))
 """Those that a new viewer shows."""
@@ -88,88 +88,40 @@ class SetLayers(Command, tag="set_layers"):
     layers: list[str]
 
 
-class Watched(Command):
-    """The mission begins with its first viewer; not for viewers to ask."""
-
-
 AnyCommand = Play | Pause | Step | SetSpeed | Restart | SetNoise | SetDoor | SetVictim | SetLayers
 
 
 class Update(msgspec.Struct):
     """What a viewer receives: what has happened since the last update.
 
-    restarted: a mission has begun, or this viewer is new; then title, scene and palette are set.
-    frames:    those that are new, in order.
+    frames:    those that are new, in order; the first one replaces a frame of the same time.
     layers:    maps that have changed, by name.
     viewer:    the number of this viewer, for SetLayers.
+    restarted: a mission has begun, or this viewer is new; then title, scene and palette are set.
     """
 
     status: dict[str, Any]
     events: list[ShownEvent]
     frames: list[Frame]
-    layers: dict[str, dict[str, Any]]
+    layers: dict[str, dict[str, Any] | None]
+    viewer: int
     restarted: bool = False
     title: str = ""
     scene: Any = None
     palette: Any = None
-    viewer: int = 0
 
 
-class Subscription:
-    """Updates for one viewer; what it has not fetched yet is merged.
+class Viewer:
+    """One who watches a mission: the layers that they show, and what they have received of it.
 
-    viewer: its number.  layers: those that it shows.
+    missions, frames, events: how many.  maps: the version of each layer.
     """
 
-    def __init__(self, viewer: int, first: Update) -> None:
-        self.viewer = viewer
+    def __init__(self, number: int) -> None:
+        self.number = number
         self.layers = FIRST_LAYERS
-        self._sent: set[str] = set()  # names of the maps that this viewer has
-        self._pending: Update | None = None
-        self._changed = threading.Condition()
-        self.send(first, {}, ())
-
-    def send(self, update: Update, maps: Mapping[str, LayerMap], changed: Collection[str]) -> None:
-        """Add an update, with those maps that this viewer shows and does not have, and with scans if it shows them.
-
-        Args: changed: names of the maps that differ from those of the last call.
-        """
-        if update.restarted:
-            self._sent = set()
-        new = [name for name in maps if name in self.layers and (name in changed or name not in self._sent)]
-        self._sent.update(new)
-        frames = update.frames
-        if "laser" not in self.layers:
-            frames = [msgspec.structs.replace(frame, scans_m=()) if frame.scans_m else frame for frame in frames]
-        layers = {name: map_document(name, maps[name]) for name in new}
-        self.put(msgspec.structs.replace(update, frames=frames, layers=layers, viewer=self.viewer))
-
-    def show(self, layers: frozenset[str]) -> None:
-        """Choose the layers; maps of those that were hidden are sent again."""
-        self.layers = layers
-        self._sent &= layers
-
-    def put(self, update: Update) -> None:
-        """Add an update to those that wait."""
-        with self._changed:
-            waiting = self._pending
-            if waiting is not None and not update.restarted:
-                update = msgspec.structs.replace(
-                    waiting,
-                    status=update.status,
-                    events=[*waiting.events, *update.events],
-                    frames=[*waiting.frames, *update.frames],
-                    layers=waiting.layers | update.layers,
-                )
-            self._pending = update
-            self._changed.notify()
-
-    def take(self, timeout_s: float) -> Update | None:
-        """Return what has happened since the last call; None if nothing happens before the timeout."""
-        with self._changed:
-            self._changed.wait_for(lambda: self._pending is not None, timeout_s)
-            update, self._pending = self._pending, None
-            return update
+        self.missions = self.frames = self.events = self.version = 0
+        self.maps: dict[str, int] = {}
 
 
 class LiveMission:
@@ -181,13 +133,16 @@ class LiveMission:
         Raises: RobotTeamSimError: the scenario cannot be simulated.
         """
         self._load, self._speed, self._playing = load, speed, playing
-        self._commands: queue.SimpleQueue[tuple[Command, Future[None]] | None] = queue.SimpleQueue()
-        self._subscriptions: list[Subscription] = []
-        self._viewers = 0
-        self._lock = threading.Lock()
-        self._was_watched = False
+        self._viewers: list[Viewer] = []
+        self._num_viewers = 0
+        """All that ever watched; the mission begins with the first."""
+        self._changed = threading.Condition()
+        """Held by the thread that uses what follows, except while a page waits for a version or a step for its time."""
+        self._version = self._missions = 0
+        self._is_closed = False
         self._error = ""
-        self._begin(None)
+        with self._changed:
+            self._begin(None)
         self._thread = threading.Thread(target=self._run, daemon=True, name="mission")
 
     def start(self) -> None:
@@ -196,28 +151,58 @@ class LiveMission:
 
     def close(self) -> None:
         """End the thread."""
-        self._commands.put(None)
+        with self._changed:
+            self._is_closed = True
+            self._changed.notify_all()
         self._thread.join()
 
     def execute(self, command: AnyCommand) -> None:
         """Execute a command between two steps. Raises: RobotTeamSimError, ValueError: it is not possible."""
-        done: Future[None] = Future()
-        self._commands.put((command, done))
-        done.result(timeout=30.0)
+        with self._changed:
+            self._execute(command)
+            self._publish()
 
-    def subscribe(self) -> Subscription:
-        """Return the updates of a new viewer, the first of which contains the scene."""
-        with self._lock:
-            self._viewers += 1
-            subscription = Subscription(self._viewers, self._first_update())
-            self._subscriptions.append(subscription)
-        self._commands.put((Watched(), Future()))
-        return subscription
+    def subscribe(self) -> Viewer:
+        """Return a new viewer."""
+        with self._changed:
+            self._num_viewers += 1
+            self._viewers.append(Viewer(self._num_viewers))
+            self._changed.notify_all()
+            return self._viewers[-1]
 
-    def unsubscribe(self, subscription: Subscription) -> None:
+    def unsubscribe(self, viewer: Viewer) -> None:
         """End the updates of a viewer."""
-        with self._lock:
-            self._subscriptions.remove(subscription)
+        with self._changed:
+            self._viewers.remove(viewer)
+
+    def take(self, viewer: Viewer, timeout_s: float) -> Update | None:
+        """Return what has happened since the last call; None if nothing happens before the timeout.
+
+        The first update of a viewer contains the scene.
+        """
+        with self._changed:
+            if not self._changed.wait_for(lambda: viewer.version != self._version, timeout_s):
+                return None
+            viewer.version = self._version
+            return self._update(viewer)
+
+    def _update(self, viewer: Viewer) -> Update:
+        is_new = viewer.missions != self._missions
+        if is_new:
+            viewer.missions, viewer.frames, viewer.events, viewer.maps = self._missions, 0, 0, {}
+        # A command may have changed the last frame that the viewer has.
+        frames = self._frames[max(viewer.frames - 1, 0) :]
+        if "laser" not in viewer.layers:
+            frames[-1] = msgspec.structs.replace(frames[-1], scans_m=())
+        events = self._events[viewer.events :]
+        viewer.frames, viewer.events = len(self._frames), len(self._events)
+        layers = {}
+        for name, (version, document) in self._maps.items():
+            if name in viewer.layers and viewer.maps.get(name) != version:
+                viewer.maps[name] = version
+                layers[name] = document
+        scene = self._header if is_new else {}
+        return Update(self._status(), events, frames, layers, viewer.number, restarted=is_new, **scene)
 
     def _begin(self, seed: int | None) -> None:
         scenario = self._load(seed)
@@ -227,55 +212,47 @@ class LiveMission:
         self._simulation, self._coverage = simulation, RadioCoverage(scenario)
         recording = Recording(scene_of(simulation.setup), f"{scenario.name}, seed {scenario.run.seed}")
         self._header = header(recording)
+        self._missions += 1
         self._events: list[ShownEvent] = []
         self._fallen: frozenset[str] = frozenset()
-        self._record = simulation.step()
-        self._frames = [self._frame_of(self._record)]
-        """Those that were sent."""
-        self._maps: dict[str, LayerMap] = {}
+        self._frames: list[Frame] = []
+        """Those that were published; only the last one may have scans."""
+        self._maps: dict[str, tuple[int, dict[str, Any] | None]] = {}
+        """The last map of each layer that somebody has shown, with its version."""
         self._hazards: HazardField | None = None
-        self._note(self._record)
-        self._sent_events, self._radio_s, self._voice_changes = len(self._events), -_RADIO_SIM_S, -1
+        self._radio_s, self._voice_version = -_RADIO_SIM_S, -1
+        self._note(simulation.step())
+        self._publish()
+
+    def _is_running(self) -> bool:
+        return self._playing and self._num_viewers > 0 and self._record.mission.state != "ended"
 
     def _run(self) -> None:
-        due_s = sent_s = time.perf_counter()
-        while True:
-            is_moving = self._playing and self._was_watched and self._record.mission.state != "ended"
-            wait_s = max(due_s - time.perf_counter(), 0.0) if is_moving else None
-            try:
-                wanted = self._commands.get(timeout=wait_s) if wait_s != 0.0 else self._commands.get_nowait()
-            except queue.Empty:
-                try:
-                    self._step()
-                except Exception as error:  # a mistake of the user, which concerns all robots
-                    self._playing, self._error = False, f"{type(error).__name__}: {error}"
-                    self._send()
+        due_s = frame_s = time.perf_counter()
+        with self._changed:
+            while not self._is_closed:
+                if not self._is_running():
+                    self._changed.wait()
+                    due_s = time.perf_counter()
                     continue
-                now_s = time.perf_counter()
-                due_s = max(due_s + self._simulation.scenario.run.step_s / self._speed, now_s - 0.1)
-                if now_s - sent_s >= _FRAME_WALL_S or self._record.mission.state == "ended":
-                    self._send()
-                    sent_s = now_s
-                continue
-            if wanted is None:
-                return
-            self._answer(*wanted)
-            due_s = time.perf_counter()
+                wanted_s = max(due_s, frame_s)
+                self._changed.wait(max(wanted_s - time.perf_counter(), _BREAK_S))
+                begin_s = time.perf_counter()
+                if begin_s < wanted_s:  # a command was executed
+                    continue
+                frame_s = begin_s + _FRAME_WALL_S
+                while self._is_running() and due_s <= time.perf_counter() < frame_s:
+                    due_s += self._simulation.scenario.run.step_s / self._speed
+                    try:
+                        self._step()
+                    except Exception as error:  # a mistake of the user, which concerns all robots
+                        self._playing, self._error = False, f"{type(error).__name__}: {error}"
+                due_s = max(due_s, begin_s)  # a machine that is too slow does not catch up
+                self._publish()
 
-    def _answer(self, command: Command, done: Future[None]) -> None:
-        try:
-            self._execute(command)
-        except Exception as error:  # the mission continues after any wrong command
-            done.set_exception(error)
-            return
-        self._send()
-        done.set_result(None)
-
-    def _execute(self, command: Command) -> None:
+    def _execute(self, command: AnyCommand) -> None:
         simulation = self._simulation
         match command:
-            case Watched():
-                self._was_watched = True
             case Play():
                 self._playing = True
             case Pause():
@@ -291,75 +268,51 @@ class LiveMission:
                 simulation.set_door(name, closed)
             case SetVictim(name, position_m):
                 simulation.set_victim(name, position_m)
-            case SetLayers(viewer, layers):
-                with self._lock:
-                    for subscription in self._subscriptions:
-                        if subscription.viewer == viewer:
-                            subscription.show(frozenset(layers))
+            case SetLayers(number, layers):
+                for viewer in self._viewers:
+                    if viewer.number == number:
+                        viewer.layers = frozenset(layers)
             case Restart(seed):
                 self._begin(seed)
-                with self._lock:
-                    for subscription in self._subscriptions:
-                        subscription.send(self._first_update(), {}, ())
 
     def _step(self) -> None:
-        if self._record.mission.state == "ended":
-            return
-        self._record = self._simulation.step()
-        self._note(self._record)
+        if self._record.mission.state != "ended":
+            self._note(self._simulation.step())
 
     def _note(self, record: StepRecord) -> None:
+        self._record = record
         self._events += shown_events(record.events, record.sim_time_s)
         self._fallen |= fallen_of(record.events)
         if record.hazards is not None:
             self._hazards = record.hazards
 
-    def _send(self) -> None:
-        """Send the latest frame, and the events and maps that are new, to all viewers."""
-        frame = self._frame_of(self._record)
-        if frame.time_s == self._frames[-1].time_s:
-            self._frames.pop()
-        self._frames.append(msgspec.structs.replace(frame, scans_m=()))
-        changed = self._update_maps()
-        update = Update(self._status(), self._events[self._sent_events :], [frame], {})
-        self._sent_events = len(self._events)
-        with self._lock:
-            for subscription in self._subscriptions:
-                subscription.send(update, self._maps, changed)
+    def _publish(self) -> None:
+        """Let all viewers take the latest frame, and the events and maps that are new."""
+        shown = frozenset[str]().union(*(viewer.layers for viewer in self._viewers))
+        frame = frame_of(self._record, self._simulation, with_scans="laser" in shown, fallen=self._fallen)
+        if self._frames:
+            last = self._frames.pop()
+            self._frames += [] if last.time_s == frame.time_s else [msgspec.structs.replace(last, scans_m=())]
+        self._frames.append(frame)
+        self._version += 1
+        for name, layer in self._new_maps(shown).items():
+            self._maps[name] = self._version, film([layer])
+        self._changed.notify_all()
 
-    def _frame_of(self, record: StepRecord) -> Frame:
-        """Return the frame of the last step, with what was changed by commands since then."""
-        world, mission = self._simulation.world, self._simulation.mission
-        frame = frame_of(record, world, with_scans="laser" in self._wanted())
-        return msgspec.structs.replace(
-            frame,
-            doors=tuple(state.opening for state in world.door_states().values()),
-            victims=victim_shapes(mission.victims, mission.status.victims, self._fallen, enclosed_of(record.people)),
-            noise_db=mission.noise_db,
-        )
-
-    def _wanted(self) -> frozenset[str]:
-        """Return the layers that any viewer shows."""
-        with self._lock:
-            return frozenset[str]().union(*(subscription.layers for subscription in self._subscriptions))
-
-    def _update_maps(self) -> Collection[str]:
-        """Compute the maps that somebody shows and that have changed; return their names."""
-        wanted, maps = self._wanted(), dict[str, LayerMap]()
+    def _new_maps(self, shown: frozenset[str]) -> dict[str, LayerMap]:
+        """Return the maps that somebody shows and that have changed, by name."""
+        maps: dict[str, LayerMap] = {}
         time_s, voice = self._record.sim_time_s, self._simulation.hearing.sensor
-        if "voice" in wanted and voice.version != self._voice_changes:
-            self._voice_changes = voice.version
-            maps["voice"] = layer_map(time_s, voice.map())
-        if "radio" in wanted and time_s - self._radio_s >= _RADIO_SIM_S:
+        if "voice" in shown and voice.version != self._voice_version:
+            self._voice_version = voice.version
+            maps["voice"] = field_layer(time_s, voice.map(), 0.0)
+        if "radio" in shown and time_s - self._radio_s >= _RADIO_SIM_S:
             self._radio_s = time_s
-            coverage = self._coverage.at(self._frames[-1])
-            maps |= {"radio": coverage[-1]} if coverage else {}
-        hazards = self._hazards
-        if hazards is not None and not wanted.isdisjoint(FIRST_LAYERS):
+            maps |= {"radio": coverage[0]} if (coverage := self._coverage.at(self._frames[-1])) else {}
+        if self._hazards is not None and not shown.isdisjoint(FIRST_LAYERS):
+            maps |= hazard_layers(time_s, self._hazards)
             self._hazards = None
-            maps |= {"fire": fire_layer(time_s, hazards), "smoke": smoke_layer(time_s, hazards)}
-        self._maps |= maps
-        return maps.keys()
+        return maps
 
     def _status(self) -> dict[str, Any]:
         return {
@@ -369,8 +322,3 @@ class LiveMission:
             "noise_db": self._simulation.mission.noise_db,
             "error": self._error,
         }
-
-    def _first_update(self) -> Update:
-        return Update(
-            self._status(), self._events[: self._sent_events], list(self._frames), {}, restarted=True, **self._header
-        )

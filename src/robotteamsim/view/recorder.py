@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from robotteamsim.errors import RecordingError
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.simulation import Observer, Simulation, StepRecord
+from robotteamsim.simulation import Observer, Result, Simulation, StepRecord
 from robotteamsim.view.frame import Frame, ShownEvent, fallen_of, frame_of, shown_events
-from robotteamsim.view.hazard_layers import HazardMaps, fire_layer, smoke_layer
-from robotteamsim.view.layer_map import MAX_CELLS, LayerMap, layer_map
+from robotteamsim.view.layers import LOWEST_DBM, MAX_CELLS, SMOKE_S, LayerMap, field_layer, hazard_layers, keep_map
 from robotteamsim.view.scene import Scene, scene_of
 
 FRAME_S = 0.2
@@ -29,7 +29,7 @@ _RADIO_CELL_M = 0.5
 
 @dataclass(slots=True)
 class Recording:
-    """Everything that a viewer shows of one mission; maps that are unknown are missing."""
+    """Everything that a viewer shows of one mission; a layer that is unknown has no maps."""
 
     scene: Scene
     title: str
@@ -37,14 +37,15 @@ class Recording:
     events: list[ShownEvent] = field(default_factory=list)
     voice: list[LayerMap] = field(default_factory=list)
     radio: list[LayerMap] = field(default_factory=list)
-    hazards: HazardMaps = field(default_factory=HazardMaps)
+    fire: list[LayerMap] = field(default_factory=list)
+    smoke: list[LayerMap] = field(default_factory=list)
 
 
 class FrameRecorder(Observer):
     """Observes a simulation and keeps its frames in `recording`."""
 
     def __init__(self, simulation: Simulation) -> None:
-        self._world = simulation.world
+        self._simulation = simulation
         self._coverage = RadioCoverage(simulation.scenario)
         scenario = simulation.scenario
         self._every = max(round(FRAME_S / scenario.run.step_s), 1)
@@ -60,15 +61,16 @@ class FrameRecorder(Observer):
         found, index = self.recording, record.step_index - 1
         found.events += shown_events(record.events, record.sim_time_s)
         if record.voice_map is not None:
-            found.voice.append(layer_map(record.sim_time_s, record.voice_map))
+            found.voice.append(field_layer(record.sim_time_s, record.voice_map, 0.0))
         if record.hazards is not None:
-            found.hazards.add_fire(fire_layer(record.sim_time_s, record.hazards))
-            found.hazards.add_smoke(smoke_layer(record.sim_time_s, record.hazards))
+            maps = hazard_layers(record.sim_time_s, record.hazards)
+            keep_map(found.fire, maps["fire"])
+            keep_map(found.smoke, maps["smoke"], SMOKE_S)
         self._fallen |= fallen_of(record.events)
         if index % self._every and record.mission.state != "ended":
             return
         with_scans = self._has_scans and index % self._every_scan == 0
-        frame = frame_of(record, self._world, with_scans=with_scans, fallen=self._fallen)
+        frame = frame_of(record, self._simulation, with_scans=with_scans, fallen=self._fallen)
         found.frames.append(frame)
         if index % self._every_radio == 0:
             found.radio += self._coverage.at(frame)
@@ -90,4 +92,26 @@ class RadioCoverage:
         places = [pose[:2] for pose in frame.poses if pose is not None]
         if not places:
             return []
-        return [layer_map(frame.time_s, self._field.best_rssi_map_dbm(places, self._cell_m))]
+        return [field_layer(frame.time_s, self._field.best_rssi_map_dbm(places, self._cell_m), LOWEST_DBM)]
+
+
+def record_mission(scenario: Scenario) -> tuple[Recording, Result]:
+    """Simulate a mission; return its recording and its result."""
+    simulation = Simulation(scenario)
+    recorder = FrameRecorder(simulation)
+    return recorder.recording, simulation.run([recorder])
+
+
+def repeat_mission(scenario: Scenario, trajectory_hash: str, place: str) -> Recording:
+    """Simulate a mission again and return its recording.
+
+    Args:   trajectory_hash: of the first time. place: where it is stored, for the error.
+    Raises: RecordingError: the trajectories differ.
+    """
+    recording, result = record_mission(scenario)
+    if result.trajectory_hash != trajectory_hash:
+        raise RecordingError(
+            f"{place}: this version computes another mission (trajectory hash {result.trajectory_hash[:8]}.. instead "
+            f"of {trajectory_hash[:8]}..), so it cannot be shown; a bag of it can"
+        )
+    return recording

@@ -98,17 +98,17 @@ class _Handler(BaseHTTPRequestHandler):
         self.send_header("Content-Type", "text/event-stream")
         self.send_header("Cache-Control", "no-store")
         self.end_headers()
-        subscription = mission.subscribe()
+        viewer = mission.subscribe()
         try:
             while True:
-                update = subscription.take(_KEEP_ALIVE_S)
+                update = mission.take(viewer, _KEEP_ALIVE_S)
                 # A comment finds out whether the browser is still there.
                 data = b": \n\n" if update is None else b"data: " + msgspec.json.encode(update) + b"\n\n"
                 self.wfile.write(data)
         except OSError:
             return
         finally:
-            mission.unsubscribe(subscription)
+            mission.unsubscribe(viewer)
 
     def _reply(self, status: HTTPStatus, body: bytes, kind: str) -> None:
         self.send_response(status)

@@ -7,8 +7,7 @@ from collections.abc import Callable
 import pytest
 
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.view.recorder import Recording
-from robotteamsim.view.simulated import record_mission
+from robotteamsim.view.recorder import Recording, record_mission
 
 
 @pytest.fixture

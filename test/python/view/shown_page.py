@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -9,8 +10,10 @@ from typing import Any
 
 from playwright.sync_api import Browser, Page
 
-from robotteamsim.view.html import mission_page
+from robotteamsim.view.html import live_page, mission_page
+from robotteamsim.view.live import LiveMission, Update, Viewer
 from robotteamsim.view.recorder import Recording
+from robotteamsim.view.server import ViewServer
 
 READY_MS = 120_000
 
@@ -65,3 +68,21 @@ def seek(page: Page, time_s: float) -> dict[str, Any]:
     """Move the slider to a time, and return the numbers of the first view once it is drawn."""
     found: dict[str, Any] = page.evaluate(_SEEK, time_s)
     return found
+
+
+@contextmanager
+def served(mission: LiveMission) -> Iterator[ViewServer]:
+    """Serve the page of a live mission, which has been started."""
+    with ViewServer(0, live_page("hall"), mission) as server:
+        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05})
+        thread.start()
+        yield server
+        server.shutdown()
+        thread.join()
+
+
+def taken(mission: LiveMission, viewer: Viewer) -> Update:
+    """Return the next update of a viewer."""
+    update = mission.take(viewer, 60.0)
+    assert update is not None
+    return update

@@ -6,7 +6,6 @@ import base64
 import dataclasses
 import itertools
 import json
-import math
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -26,7 +25,7 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import Mission
 from robotteamsim.simulation import Observer, Simulation
-from robotteamsim.view.columns import NO_LINK, packed
+from robotteamsim.view.document import LINK, packed
 from robotteamsim.view.frame import FAR_M, finite_ranges
 from robotteamsim.view.from_bag import recording_of, recording_of_bag
 from robotteamsim.view.recorder import FRAME_S, FrameRecorder, Recording
@@ -38,34 +37,25 @@ def _unpacked(recording: Recording) -> dict[str, Any]:
     return found
 
 
-def _at(changes: list[Any], index: int) -> Any:
-    return [value for first, value in changes if first <= index][-1]
+def test_poses_and_states_are_kept_to_a_hundredth(recording: Recording) -> None:
+    known: dict[str, Any] = {}
+    for frame, row in zip(recording.frames, _unpacked(recording)["frames"], strict=True):
+        known |= row
+        assert known["time_s"] == pytest.approx(frame.time_s)
+        for pose, kept in zip(frame.poses, known["poses"], strict=True):
+            assert kept == pytest.approx(pose, abs=0.00501)
+        assert [victim["state"] for victim in known["victims"]] == [victim.state for victim in frame.victims]
+        assert known["explored"] == list(frame.explored)
 
 
-def test_poses_are_kept_to_half_a_centimetre_and_half_a_hundredth_of_a_radian(recording: Recording) -> None:
-    document = _unpacked(recording)
-    for robot, track in enumerate(document["robots"]):
-        x, y, yaw = (list(itertools.accumulate(track[key])) for key in ("x", "y", "yaw"))
-        for index, frame in enumerate(recording.frames):
-            pose = frame.poses[robot]
-            assert pose is not None
-            assert (x[index] / 100, y[index] / 100) == pytest.approx(pose[:2], abs=0.00501)
-            assert abs(math.remainder(yaw[index] / 100 - pose[2], math.tau)) < 0.00501
-
-
-def test_links_and_states_are_kept_exactly(recording: Recording) -> None:
-    document = _unpacked(recording)
-    for index, frame in enumerate(recording.frames):
-        links = []
-        for first, second, indices, signals in document["links"]:
-            changes = zip(itertools.accumulate(indices), itertools.accumulate(signals), strict=True)
-            signal = ([NO_LINK] + [value for since, value in changes if since <= index])[-1]
-            links += [(first, second, signal)] if signal != NO_LINK else []
+def test_links_are_kept_exactly(recording: Recording) -> None:
+    film = _unpacked(recording)["links"]
+    signals = np.zeros(film["rows"] * film["columns"], dtype=int)
+    for frame, cells, changes in zip(recording.frames, film["cells"], film["changes"], strict=True):
+        signals[np.cumsum(cells, dtype=int)] += np.array(changes, dtype=int)
+        pairs = (divmod(int(pair), film["columns"]) for pair in np.flatnonzero(signals))
+        links = [(*pair, int(signal) - LINK) for pair, signal in zip(pairs, signals[signals != 0], strict=True)]
         assert links == sorted(frame.links)
-        assert [victim["state"] for victim in _at(document["changes"]["victims"], index)] == [
-            victim.state for victim in frame.victims
-        ]
-        assert _at(document["changes"]["explored"], index) == list(frame.explored)
 
 
 def test_frames_are_regular_and_end_with_the_mission(recording: Recording) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import threading
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -12,7 +11,7 @@ import numpy as np
 import pytest
 from playwright.sync_api import Browser
 from rosbags.rosbag1 import Reader, Writer
-from shown_page import opened, seek, shown
+from shown_page import opened, seek, served, shown, taken
 
 from robotteamsim.errors import RecordingError
 from robotteamsim.hazards import BURNING
@@ -23,8 +22,7 @@ from robotteamsim.scenario.loading import from_mapping
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Result, Simulation, StepRecord
 from robotteamsim.view.from_bag import recording_of_bag
-from robotteamsim.view.html import live_page
-from robotteamsim.view.live import LiveMission, SetLayers, Step, Subscription, Update
+from robotteamsim.view.live import LiveMission, SetLayers, Step
 from robotteamsim.view.recorder import FrameRecorder, Recording
 from robotteamsim.view.server import ViewServer
 
@@ -180,7 +178,7 @@ def test_a_bag_shows_the_same_fire_and_smoke(mission: tuple[Recording, _Truth, P
     bag = recording_of_bag([path], _scenario())
     assert bag.scene.has_fire
     assert [robot.role for robot in bag.scene.robots] == ["robot", "robot", "firefighter", "command_centre"]
-    for layers, others in ((bag.hazards.fire, own.hazards.fire), (bag.hazards.smoke, own.hazards.smoke)):
+    for layers, others in ((bag.fire, own.fire), (bag.smoke, own.smoke)):
         assert len(layers) == len(others) > 5
         for layer, other in zip(layers, others, strict=True):
             np.testing.assert_array_equal(layer.values, other.values)
@@ -210,11 +208,11 @@ def test_each_viewer_receives_the_layers_that_it_has_chosen() -> None:
     live = LiveMission(_scenario, speed=1000.0, playing=False)
     live.start()
     one, other = live.subscribe(), live.subscribe()
-    numbers = [_taken(subscription).viewer for subscription in (one, other)]
+    numbers = [taken(live, viewer).viewer for viewer in (one, other)]
     live.execute(SetLayers(numbers[0], ["voice", "laser"]))
     for _ in range(12):
         live.execute(Step())
-    first, second = _taken(one), _taken(other)
+    first, second = taken(live, one), taken(live, other)
     assert set(first.layers) == {"voice"}
     assert set(second.layers) == {"fire", "smoke"}
     assert first.frames[-1].scans_m
@@ -222,22 +220,12 @@ def test_each_viewer_receives_the_layers_that_it_has_chosen() -> None:
     live.close()
 
 
-def _taken(subscription: Subscription) -> Update:
-    update = subscription.take(60.0)
-    assert update is not None
-    return update
-
-
 @pytest.fixture
 def server() -> Iterator[ViewServer]:
     live = LiveMission(_scenario, speed=1000.0, playing=False)
     live.start()
-    with ViewServer(0, live_page("hall"), live) as server:
-        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05})
-        thread.start()
+    with served(live) as server:
         yield server
-        server.shutdown()
-        thread.join()
     live.close()
 
 

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import http.client
 import json
-import threading
 from collections.abc import Callable, Iterator
 
 import pytest
 from playwright.sync_api import Browser
+from shown_page import READY_MS, opened, served, taken
 
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Run
 from robotteamsim.simulation import Simulation
-from robotteamsim.view.html import live_page
-from robotteamsim.view.live import LiveMission, Pause, Restart, SetNoise, SetVictim, Step, Subscription, Update
+from robotteamsim.view.live import LiveMission, Pause, Restart, SetNoise, SetVictim, Step
 from robotteamsim.view.server import ViewServer
 
 _WAIT_S = 60.0
@@ -35,18 +34,8 @@ def mission(hall_scenario: Callable[..., Scenario]) -> Iterator[LiveMission]:
 
 @pytest.fixture
 def server(mission: LiveMission) -> Iterator[ViewServer]:
-    with ViewServer(0, live_page("hall"), mission) as server:
-        thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05})
-        thread.start()
+    with served(mission) as server:
         yield server
-        server.shutdown()
-        thread.join()
-
-
-def _taken(subscription: Subscription) -> Update:
-    update = subscription.take(_WAIT_S)
-    assert update is not None
-    return update
 
 
 def _post(server: ViewServer, body: str, headers: dict[str, str] | None = None) -> tuple[int, str]:
@@ -59,23 +48,23 @@ def _post(server: ViewServer, body: str, headers: dict[str, str] | None = None) 
 
 
 def test_first_update_contains_the_scene_and_further_ones_each_step(mission: LiveMission) -> None:
-    subscription = mission.subscribe()
-    first = _taken(subscription)
+    viewer = mission.subscribe()
+    first = taken(mission, viewer)
     assert first.restarted
     assert len(first.scene.robots) == 2
     assert first.events[0].kind == "start"
     mission.execute(Step())
-    times_s = [frame.time_s for frame in _taken(subscription).frames]
+    times_s = [frame.time_s for frame in taken(mission, viewer).frames]
     assert times_s[-1] == pytest.approx(first.frames[-1].time_s + 0.1)
 
 
 def test_steps_are_those_of_the_same_mission_without_a_viewer(
     mission: LiveMission, hall_scenario: Callable[..., Scenario]
 ) -> None:
-    subscription = mission.subscribe()
+    viewer = mission.subscribe()
     for _ in range(20):
         mission.execute(Step())
-    frames = _taken(subscription).frames
+    frames = taken(mission, viewer).frames
     alone = Simulation(hall_scenario())
     alone.mission.start()
     for _ in range(21):
@@ -85,29 +74,29 @@ def test_steps_are_those_of_the_same_mission_without_a_viewer(
 
 
 def test_commands_change_the_mission_and_a_restart_begins_it_again(mission: LiveMission) -> None:
-    subscription = mission.subscribe()
+    viewer = mission.subscribe()
     mission.execute(SetNoise(33.0))
     mission.execute(SetVictim("eve", (10.0, 5.0)))
     mission.execute(Step())
-    frame = _taken(subscription).frames[-1]
+    frame = taken(mission, viewer).frames[-1]
     assert frame.noise_db == 33.0
     assert frame.victims[-1].name == "eve"
     mission.execute(Restart(7))
-    again = _taken(subscription)
+    again = taken(mission, viewer)
     assert again.restarted
     assert again.status["seed"] == 7
     assert len(again.frames[-1].victims) == 2
 
 
 def test_changes_of_a_paused_mission_are_shown_before_the_next_step(mission: LiveMission) -> None:
-    subscription = mission.subscribe()
-    first = _taken(subscription).frames[-1]
+    viewer = mission.subscribe()
+    first = taken(mission, viewer).frames[-1]
     mission.execute(SetVictim("eve", (10.0, 5.0)))
     mission.execute(SetNoise(33.0))
-    frame = _taken(subscription).frames[-1]
+    frame = taken(mission, viewer).frames[-1]
     assert frame.time_s == first.time_s
     assert (frame.victims[-1].name, frame.noise_db) == ("eve", 33.0)
-    again = _taken(mission.subscribe())
+    again = taken(mission, mission.subscribe())
     assert [one.time_s for one in again.frames] == [first.time_s]
 
 
@@ -150,21 +139,20 @@ def test_server_answers_only_on_loopback_and_only_to_its_own_page(server: ViewSe
 
 
 @pytest.mark.slow
-def test_live_page_follows_the_mission_and_sends_commands(
-    browser: Browser, server: ViewServer, mission: LiveMission
-) -> None:
-    page = browser.new_page(viewport={"width": 1200, "height": 800})
-    wrong: list[str] = []
-    page.on("pageerror", lambda error: wrong.append(str(error)))
-    page.on("request", lambda request: None if request.url.startswith(server.url) else wrong.append(request.url))
+def test_live_page_follows_the_mission_and_sends_commands(browser: Browser, server: ViewServer) -> None:
+    with opened(browser, server.url) as page:
+        page.fill("#live-noise", "42")
+        page.click("#live >> text=set")
+        page.click("#step")
+        page.wait_for_function("document.getElementById('state').textContent.includes('42 dB')")
+
+
+@pytest.mark.slow
+def test_live_page_shows_what_is_wrong_with_a_command(browser: Browser, server: ViewServer) -> None:
+    page = browser.new_page()
     page.goto(server.url)
-    page.wait_for_selector("body[data-ready]", state="attached", timeout=120_000)
-    page.fill("#live-noise", "42")
-    page.click("#live >> text=set")
-    page.click("#step")
-    page.wait_for_function("document.getElementById('state').textContent.includes('42 dB')", timeout=60_000)
+    page.wait_for_selector("body[data-ready]", state="attached", timeout=READY_MS)
     page.fill("#live-noise", "-5")
     page.click("#live >> text=set")
-    page.wait_for_selector("#live >> text=noise_db", timeout=60_000)
-    assert wrong == []
+    page.wait_for_selector("#live >> text=noise_db", timeout=READY_MS)
     page.close()

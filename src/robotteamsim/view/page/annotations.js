@@ -1,25 +1,42 @@
 // What is written over a picture: names, key, scales of colours, and the numbers of what is drawn.
 
-import { showKey } from "viewer/key";
-import { Labels } from "viewer/labels";
+import { Labels, MARK } from "viewer/labels";
 import { scale } from "viewer/layers";
-import { shownState } from "viewer/people";
-import { isSaved } from "viewer/recording";
+import { isSaved } from "viewer/mission";
+import { make } from "viewer/panel";
+
+/** Rows of the key of a scene, for people, fire and smoke: [colour, text]. */
+function keyRows(scene, palette) {
+  const rows = scene.victim_states.map((state) => [palette.victims[state], `${MARK[state] ?? ""} ${state}`.trim()]);
+  const has = (role) => scene.robots.some((robot) => robot.role === role);
+  if (has("firefighter")) rows.push([palette.people.helmet, "firefighter"]);
+  if (has("command_centre")) rows.push([palette.people.tent, "command centre"]);
+  if (scene.has_fire) {
+    const { burning, hot, burnt } = palette.fire;
+    rows.push([burning, "burning"], [hot, "hot"], [burnt, "burnt out"], [palette.smoke, "smoke"]);
+  }
+  return rows;
+}
 
 export class Annotations {
   constructor(container) {
     this.container = container;
     this.labels = new Labels(container);
-    this.legend = document.createElement("div");
-    this.legend.className = "legend";
-    this.key = document.createElement("div");
-    this.key.className = "key";
+    this.legend = make("div", "", { className: "legend" });
+    this.key = make("div", "", { className: "key" });
     container.append(this.legend, this.key);
   }
 
-  /** Explain the colours and shapes of a scene. */
+  /** Explain the colours and shapes of a scene, if there is something to explain. */
   explain(scene, palette) {
-    showKey(this.key, scene, palette);
+    const rows = keyRows(scene, palette);
+    this.key.hidden = !rows.length;
+    this.key.replaceChildren(...rows.map(([colour, text]) => {
+      const row = make("span"), swatch = make("i");
+      swatch.style.background = colour;
+      row.append(swatch, text);
+      return row;
+    }));
   }
 
   /**
@@ -39,8 +56,7 @@ export class Annotations {
     if (this.legend.dataset.names === names.join()) return;
     this.legend.dataset.names = names.join();
     this.legend.replaceChildren(...names.map((name) => {
-      const { low, high, css } = scale(palette, name), row = document.createElement("div");
-      const bar = document.createElement("i");
+      const { low, high, css } = scale(palette, name), row = make("div"), bar = make("i");
       bar.style.background = css;
       row.append(`${name} ${low}`, bar, high);
       return row;
@@ -49,11 +65,11 @@ export class Annotations {
 
   /** Numbers of what is drawn, as attributes, for tests and screen readers. */
   _report(frame, cells) {
-    const victims = frame.victims ?? [];
+    const { victims } = frame;
     Object.assign(this.container.dataset, {
       time: frame.time.toFixed(1), robots: frame.poses.filter(Boolean).length, links: frame.links.length,
-      victims: victims.length, saved: victims.filter((victim) => isSaved(victim)).length, ...cells,
-      states: victims.map(shownState).join(" "),
+      victims: victims.length, saved: victims.filter(isSaved).length, ...cells,
+      states: victims.map((victim) => victim.state).join(" "),
     });
   }
 }

@@ -1,6 +1,6 @@
 // Small curves over time with a cursor: areas explored, victims saved, links, Fiedler value.
 
-import { lastIndex } from "viewer/recording";
+import { lastIndex } from "viewer/mission";
 
 const CURVES = [
   { key: "areas", name: "areas explored" },

@@ -4,7 +4,7 @@ import {
   BufferAttribute, BufferGeometry, Color, ConeGeometry, DoubleSide, Group, InstancedMesh, Mesh, MeshBasicMaterial, Object3D,
 } from "three";
 
-const HOT = 1, BURNT = 2, BURNING = 3; // values of the layer `fire`, see hazard_layers.py
+const HOT = 1, BURNT = 2, BURNING = 3; // values of the layer `fire`, see layers.py
 const OPACITY = { [HOT]: 0.4, [BURNT]: 0.95, [BURNING]: 0.95 };
 const GROUND_Z = 0.025, FLAME_M = 1.2;
 const SHEETS = [[0.04, 0.55], [1.25, 0.5]]; // height [m] and opacity of smoke without any visibility

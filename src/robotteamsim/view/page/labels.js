@@ -1,7 +1,5 @@
 // Names next to robots, victims and areas. A label that would cover another one is left out.
 
-import { shownState } from "viewer/people";
-
 export const MARK = {
   waiting: "!", heard: "?", located: "◎", reported: "◉", reached: "●", carried: "▲", fleeing: "→", collapsed: "↓",
   saved: "✓", safe: "✓", dead: "✝",
@@ -56,8 +54,8 @@ export class Labels {
         at: [pose[0], pose[1], robot.role === "robot" ? 0.3 : 1.8] }] : [];
     });
     robots.sort((a, b) => Number(b.id === selected) - Number(a.id === selected));
-    const victims = (frame.victims ?? []).map((victim, index) => ({
-      key: `victim ${index}`, text: `${MARK[shownState(victim)] ?? ""} ${victim.name}`, kind: "victim",
+    const victims = frame.victims.map((victim, index) => ({
+      key: `victim ${index}`, text: `${MARK[victim.state] ?? ""} ${victim.name}`, kind: "victim",
       at: [...victim.position_m, 1.7],
     }));
     const areas = scene.areas.map((area, index) => ({

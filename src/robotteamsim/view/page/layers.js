@@ -53,7 +53,7 @@ export class Layers {
       if (map && this.planes[name]?.userData.map !== map) this._replace(name, map);
     }
     this.fans.visible = shown.laser;
-    if (shown.laser) this._showLasers(frame, mission.scansAt(frame.time), selected);
+    if (shown.laser) this._showLasers(frame, frame.scans_m, selected);
   }
 
   _replace(name, map) {

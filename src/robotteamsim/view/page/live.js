@@ -1,13 +1,10 @@
-// A live mission: frames arrive from the server as they are computed; commands go back.
+// A live mission: frames arrive from the server as they are computed; commands go back: noise, seed, doors, victims.
 
-import { decodeMap, isSaved, lastIndex } from "viewer/recording";
+import { Mission } from "viewer/mission";
+import { make } from "viewer/panel";
 
-export class LiveMission {
+export class LiveMission extends Mission {
   isLive = true;
-  events = [];
-  frames = [];
-  scans = null;
-  layers = { fire: null, smoke: null, voice: null, radio: null };
 
   /** Follow the frames of the server; the first update contains the scene. */
   static async connect() {
@@ -17,14 +14,11 @@ export class LiveMission {
       source.onmessage = (message) => { mission._receive(JSON.parse(message.data)); resolve(); };
       source.onerror = () => {
         mission.onclose?.();
-        if (!mission.frames.length) reject(new Error("the simulation does not answer"));
+        if (!mission.frames) reject(new Error("the simulation does not answer"));
       };
     });
     return mission;
   }
-
-  get start() { return this.frames[0]?.time_s ?? 0; }
-  get end() { return this.frames.at(-1)?.time_s ?? 0; }
 
   /** Send a command, such as {command: "pause"}; the server's complaint is shown. */
   async send(command) {
@@ -35,53 +29,92 @@ export class LiveMission {
   }
 
   _receive(update) {
-    if (update.restarted) {
-      this.frames = [];
-      this.events = [];
-      this.layers = { fire: null, smoke: null, voice: null, radio: null };
-      this.viewer = update.viewer;
-      this.title = update.title;
-      this.scene = update.scene;
-      this.palette = update.palette;
-      this.onrestart?.();
-    }
     this.status = update.status;
-    for (const event of update.events) this.events.push(event);
-    for (const frame of update.frames) {
-      frame.fiedler = frame.fiedler_value;
-      if (frame.scans_m.length) this.scans = frame.scans_m;
-      frame.scans_m = [];
-      if (this.frames.at(-1)?.time_s === frame.time_s) this.frames.pop(); // changed while paused
-      this.frames.push(frame);
-    }
-    for (const name of Object.keys(update.layers)) this.layers[name] = decodeMap(update.layers[name]);
+    if (update.restarted) {
+      this.viewer = update.viewer;
+      this.begin(update);
+      this.onrestart?.();
+    } else this.frames.at(-1).scans_m = []; // hours of scans would fill the memory
+    this.add(update);
     this.onupdate?.();
   }
+}
 
-  at(time) {
-    const frame = this.frames[lastIndex(this.frames, time, (one) => one.time_s)];
-    return { ...frame, time: frame.time_s };
+/** The part of the panel with the commands. */
+export class LiveControls {
+  constructor(section, mission, player) {
+    Object.assign(this, { mission, player });
+    this.moving = null;
+    section.hidden = false;
+    this.answer = make("p");
+    this.victims = make("select", "", { title: "Move this victim: choose one, then click on the floor" });
+    section.replaceChildren(
+      make("h2", "Live"),
+      this._row("noise [dB]", this._number("noise", mission.status.noise_db), () => this.noise.value, "set", (value) =>
+        ({ command: "set_noise", noise_db: Number(value) })),
+      this._row("seed", this._number("seed", mission.status.seed), () => this.seed.value, "restart", (value) =>
+        ({ command: "restart", seed: Number(value) })),
+      this._victimRow(),
+      make("p", mission.scene.doors.length ? "Click on a door to open or close it." : ""),
+      this.answer,
+    );
+    mission.onanswer = (error) => { this.answer.textContent = error; };
+    player.onplay = (playing) => mission.send({ command: playing ? "play" : "pause" });
+    player.onspeed = (speed) => mission.send({ command: "set_speed", speed });
+    player.onstep = () => mission.send({ command: "step" });
+    player.onlayers = (shown) => mission.send({
+      command: "set_layers", viewer: mission.viewer,
+      layers: ["fire", "smoke", "voice", "radio", "laser"].filter((name) => shown[name]),
+    });
   }
 
-  scansAt() { return this.scans; }
-  layerAt(name) { return this.layers[name]; }
-
-  trail(robot, from, to) {
-    const key = (frame) => frame.time_s;
-    const first = lastIndex(this.frames, from, key), last = lastIndex(this.frames, to, key);
-    return this.frames.slice(first, last + 1).map((frame) => frame.poses[robot]).filter(Boolean);
+  _number(name, value) {
+    this[name] = make("input", "", { type: "number", value, ariaLabel: name, id: `live-${name}` });
+    return this[name];
   }
 
-  curves() {
-    const stride = Math.max(Math.floor(this.frames.length / 600), 1);
-    const chosen = this.frames.filter((_, index) => index % stride === 0);
-    const times = chosen.map((frame) => frame.time_s);
-    const curve = (value) => ({ times, values: chosen.map(value) });
-    return {
-      areas: curve((frame) => frame.explored.filter(Boolean).length),
-      saved: curve((frame) => frame.victims.filter((victim) => isSaved(victim)).length),
-      links: curve((frame) => frame.links.length),
-      fiedler: curve((frame) => frame.fiedler),
-    };
+  _row(text, input, value, verb, command) {
+    const row = make("p"), button = make("button", verb);
+    button.addEventListener("click", () => {
+      if (value() === "") this.answer.textContent = `${text}: expected a number`;
+      else this.mission.send(command(value()));
+    });
+    row.append(make("span", text), input, button);
+    return row;
+  }
+
+  _victimRow() {
+    const row = make("p"), button = make("button", "move");
+    this.refreshVictims();
+    button.addEventListener("click", () => {
+      this.moving = this.victims.value || null;
+      this.answer.textContent = this.moving ? `Click on the floor to place ${this.moving}.` : "";
+    });
+    row.append(make("span", "victim"), this.victims, button);
+    return row;
+  }
+
+  refreshVictims() {
+    const names = this.mission.frames.at(-1).victims.map((victim) => victim.name);
+    if (names.join("\n") !== this.names) {
+      this.names = names.join("\n");
+      this.victims.replaceChildren(...names.map((name) => make("option", name, { value: name })));
+    }
+  }
+
+  /** A click on a door: open or close it. */
+  door(name) {
+    const index = this.mission.scene.doors.findIndex((door) => door.name === name);
+    const opening = this.mission.frames.at(-1)?.doors[index] ?? 0;
+    this.mission.send({ command: "set_door", name, closed: opening > 0 });
+    return true;
+  }
+
+  /** A click on the floor: place the chosen victim there. Returns whether there was one. */
+  floor(x, y) {
+    if (!this.moving) return false;
+    this.mission.send({ command: "set_victim", name: this.moving, position_m: [x, y] });
+    this.moving = null;
+    return true;
   }
 }

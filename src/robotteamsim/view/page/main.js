@@ -1,11 +1,9 @@
 // Starts the page: with the missions that it contains, or with the live mission of its server.
 
-import { LiveControls } from "viewer/controls";
-import { LiveMission } from "viewer/live";
+import { LiveControls, LiveMission } from "viewer/live";
+import { decodeMissions } from "viewer/mission";
 import { make } from "viewer/panel";
 import { Player } from "viewer/player";
-import { decodeMissions } from "viewer/recording";
-import { webgl } from "viewer/surface";
 import { View } from "viewer/view";
 
 const NO_WEBGL = "This page needs WebGL 2, which this browser does not offer: turn on hardware acceleration, or use another browser.";
@@ -15,11 +13,10 @@ export async function start() {
   try {
     document.documentElement.dataset.theme = "dark";
     if (window.innerWidth < 500) document.body.classList.add("narrow");
-    const data = element("missions"), kind = webgl();
-    if (!kind) return fail(NO_WEBGL);
-    const isSlow = kind === "software";
-    const player = data ? await startRecorded(data, isSlow) : await startLive(isSlow);
-    await player.begin();
+    if (!document.createElement("canvas").getContext("webgl2")) return fail(NO_WEBGL);
+    const data = element("missions");
+    await (data ? startRecorded(data) : startLive());
+    for (let i = 0; i < 3; i++) await new Promise((done) => requestAnimationFrame(done)); // drawn, put into the page, shown
     document.body.dataset.ready = "true";
   } catch (error) {
     fail(`This page cannot be shown: ${error.message}`);
@@ -32,7 +29,7 @@ function fail(text) {
   element("failure").textContent = text;
 }
 
-function addView(isSlow, mission, player, name, floor = () => false, door = () => false) {
+function addView(mission, player, name, floor = () => false, door = () => false) {
   const container = make("div", "", { className: "view" });
   element("views").append(container);
   const callbacks = {
@@ -41,12 +38,12 @@ function addView(isSlow, mission, player, name, floor = () => false, door = () =
     onDoor: door,
     onFloor: floor,
   };
-  const view = new View(container, mission, callbacks, isSlow);
+  const view = new View(container, mission, callbacks);
   if (name) container.append(make("div", name, { className: "name" }));
   return view;
 }
 
-async function startRecorded(data, isSlow) {
+async function startRecorded(data) {
   const missions = await decodeMissions(data.textContent);
   const compare = data.dataset.mode === "compare";
   element("title").textContent = compare ? "Comparison" : missions[0].title;
@@ -54,11 +51,10 @@ async function startRecorded(data, isSlow) {
   const shown = compare ? missions : missions.slice(0, 1);
   document.body.classList.toggle("side-by-side", compare);
   const views = shown.map((mission, index) =>
-    addView(isSlow, mission, () => player, compare ? `${"AB"[index] ?? index}: ${mission.title}` : ""));
+    addView(mission, () => player, compare ? `${"AB"[index] ?? index}: ${mission.title}` : ""));
   player = new Player(views);
   if (!compare && missions.length > 1) chooseAmong(missions, player);
   applyOptions(player, new URLSearchParams(location.hash.slice(1)));
-  return player;
 }
 
 /** The address may end with #t=120&layers=voice,laser&theme=light&play=1. */
@@ -87,11 +83,11 @@ function chooseAmong(missions, player) {
   });
 }
 
-async function startLive(isSlow) {
+async function startLive() {
   const mission = await LiveMission.connect();
   let player = null, controls = null;
   element("title").textContent = mission.title;
-  const view = addView(isSlow, mission, () => player, "", (x, y) => controls.floor(x, y), (name) => controls.door(name));
+  const view = addView(mission, () => player, "", (x, y) => controls.floor(x, y), (name) => controls.door(name));
   player = new Player([view]);
   player.following = true;
   player.follow(mission.status);
@@ -110,5 +106,4 @@ async function startLive(isSlow) {
     view.rebuild();
   };
   mission.onclose = () => fail("The simulation has ended, or its program was closed.");
-  return player;
 }

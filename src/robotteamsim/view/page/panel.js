@@ -1,8 +1,7 @@
 // The panel at the side: the selected robot, curves, and events.
 
 import { Curves } from "viewer/curves";
-import { showVictim } from "viewer/history";
-import { lastIndex } from "viewer/recording";
+import { lastIndex } from "viewer/mission";
 import { UNKNOWN_DBM } from "viewer/team";
 
 const element = (id) => document.getElementById(id);
@@ -26,18 +25,12 @@ export function table(rows) {
   return made;
 }
 
-const PART = 40; // events of a list that the browser lays out only when it is visible
-
-function setPast(item, isPast) {
-  if (item.classList.contains("past") !== isPast) item.classList.toggle("past", isPast);
-}
-
 export class Panel {
   constructor(onSeek, colours) {
     this.onSeek = onSeek;
     this.curves = new Curves(element("curves"), onSeek, colours);
     this.events = [];
-    this.parts = [];
+    this.items = []; // of the list, one for each event
   }
 
   /** List the events of missions, and mark them on the slider. A list that is the same stays, with clicks on it. */
@@ -66,37 +59,25 @@ export class Panel {
     this.events = lists.flatMap((events, index) =>
       events.map((event) => ({ ...event, text: lists.length > 1 ? `${"AB"[index] ?? index}: ${event.text}` : event.text })));
     this.events.sort((a, b) => a.time_s - b.time_s);
-    const items = this.events.map((event) => {
+    this.items = this.events.map((event) => {
       const item = make("li");
       item.append(make("time", event.time_s.toFixed(1)), make("span", event.text));
       item.addEventListener("click", () => this.onSeek(event.time_s));
       return item;
     });
-    this.parts = [];
-    for (let i = 0; i < items.length; i += PART) {
-      const list = make("ol");
-      list.append(...items.slice(i, i + PART));
-      this.parts.push({ list, items: items.slice(i, i + PART) });
-    }
-    element("events").replaceChildren(make("h2", "Events"), ...this.parts.map(({ list }) => list));
-  }
-
-  /** Mark the first events as past: a part of the list as a whole where that is possible. */
-  _markPast(count) {
-    this.parts.forEach(({ list, items }, index) => {
-      const inPart = Math.min(Math.max(count - index * PART, 0), items.length);
-      setPast(list, inPart === items.length);
-      items.forEach((item, place) => setPast(item, inPart < items.length && place < inPart));
-    });
+    const list = make("ol");
+    list.append(...this.items);
+    element("events").replaceChildren(make("h2", "Events"), list);
   }
 
   show(views, start, time) {
-    const past = this.events.length && this.events[0].time_s <= time
-      ? lastIndex(this.events, time, (event) => event.time_s) + 1 : 0;
-    this._markPast(past);
+    this.latest?.classList.remove("latest");
+    if (this.events[0]?.time_s <= time) this.latest = this.items[lastIndex(this.events, time, (event) => event.time_s)];
+    else this.latest = null;
+    this.latest?.classList.add("latest");
     this.curves.mark(time);
     this._showRobot(views.find((view) => view.selected !== null));
-    showVictim(element("victim"), views.find((view) => view.selectedVictim !== null), start);
+    this._showVictim(views.find((view) => view.selectedVictim !== null), start);
   }
 
   _showRobot(view) {
@@ -106,7 +87,7 @@ export class Panel {
     const { frame, selected, mission } = view, pose = frame.poses[selected];
     const links = frame.links.filter(([a, b]) => a === selected || b === selected).map(([a, b, signal]) =>
       `${a === selected ? b : a}${signal === UNKNOWN_DBM ? "" : ` (${signal} dBm)`}`);
-    const swarm = frame.swarms?.[selected];
+    const swarm = frame.swarms[selected];
     const rows = [
       ["position", pose ? `${pose[0].toFixed(2)}, ${pose[1].toFixed(2)} m` : "absent"],
       ["heading", pose ? `${Math.round(((pose[2] * 180 / Math.PI) % 360 + 360) % 360)}°` : "–"],
@@ -114,5 +95,18 @@ export class Panel {
       ["links", links.join(", ") || "none"],
     ];
     section.replaceChildren(make("h2", mission.scene.robots[selected].name), table(rows));
+  }
+
+  /** Show what has happened to a victim: each state with the time since when. */
+  _showVictim(view, start) {
+    const section = element("victim");
+    const victim = view?.frame.victims.find((one) => one.name === view.selectedVictim);
+    section.hidden = !victim;
+    if (!victim) return;
+    const history = view.mission.history(victim.name, view.frame.time);
+    const rows = history.map(([state, time]) => [state, `${(time - start).toFixed(1)} s`]);
+    const [x, y] = victim.position_m;
+    rows.push(["position", `${x.toFixed(2)}, ${y.toFixed(2)} m`]);
+    section.replaceChildren(make("h2", victim.name), table(rows));
   }
 }

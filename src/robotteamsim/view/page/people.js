@@ -8,11 +8,6 @@ const SHOULDER_M = 1.35, RING_Z = 0.03;
 const DASHES = 8;
 const FALLEN = ["collapsed", "dead"];
 
-/** The state of a victim as shown: who flees needs no help. */
-export function shownState(victim) {
-  return victim.gait === "flees" && (victim.state === "waiting" || victim.state === "heard") ? "fleeing" : victim.state;
-}
-
 const isUpright = (victim) => victim.gait !== "lies" && !FALLEN.includes(victim.state);
 
 export class People {
@@ -50,7 +45,7 @@ export class People {
       figure.rotation.z = pose[2];
       figure.scale.setScalar(figure.userData.isCentre ? 1 : this.enlarged(BODY_M, figure.position, camera));
     }
-    const victims = frame.victims ?? [];
+    const { victims } = frame;
     while (this.victims.length < victims.length) this.victims.push(this._victim(this.victims.length));
     this.victims.forEach((figure, index) => {
       figure.visible = index < victims.length;
@@ -69,7 +64,7 @@ export class People {
   }
 
   _showVictim(figure, victim, index, camera) {
-    const { person: body, marks } = figure.userData, state = shownState(victim);
+    const { person: body, marks } = figure.userData, { state } = victim;
     const colour = this.palette.victims[state] ?? this.palette.excluded;
     figure.position.set(victim.position_m[0], victim.position_m[1], 0);
     figure.scale.setScalar(this.enlarged(BODY_M, figure.position, camera));

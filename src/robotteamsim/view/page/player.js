@@ -1,7 +1,7 @@
 // Time: play, pause, seek, speed; it draws all views of the page at the same time.
 
 import { Panel } from "viewer/panel";
-import { isSaved } from "viewer/recording";
+import { isSaved } from "viewer/mission";
 
 const SPEEDS = [0.5, 1, 2, 5, 10, 20, 50];
 const element = (id) => document.getElementById(id);
@@ -40,14 +40,6 @@ export class Player {
   }
 
   draw() { this.dirty = true; }
-
-  /** Wait until the first picture can be seen; what the browser compiles for it would delay the first seek. */
-  async begin() {
-    for (let i = 0; i < 3; i++) { // drawn, put into the page, shown
-      await new Promise((done) => requestAnimationFrame(done));
-      await Promise.all(this.views.map((view) => view.finished()));
-    }
-  }
 
   /** Show what a live mission reports about itself. */
   follow(status) {
@@ -156,8 +148,8 @@ export class Player {
   _has(name) {
     if (name === "fire" || name === "smoke") return this.missions.some((mission) => mission.scene.has_fire);
     if (this.isLive) return true;
-    if (name === "laser") return this.missions.some((mission) => mission.scans.length > 0);
-    if (name === "voice" || name === "radio") return this.missions.some((mission) => mission.layers[name].length > 0);
+    if (name === "laser") return this.missions.some((mission) => mission.frames.some((frame) => frame.scans_m?.length));
+    if (name === "voice" || name === "radio") return this.missions.some((mission) => mission.layers[name]);
     return true;
   }
 
@@ -180,14 +172,13 @@ export class Player {
 }
 
 function statusText(frame) {
-  const victims = frame.victims ?? [], explored = frame.explored ?? [];
-  const parts = [];
+  const { victims, explored } = frame, parts = [];
   if (explored.length) parts.push(`${explored.filter(Boolean).length} of ${explored.length} areas`);
   if (victims.length) {
-    parts.push(`${victims.filter((victim) => isSaved(victim)).length} of ${victims.length} victims saved`);
+    parts.push(`${victims.filter(isSaved).length} of ${victims.length} victims saved`);
     const dead = victims.filter((victim) => victim.state === "dead").length;
     if (dead) parts.push(`${dead} dead`);
   }
-  if (frame.noise_db !== undefined && frame.state) parts.push(`${frame.noise_db} dB noise`, frame.state);
+  if (frame.state) parts.push(`${frame.noise_db} dB noise`, frame.state);
   return parts.join(", ");
 }

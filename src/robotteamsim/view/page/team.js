@@ -101,12 +101,12 @@ export class Team {
     this._showTrails(frame, mission, shown.trails);
     const { open, target, explored } = this.palette.areas;
     this.areas.forEach((ring, index) => {
-      const isTarget = !frame.explored?.[index] && index === frame.target;
-      ring.material.color.set(frame.explored?.[index] ? explored : isTarget ? this.ink ?? target : open);
+      const isTarget = !frame.explored[index] && index === frame.target;
+      ring.material.color.set(frame.explored[index] ? explored : isTarget ? this.ink ?? target : open);
       ring.material.opacity = isTarget ? 1 : 0.75;
     });
     this.objects.forEach((mesh, index) => {
-      const pose = frame.objects?.[index];
+      const pose = frame.objects[index];
       mesh.visible = Boolean(pose);
       if (pose) { mesh.position.set(pose[0], pose[1], 0); mesh.rotation.z = pose[2]; }
     });
@@ -122,7 +122,7 @@ export class Team {
         place.scale.setScalar(pose ? enlarged(this.robots[id].radius_m, place.position, camera) : 0);
         place.updateMatrix();
         mesh.setMatrixAt(index, place.matrix);
-        mesh.setColorAt(index, colour.set(frame.swarms?.[id] === -1 ? this.palette.excluded : this.robots[id].colour));
+        mesh.setColorAt(index, colour.set(frame.swarms[id] === -1 ? this.palette.excluded : this.robots[id].colour));
       });
       mesh.instanceMatrix.needsUpdate = true;
       mesh.instanceColor.needsUpdate = true;

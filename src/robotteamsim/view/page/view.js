@@ -2,13 +2,13 @@
 
 import {
   DirectionalLight, HemisphereLight, OrbitControls, PerspectiveCamera, Plane, Raycaster, Scene, Vector2, Vector3,
+  WebGLRenderer,
 } from "three";
 import { Annotations } from "viewer/annotations";
 import { Building } from "viewer/building";
 import { Hazards } from "viewer/hazards";
 import { Layers } from "viewer/layers";
 import { People } from "viewer/people";
-import { Surface } from "viewer/surface";
 import { Team, enlarged } from "viewer/team";
 
 const CLICK_PX = 5;
@@ -18,12 +18,12 @@ export class View {
   selected = null;
   selectedVictim = null; // by name
 
-  /** Args: callbacks: onSelect(robot), onDoor(name), onFloor(x, y), onDraw().  isSlow: no graphics processor draws. */
-  constructor(container, mission, callbacks, isSlow) {
+  /** Args: callbacks: onSelect(robot), onDoor(name), onFloor(x, y), onDraw(). */
+  constructor(container, mission, callbacks) {
     Object.assign(this, { container, mission, callbacks });
-    this.surface = new Surface(isSlow);
-    this.renderer = this.surface.renderer;
-    container.append(...this.surface.elements);
+    this.renderer = new WebGLRenderer({ antialias: true });
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    container.append(this.renderer.domElement);
     this.camera = new PerspectiveCamera(42, 1, 0.1, 5000);
     this.camera.up.set(0, 0, 1);
     this.controls = new OrbitControls(this.camera, this.renderer.domElement);
@@ -128,7 +128,7 @@ export class View {
     const ray = new Raycaster();
     ray.setFromCamera(place, this.camera);
     const robot = ray.intersectObjects(this.team.bodies)[0], person = this.people.hit(ray);
-    this.selectedVictim = person && !(robot?.distance < person.distance) ? this.frame.victims?.[person.victim]?.name ?? null : null;
+    this.selectedVictim = person && !(robot?.distance < person.distance) ? this.frame.victims[person.victim]?.name ?? null : null;
     if (this.selectedVictim) return this.callbacks.onSelect(this, null);
     if (person?.robot !== undefined) return this.callbacks.onSelect(this, person.robot);
     if (robot) return this.callbacks.onSelect(this, robot.object.userData.ids[robot.instanceId]);
@@ -150,7 +150,7 @@ export class View {
     this.team.mark(frame, this.selected, this.camera);
     this.layers.show(this.mission, frame, shown, this.selected);
     this._follow(frame);
-    this.surface.render(this.scene, this.camera);
+    this.renderer.render(this.scene, this.camera);
     this.annotations.show(this.mission, frame, shown, {
       project: (place) => this._project(place), selected: this.selected, cells: this.hazards.counts,
     });
@@ -160,8 +160,6 @@ export class View {
     const point = new Vector3(...place).project(this.camera);
     return point.z > 1 ? null : [(point.x + 1) / 2, (1 - point.y) / 2];
   }
-
-  finished() { return this.surface.finished(); }
 
   /** Keep the selected robot in the middle of the view. */
   _follow(frame) {

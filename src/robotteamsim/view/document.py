@@ -1,0 +1,137 @@
+"""Missions as the page reads them: JSON of frames and films, in which only what changes is written."""
+
+from __future__ import annotations
+
+import base64
+import zlib
+from collections.abc import Sequence
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from robotteamsim import palette
+from robotteamsim.view.frame import Frame
+from robotteamsim.view.layers import LayerMap
+from robotteamsim.view.recorder import Recording
+
+LINK = 1_000
+"""Added to the signals of links [dBm] in a film, in which 0 means no link."""
+
+
+def packed(recordings: Sequence[Recording]) -> str:
+    """Return recordings as text for a page: JSON, deflated, in base64."""
+    document = msgspec.json.encode([_document(recording) for recording in recordings])
+    return base64.b64encode(zlib.compress(document, 9)).decode()
+
+
+def header(recording: Recording) -> dict[str, Any]:
+    """Return what a viewer needs before the first frame."""
+    return {"title": recording.title, "scene": recording.scene, "palette": colours()}
+
+
+def colours() -> dict[str, Any]:
+    """Return the colours of the viewer by meaning, from the palette of all pictures."""
+    return {
+        "victims": palette.VICTIM_STATES,
+        "areas": {"open": palette.OPEN_AREA, "target": palette.TARGET_AREA, "explored": palette.EXPLORED_AREA},
+        "links": {
+            "strong": palette.STRONG_LINK,
+            "weak": palette.WEAK_LINK,
+            "endangered": palette.ENDANGERED_LINK,
+        },
+        "excluded": palette.EXCLUDED_ROBOT,
+        "voice": palette.VOICE,
+        "laser": palette.COLLISION,
+        "edge": palette.WALL_EDGE,
+        "bay": palette.BAY,
+        "fire": {"burning": palette.FLAME, "tip": palette.YELLOW, "burnt": palette.CHAR, "hot": palette.HOT},
+        "smoke": palette.SMOKE,
+        "people": {
+            "skin": palette.SKIN,
+            "coat": palette.TURNOUT_COAT,
+            "stripe": palette.REFLECTIVE,
+            "helmet": palette.HELMET,
+            "tent": palette.WHITE,
+        },
+        "nose": palette.ROBOT_BODY,
+        "curves": {
+            "areas": palette.EXPLORED_AREA,
+            "saved": palette.WAITING,
+            "links": palette.HOPS,
+            "fiedler": palette.FIEDLER,
+        },
+        "event": palette.RELAYED,
+    }
+
+
+def film(maps: Sequence[LayerMap]) -> dict[str, Any] | None:
+    """Return maps of one floor as cells that change, and by how much; before the first map, all are 0.
+
+    None without maps.
+    """
+    if not maps:
+        return None
+    rows, columns = maps[0].values.shape
+    before, cells, changes = np.zeros(rows * columns, dtype=np.int64), [], []
+    for one in maps:
+        now = one.values.ravel().astype(np.int64)
+        changed = np.flatnonzero(now != before)
+        cells.append(np.diff(changed, prepend=0).tolist())
+        changes.append((now - before)[changed].tolist())
+        before = now
+    return {
+        "origin_m": maps[0].origin_m,
+        "cell_m": maps[0].cell_m,
+        "rows": rows,
+        "columns": columns,
+        "times_s": [round(one.time_s, 3) for one in maps],
+        "cells": cells,
+        "changes": changes,
+    }
+
+
+def _document(recording: Recording) -> dict[str, Any]:
+    layers = ("voice", "radio", "fire", "smoke")
+    return {
+        **header(recording),
+        "events": recording.events,
+        "frames": _frames(recording.frames),
+        "links": film([_matrix(frame) for frame in recording.frames]),
+        "layers": {name: film(getattr(recording, name)) for name in layers},
+    }
+
+
+def _frames(frames: Sequence[Frame]) -> list[dict[str, Any]]:
+    """Return frames without what is as in the frame before, without links, and rounded to hundredths.
+
+    A frame without scans keeps those before it.
+    """
+    found: list[dict[str, Any]] = []
+    known: dict[str, Any] = {}
+    for frame in frames:
+        now = _rounded(msgspec.to_builtins(msgspec.structs.replace(frame, links=())))
+        del now["links"]
+        if not now["scans_m"]:
+            del now["scans_m"]
+        changed = {key: value for key, value in now.items() if key not in known or value != known[key]}
+        found.append(changed | {"time_s": round(frame.time_s, 3)})
+        known |= changed
+    return found
+
+
+def _matrix(frame: Frame) -> LayerMap:
+    """Return the signals of a frame's links, in the row of the first robot and the column of the second."""
+    signals = np.zeros((len(frame.poses), len(frame.poses)), dtype=np.int16)
+    for first, second, signal_dbm in frame.links:
+        signals[first, second] = signal_dbm + LINK
+    return LayerMap(frame.time_s, (0.0, 0.0), 1.0, signals)
+
+
+def _rounded(value: Any) -> Any:
+    """Return a value whose numbers are rounded to hundredths."""
+    if isinstance(value, float):
+        return round(value, 2)
+    if isinstance(value, list | tuple):
+        return [_rounded(one) for one in value]
+    return {key: _rounded(one) for key, one in value.items()} if isinstance(value, dict) else value

@@ -1,0 +1,144 @@
+// A mission over time: its frames, events and maps, as document.py writes them into a page or live.py sends them.
+
+const LINK = 1000; // added to the signals of links [dBm], so that 0 means no link
+
+/** Whether a victim is out of danger. */
+export function isSaved(victim) {
+  return victim.state === "saved" || victim.state === "safe";
+}
+
+/** Index of the last value that is at most `wanted` in an ascending array, or 0. `key` returns the value of an entry. */
+export function lastIndex(entries, wanted, key = (entry) => entry) {
+  let low = 0, high = entries.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (key(entries[middle]) <= wanted) low = middle + 1; else high = middle;
+  }
+  return Math.max(low - 1, 0);
+}
+
+/** Maps of whole numbers of which only the changes are stored. */
+class Film {
+  /** Args: packed: see `film` in document.py. */
+  constructor({ times_s, cells, changes, ...place }) {
+    Object.assign(this, { times_s, cells, changes, place });
+    this.values = new Int16Array(place.rows * place.columns);
+    this.shown = -1; // index of the map that `values` contains; -1 is before the first one
+    this.map = null;
+  }
+
+  /** The map at a time, or null before the first one; its values are overwritten by the next call. */
+  at(time) {
+    const wanted = this.times_s[0] <= time ? lastIndex(this.times_s, time) : -1;
+    if (wanted === this.shown) return this.map;
+    while (this.shown < wanted) this._change(++this.shown, 1);
+    while (this.shown > wanted) this._change(this.shown--, -1);
+    this.map = wanted < 0 ? null : { ...this.place, values: this.values };
+    return this.map;
+  }
+
+  _change(index, sign) {
+    let cell = 0;
+    this.cells[index].forEach((step, i) => {
+      cell += step;
+      this.values[cell] += sign * this.changes[index][i];
+    });
+  }
+}
+
+/** A pose between two others; null if the robot is absent. */
+function between(pose, next, share) {
+  if (!pose || !next) return pose;
+  const turn = next[2] - pose[2], shortest = turn - 2 * Math.PI * Math.round(turn / (2 * Math.PI));
+  return [pose[0] + share * (next[0] - pose[0]), pose[1] + share * (next[1] - pose[1]), pose[2] + share * shortest];
+}
+
+export class Mission {
+  isLive = false;
+
+  /** Begin with what does not change. */
+  begin({ title, scene, palette }) {
+    Object.assign(this, { title, scene, palette, events: [], frames: [], layers: {}, links: null });
+  }
+
+  /** Add events, frames and maps; the first frame may replace the last one. What a frame lacks is as before it. */
+  add({ events, frames, layers, links }) {
+    for (const event of events) this.events.push(event);
+    for (const frame of frames) {
+      const last = this.frames.at(-1);
+      if (last?.time_s === frame.time_s) this.frames.pop();
+      this.frames.push({ ...last, ...frame });
+    }
+    for (const [name, packed] of Object.entries(layers)) this.layers[name] = packed && new Film(packed);
+    if (links) this.links = new Film(links);
+  }
+
+  get start() { return this.frames[0]?.time_s ?? 0; }
+  get end() { return this.frames.at(-1)?.time_s ?? 0; }
+
+  _indexAt(time) { return lastIndex(this.frames, time, (frame) => frame.time_s); }
+
+  /** The state at a time [s]; poses are interpolated between frames. */
+  at(time) {
+    const index = this._indexAt(time), frame = this.frames[index], next = this.frames[index + 1];
+    const share = next ? Math.max((time - frame.time_s) / (next.time_s - frame.time_s), 0) : 0;
+    const poses = frame.poses.map((pose, robot) => (next ? between(pose, next.poses[robot], share) : pose));
+    return { ...frame, time, poses, links: this._linksOf(frame) };
+  }
+
+  /** The links of a frame: [[robot, other robot, signal in dBm], ...]. */
+  _linksOf(frame) {
+    if (!this.links) return frame.links;
+    const { values, columns } = this.links.at(frame.time_s), links = [];
+    values.forEach((signal, pair) => {
+      if (signal) links.push([Math.floor(pair / columns), pair % columns, signal - LINK]);
+    });
+    return links;
+  }
+
+  /** The map of a layer at a time, or null. */
+  layerAt(name, time) { return this.layers[name]?.at(time) ?? null; }
+
+  /** The path of a robot between two times: its poses. */
+  trail(robot, from, to) {
+    const frames = this.frames.slice(this._indexAt(from), this._indexAt(to) + 1);
+    return frames.map((frame) => frame.poses[robot]).filter(Boolean);
+  }
+
+  /** The states of a victim up to a time: [[state, time of its begin], ...]. */
+  history(name, until) {
+    const found = [];
+    for (const { time_s, victims } of this.frames.slice(0, this._indexAt(until) + 1)) {
+      const state = victims.find((one) => one.name === name)?.state;
+      if (state && state !== found.at(-1)?.[0]) found.push([state, time_s]);
+    }
+    return found;
+  }
+
+  /** Curves over time: {name: {times, values}}. */
+  curves() {
+    const stride = Math.max(Math.floor(this.frames.length / 600), 1);
+    const chosen = this.frames.filter((_, index) => index % stride === 0);
+    const times = chosen.map((frame) => frame.time_s);
+    const curve = (value) => ({ times, values: chosen.map(value) });
+    return {
+      areas: curve((frame) => frame.explored.filter(Boolean).length),
+      saved: curve((frame) => frame.victims.filter(isSaved).length),
+      links: curve((frame) => this._linksOf(frame).length),
+      fiedler: curve((frame) => frame.fiedler_value),
+    };
+  }
+}
+
+/** Decode all missions of a page: base64 text of deflated JSON. */
+export async function decodeMissions(text) {
+  const bytes = Uint8Array.from(atob(text.trim()), (character) => character.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const documents = JSON.parse(await new Response(stream).text());
+  return documents.map((document) => {
+    const mission = new Mission();
+    mission.begin(document);
+    mission.add(document);
+    return mission;
+  });
+}
