@@ -8,7 +8,7 @@ import pytest
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.rng import stream
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings
-from robotteamsim.simulation.team_totals import TeamTotals
+from robotteamsim.simulation.trial import TeamTotals
 
 STILL = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
 

@@ -44,7 +44,7 @@ from robotteamsim.ros.topics import Output
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.simulation import Observer, Simulation, StepRecord, TeamInputs
 from robotteamsim.simulation.trial import Trial
-from robotteamsim.world.making import make_world
+from robotteamsim.world.world import make_world
 
 logger = logging.getLogger(__name__)
 

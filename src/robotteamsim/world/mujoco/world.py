@@ -12,13 +12,12 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.sections import Run
 from robotteamsim.scenario.sensors import Camera, LightSensor
 from robotteamsim.scenario.sensors.base import Fan
-from robotteamsim.world.base_world import BaseWorld
-from robotteamsim.world.contract import Mishap
+from robotteamsim.world.contract import AnyWorld, Mishap
 from robotteamsim.world.mujoco.cameras import Scene
 from robotteamsim.world.mujoco.engine import Engine
 
 
-class MujocoWorld(BaseWorld):
+class MujocoWorld(AnyWorld):
     """A floor plan with heights, robots on wheels, and objects, in three dimensions.
 
     Motors turn the wheels at the speeds that the drive wants; friction of the tyres on the floor moves the robot.
