@@ -12,8 +12,8 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import Corners
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.sensors import MountedLaser
+from robotteamsim.world.mujoco.appearance import add_dome
 from robotteamsim.world.mujoco.cameras import add_camera, camera_name, cameras_of
-from robotteamsim.world.mujoco.looks import add_dome
 from robotteamsim.world.mujoco.shapes import (
     BODIES,
     BODY_HITS,

@@ -25,10 +25,10 @@ from robotteamsim.world.mujoco.building import leaf_name
 from robotteamsim.world.mujoco.grippers import Grip, add_grips, grip_of
 from robotteamsim.world.mujoco.leaves import Leaves
 from robotteamsim.world.mujoco.model import make_spec, steps_per_substep
-from robotteamsim.world.mujoco.motors import Motors
 from robotteamsim.world.mujoco.ramps import ground_m
 from robotteamsim.world.mujoco.shapes import about_z
 from robotteamsim.world.mujoco.team_state import FreeBodies, SavedBody, Touches
+from robotteamsim.world.mujoco.wheels import Motors
 
 _SAME_PLACE_RAD = 0.05
 """Contacts nearer to each other than this are one."""

@@ -89,6 +89,23 @@ def steering_rad(middle_rad: np.ndarray, wheelbase_m: np.ndarray, track_m: np.nd
     return left_rad, np.arctan2(wheelbase_m * tan, wheelbase_m + track_m * tan)
 
 
+class Motors:
+    """The motors of the robots that are present, in the order of the model's actuators."""
+
+    def __init__(self, robots: Sequence[PlacedRobot], present: Sequence[int]) -> None:
+        gains = [motor_gains(robots[robot_id]) for robot_id in present]
+        self._robot_of = np.array([i for i, some in zip(present, gains, strict=True) for _ in some], dtype=int)
+        self._gains = np.array([row for some in gains for row in some]).reshape(-1, 5)
+        self._wheelbase_m = np.array([r.drive.wheelbase_m if isinstance(r.drive, CarDrive) else 1.0 for r in robots])
+        self._track_m = np.array([Chassis.of(robot).track_m for robot in robots])
+
+    def drive(self, data: mujoco.MjData, speeds: np.ndarray) -> None:
+        """Set the targets. Args: speeds: of all drives, shape (n, 4): forward, turn, left, steering."""
+        left_rad, right_rad = steering_rad(speeds[:, 3], self._wheelbase_m, self._track_m)
+        wanted = np.column_stack((speeds[:, :3], left_rad, right_rad))
+        data.ctrl[:] = (self._gains * wanted[self._robot_of]).sum(axis=1)
+
+
 def add_wheels(spec: mujoco.MjSpec, body: Any, name: str, robot: PlacedRobot) -> None:
     """Add wheels and motors to the body of a robot in the spec."""
     add = {"differential": _add_differential, "omni": _add_omni, "car": _add_car}[robot.drive.kind]
