@@ -83,7 +83,7 @@ class Hazards:
             soot_g_kj=self._fire.soot.yield_g_g / self._fire.soot.heat_kj_g,
             convective_share=self._fire.heat.convective_share,
         )
-        self._doors_version: int | None = 0
+        self._doors_version = 0
         self._has_burnt = False
         self._burnt_doors: tuple[str, ...] = ()
         self.field = self._read()
@@ -97,7 +97,7 @@ class Hazards:
         if not self.updated:
             return False
         self._ignite_due(sim_time_ns - self._step_ns)
-        if doors.version != self._doors_version or doors.version < 0:
+        if doors.version != self._doors_version:
             self._doors_version = doors.version
             closed = doors.closed()
             for index, door in enumerate(self._plan.doors):

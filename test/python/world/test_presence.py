@@ -1,8 +1,9 @@
 """Robots that leave and come while the world runs."""
 
+from two_rooms import two_rooms
+
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario import load
-from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors import Laser as LaserModel
@@ -11,15 +12,7 @@ from robotteamsim.setup import resolve
 from robotteamsim.simulation.stages import ScheduleStage
 from robotteamsim.world import World
 
-PLAN = FloorPlan(
-    name="two rooms",
-    bounds=Bounds(max=(12.0, 6.0)),
-    walls=(
-        Wall(name="middle south", start=(6.0, 0.2), end=(6.0, 2.5), thickness_m=0.1),
-        Wall(name="middle north", start=(6.0, 3.5), end=(6.0, 5.8), thickness_m=0.1),
-    ),
-    doors=(Door(name="gate", start=(6.0, 2.5), end=(6.0, 3.5), motion="slide", time_s=1.0),),
-)
+PLAN = two_rooms(motion="slide", time_s=1.0)
 FORWARD = Twist(0.7)
 STARTS = ((2.0, 2.0, 0.0), (3.0, 2.0, 0.0))
 
