@@ -319,7 +319,7 @@ class AnyWorld(ABC):
         return 0.0
 
     def image(self, robot_id: int, camera: Camera) -> np.ndarray:
-        """Return what one of a robot's cameras sees, in the form of `FurtherReadings.images`.
+        """Return what one of a robot's cameras sees, in the form that `Camera` describes.
 
         Raises: CameraError: nothing can be drawn on this computer or in this world.
         """

@@ -30,7 +30,7 @@ from robotteamsim.world.mujoco.shapes import (
 from robotteamsim.world.mujoco.wheels import Chassis, add_wheels, wheel_mass_kg
 
 _CENTRE_OF_MASS = 0.35
-"""Height of a robot's centre of mass, as a share of its height: motors and batteries are low."""
+"""Height of a robot's centre of mass, as a fraction of its height: motors and batteries are low."""
 _ABOVE_LASER_M = 0.05
 
 

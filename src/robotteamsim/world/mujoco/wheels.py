@@ -24,15 +24,15 @@ RESPONSE_S = 0.02
 """Time in which a motor takes a wheel to its speed."""
 
 _INSET = 0.8
-"""Position of wheels, as a share of the way from base_link to the outline."""
+"""Position of wheels, as a fraction of the way from base_link to the outline."""
 _WHEEL_MASS = 0.02
-"""Mass of a wheel, as a share of the robot's."""
+"""Mass of a wheel, as a fraction of the robot's."""
 CASTOR = "/castor_"
 """Part of the names of the geoms of castors."""
 _CASTOR_LIFT_M = 0.0005
 """Height of castors above the floor, so that the driven wheels carry the robot."""
 _HUB_MASS = 0.1
-"""Mass of the hub of a steered wheel, as a share of the wheel's."""
+"""Mass of the hub of a steered wheel, as a fraction of the wheel's."""
 _STEERING_HZ = 6.0
 _DIAGONAL = math.sqrt(0.5)
 
