@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import roslaunch.rlutil
+from msgspec.structs import astuple
 from rosbags.rosbag1 import Reader
 from running import ROSCORE, ROSLAUNCH, TIMEOUT_S, descendants, running, wait_for_port
 
@@ -342,7 +343,8 @@ def trajectory_hash(path: Path, steps: int) -> str:
         robots = zip(*(truths(bag, typestore, robot_id) for robot_id in range(3)), strict=True)
         for step, messages in enumerate(robots, 1):
             if step <= steps:
-                computed.update(step * STEP_NS, [read_odometry(message).pose for message in messages])
+                poses = [astuple(read_odometry(message).pose) for message in messages]
+                computed.update(step * STEP_NS, np.array(poses))
     return computed.hexdigest()
 
 

@@ -155,7 +155,7 @@ def export_gazebo(options: argparse.Namespace) -> None:
 
 def export_mujoco(options: argparse.Namespace) -> None:
     """Export a scenario to MuJoCo."""
-    from robotteamsim.world.mujoco.mjcf import mjcf  # MuJoCo is an extra
+    from robotteamsim.world.mujoco.model import mjcf  # MuJoCo is an extra
 
     loaded = scenario.load(options.scenario, options.overrides)
     setup = resolve(loaded)

@@ -104,10 +104,10 @@ class _Samples:
             nearest: np.ndarray = self._values[min(after, len(self._times_s) - 1)].astype(np.float64)
             return nearest
         begin_s, end_s = self._times_s[after - 1 : after + 1]
-        share = (time_s - begin_s) / (end_s - begin_s)
+        fraction = (time_s - begin_s) / (end_s - begin_s)
         before, now = self._values[after - 1].astype(np.float64), self._values[after].astype(np.float64)
         # Where both are infinite, as the visibility outside the slice, their difference is not a number.
-        values: np.ndarray = np.where(before == now, before, before + share * (now - before))
+        values: np.ndarray = np.where(before == now, before, before + fraction * (now - before))
         return values
 
 

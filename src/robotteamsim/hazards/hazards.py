@@ -83,9 +83,8 @@ class Hazards:
             soot_g_kj=self._fire.soot.yield_g_g / self._fire.soot.heat_kj_g,
             convective_share=self._fire.heat.convective_share,
         )
-        self._doors_version: int | None = 0
+        self._doors_version = 0
         self._has_burnt = False
-        self._burnt_doors: tuple[str, ...] = ()
         self.field = self._read()
         """Of the last update."""
         self.version = 1
@@ -97,14 +96,13 @@ class Hazards:
         if not self.updated:
             return False
         self._ignite_due(sim_time_ns - self._step_ns)
-        if doors.version != self._doors_version or doors.version < 0:
+        if doors.version != self._doors_version:
             self._doors_version = doors.version
             closed = doors.closed()
             for index, door in enumerate(self._plan.doors):
                 self._core.set_door(index, closed[door.name])
         if self._has_burnt:
             self._core.advance(self._fire.update_s)
-            self._note_burnt_doors()
             self.field = self._read()
             self.version += 1
         return True
@@ -119,7 +117,7 @@ class Hazards:
 
     def burnt_doors(self) -> tuple[str, ...]:
         """Return the names of the doors that have burnt through."""
-        return self._burnt_doors
+        return tuple(door.name for i, door in enumerate(self._plan.doors) if self._core.is_burnt_through(i))
 
     @property
     def heat_release_kw(self) -> float:
@@ -134,11 +132,6 @@ class Hazards:
     def _ignite_due(self, begin_ns: int) -> None:
         while self._ignitions and self._ignitions[0][0] <= begin_ns:
             self._has_burnt |= self._core.ignite(self._ignitions.popleft()[1])
-
-    def _note_burnt_doors(self) -> None:
-        burnt = tuple(door.name for i, door in enumerate(self._plan.doors) if self._core.is_burnt_through(i))
-        if burnt != self._burnt_doors:
-            self._burnt_doors = burnt
 
     def _read(self) -> HazardField:
         heat = self._fire.heat

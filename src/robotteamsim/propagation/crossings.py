@@ -90,6 +90,6 @@ def _crossing(vertex: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.n
     if turn == 0.0:
         return vertex
     offset = (second[:2] - vertex).astype(float), (first[:2] - vertex).astype(float)
-    share = ((offset[0][0] - offset[1][0]) * d2[1] - (offset[0][1] - offset[1][1]) * d2[0]) / turn
-    crossing = offset[1] + share * d1
+    fraction = ((offset[0][0] - offset[1][0]) * d2[1] - (offset[0][1] - offset[1][1]) * d2[0]) / turn
+    crossing = offset[1] + fraction * d1
     return vertex + crossing if np.abs(crossing).max() <= _NEAR_MM else vertex

@@ -30,18 +30,17 @@ class FieldMap(Grid):
         return float(self.values[self.cell_at(x_m, y_m)])
 
 
-def map_array(shape: tuple[int, ...], out: np.ndarray | None, dtype: type = np.float32) -> np.ndarray:
+def map_array(shape: tuple[int, ...], out: np.ndarray | None) -> np.ndarray:
     """Return the array for a map: `out`, or a new one.
 
-    Args:   out: of that type and shape, C-contiguous, writeable; it is not copied.
+    Args:   out: float32, of that shape, C-contiguous, writeable; it is not copied.
     Raises: ValueError: `out` does not have these properties.
     """
     if out is None:
-        return np.empty(shape, dtype=dtype)
-    if out.shape != shape or out.dtype != dtype or not out.flags.c_contiguous or not out.flags.writeable:
+        return np.empty(shape, dtype=np.float32)
+    if out.shape != shape or out.dtype != np.float32 or not out.flags.c_contiguous or not out.flags.writeable:
         kind = "C-contiguous, writeable" if out.flags.c_contiguous and out.flags.writeable else "strided or read-only"
         raise ValueError(
-            f"out must be {np.dtype(dtype)}, C-contiguous, writeable, of shape {shape}, "
-            f"got {out.dtype}, {kind}, {out.shape}"
+            f"out must be float32, C-contiguous, writeable, of shape {shape}, got {out.dtype}, {kind}, {out.shape}"
         )
     return out

@@ -46,23 +46,17 @@ class RadioField:
         """
         return _core.propagation.path_loss_db(self.core_faces, self.core_model, a_m, b_m, floors_crossed)
 
-    def rssi_matrix_dbm(self, positions_m: np.ndarray, *, out: np.ndarray | None = None) -> np.ndarray:
+    def rssi_matrix_dbm(self, positions_m: np.ndarray) -> np.ndarray:
         """Return the signal strength between all pairs of robots [dBm].
 
         Args:    positions_m: shape (n, 2), in `map` [m].
-                 out: float64, shape (n, n), C-contiguous: the matrix is written here, without allocating memory.
         Returns: float64, shape (n, n), exactly symmetric; 0 on the diagonal.
-        Raises:  ValueError: another shape; a coordinate is not finite (the message names the robot); `out` has another
-                 shape or type.
+        Raises:  ValueError: another shape, or a coordinate is not finite (the message names the robot).
         """
         positions_m = np.asarray(positions_m, dtype=np.float64)
         if positions_m.ndim != 2 or positions_m.shape[1] != 2:
             raise ValueError(f"positions_m must have shape (n, 2), got {positions_m.shape}")
-        if out is None:
-            return _core.propagation.rssi_matrix_dbm(self.core_faces, self.core_model, positions_m)
-        rssi_dbm = map_array((len(positions_m), len(positions_m)), out, np.float64)
-        _core.propagation.write_rssi_matrix_dbm(self.core_faces, self.core_model, positions_m, rssi_dbm)
-        return rssi_dbm
+        return _core.propagation.rssi_matrix_dbm(self.core_faces, self.core_model, positions_m)
 
     def rssi_map_dbm(
         self,

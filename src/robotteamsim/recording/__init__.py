@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from robotteamsim.recording.results import ResultWriter, result_summary
 from robotteamsim.recording.trajectories import TumWriter
-from robotteamsim.simulation.trajectory_hash import TrajectoryHash
+from robotteamsim.simulation.trial import TrajectoryHash
 
 if TYPE_CHECKING:
     from robotteamsim.recording.bag_writer import BagWriter

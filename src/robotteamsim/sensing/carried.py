@@ -15,8 +15,7 @@ from robotteamsim.scenario.plan import FREE, occupancy_grid
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.sensors import Camera, LightSensor, Sensor
 from robotteamsim.scenario.sensors.base import BeamModel, Moment
-from robotteamsim.sensing.beams import Beams
-from robotteamsim.sensing.smoke import SmokyAir
+from robotteamsim.sensing.beams import Beams, SmokyAir
 from robotteamsim.world.contract import AnyWorld
 
 SIGHT_RESOLUTION_M = 0.1

@@ -10,11 +10,10 @@ import numpy as np
 from robotteamsim.hazards import HazardSource
 from robotteamsim.rng import stream
 from robotteamsim.scenario.sections import PlacedRobot
-from robotteamsim.sensing.beams import Laser
+from robotteamsim.sensing.beams import Laser, SmokyAir
 from robotteamsim.sensing.carried import CarriedSensors
 from robotteamsim.sensing.odometry import TeamOdometry
 from robotteamsim.sensing.readings import TeamReadings
-from robotteamsim.sensing.smoke import SmokyAir
 from robotteamsim.world.contract import AnyWorld
 
 

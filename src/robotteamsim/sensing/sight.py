@@ -14,7 +14,7 @@ from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import Solid
 from robotteamsim.scenario.rescue import Rescue
 from robotteamsim.world.core_parts import still_solids
-from robotteamsim.world.doors import UNVERSIONED, DoorStates, leaf_outline
+from robotteamsim.world.doors import DoorStates, leaf_outline
 
 
 class Sight:
@@ -25,13 +25,13 @@ class Sight:
         self._range_m, self._error = section.sight_m, section.sight_error
         _, self._solids = still_solids(plan)
         self._streams = [stream(seed, "sight", robot_id) for robot_id in range(team_size)]
-        self._doors_version = UNVERSIONED
+        self._doors_version = -1
         self._leaves: list[shapely.Polygon] = []
         self.follow_doors(DoorStates.at_start(plan))
 
     def follow_doors(self, doors: DoorStates) -> None:
         """Look past the doors in these states."""
-        if doors.version == self._doors_version != UNVERSIONED:
+        if doors.version == self._doors_version:
             return
         self._doors_version = doors.version
         leaves = ((door, leaf_outline(door, doors[door.name])) for door in self._plan.doors)

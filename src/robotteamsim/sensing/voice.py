@@ -32,8 +32,6 @@ class VoiceSensor:
         self._mute = {victim.name for victim in victims if not victim.calling}
         """Victims who never call."""
         self._silenced: frozenset[str] = frozenset()
-        self._asked: Collection[str] | None = None
-        """The names that were last set silent, as long as that holds."""
         self._map: FieldMap | None = None
         self._core: _core.sensing.VoiceSensor | None = None
         """Evaluates this map at positions."""
@@ -74,21 +72,16 @@ class VoiceSensor:
             )
         return tuple(self._core.hear(positions_m))
 
-    def silence(self, name: str) -> None:
-        """Silence a victim. Raises: ValueError: no such victim."""
-        self.set_silenced({*self._silenced, name})
-
     def set_silenced(self, names: Collection[str]) -> None:
         """Silence these victims and let all others call. Raises: ValueError: no such victim."""
-        if names == self._asked:
+        silenced = frozenset(names)
+        if silenced == self._silenced:
             return
         for name in names:
             if name not in self._sources:
                 raise ValueError(f"there is no victim '{name}', only {', '.join(self._sources) or 'none'}")
-        if self._silenced != frozenset(names):
-            self._silenced = frozenset(names)
-            self._change()
-        self._asked = names
+        self._silenced = silenced
+        self._change()
 
     def set_noise_db(self, noise_db: float) -> None:
         """Set the background noise [dB]. Raises: ValueError: negative or not finite."""
@@ -108,7 +101,6 @@ class VoiceSensor:
         self._mute -= {name}
         if self._place(name, position_m) or was_silent:
             self._silenced -= {name}
-            self._asked = None
             self._change()
 
     def move_victim(self, name: str, position_m: tuple[float, float]) -> None:

@@ -3,8 +3,7 @@
 from robotteamsim.simulation.controllers import Controllers, TeamControllers, TeamInputs
 from robotteamsim.simulation.record import Observer, Result, RobotTotals, StepRecord
 from robotteamsim.simulation.simulation import Simulation
-from robotteamsim.simulation.tally import Tally
-from robotteamsim.simulation.trajectory_hash import TrajectoryHash
+from robotteamsim.simulation.trial import TrajectoryHash
 
 __all__ = [
     "Controllers",
@@ -13,7 +12,6 @@ __all__ = [
     "RobotTotals",
     "Simulation",
     "StepRecord",
-    "Tally",
     "TeamControllers",
     "TeamInputs",
     "TrajectoryHash",

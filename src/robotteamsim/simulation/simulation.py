@@ -36,8 +36,8 @@ from robotteamsim.simulation.stages import (
 from robotteamsim.simulation.trial import Trial
 from robotteamsim.world.contract import AnyWorld
 from robotteamsim.world.doors import DoorStates
-from robotteamsim.world.making import make_world
 from robotteamsim.world.placement import check_mission
+from robotteamsim.world.world import make_world
 
 
 class _Before(NamedTuple):

@@ -31,29 +31,16 @@ from robotteamsim.world.people import People, PersonState
 from robotteamsim.world.walking import Walkers
 
 
-class Changeable(Protocol):
+class _Changeable(Protocol):
     """What a schedule can change; see the methods of `Simulation`."""
 
-    def remove_robot(self, robot_id: int) -> None:
-        """Remove a robot."""
-
-    def spawn_robot(self, robot_id: int, pose: Pose | None = None) -> None:
-        """Spawn an absent robot."""
-
-    def set_door(self, name: str, closed: bool) -> None:
-        """Open or close a door."""
-
-    def set_light(self, name: str, lit: bool) -> None:
-        """Switch a light on or off."""
-
-    def set_noise_db(self, noise_db: float) -> None:
-        """Set the background noise."""
-
-    def set_victim(self, name: str, position_m: Point) -> None:
-        """Add or move a victim."""
-
-    def ignite(self, position_m: Point) -> None:
-        """Set fire to a place."""
+    def remove_robot(self, robot_id: int) -> None: ...
+    def spawn_robot(self, robot_id: int, pose: Pose | None = None) -> None: ...
+    def set_door(self, name: str, closed: bool) -> None: ...
+    def set_light(self, name: str, lit: bool) -> None: ...
+    def set_noise_db(self, noise_db: float) -> None: ...
+    def set_victim(self, name: str, position_m: Point) -> None: ...
+    def ignite(self, position_m: Point) -> None: ...
 
 
 class ScheduleStage:
@@ -64,7 +51,7 @@ class ScheduleStage:
     are skipped.
     """
 
-    def __init__(self, schedule: Sequence[ScheduledEvent], changed: Changeable) -> None:
+    def __init__(self, schedule: Sequence[ScheduledEvent], changed: _Changeable) -> None:
         self._upcoming = deque(event for _, event in in_order(schedule))
         self._waiting: list[ScheduledEvent] = []
         """Spawns that are due, of robots whose place is occupied."""
@@ -110,18 +97,12 @@ class NoHazards:
 
     source: HazardSource | None = None
     """Simulates fire and smoke."""
+    field: HazardField | None = None
+    """Fire, smoke and temperature as of the last update; None if nothing can burn."""
+    update: HazardField | None = None
+    """`field` if it was updated in the last step, else None."""
     failed: frozenset[int] = frozenset()
     """The absent robots and firefighters that have failed or collapsed."""
-
-    @property
-    def field(self) -> HazardField | None:
-        """Fire, smoke and temperature as of the last update; None if nothing can burn."""
-        return None
-
-    @property
-    def update(self) -> HazardField | None:
-        """`field` if it was updated in the last step, else None."""
-        return None
 
     def slowed(self, twists: Sequence[Twist]) -> Sequence[Twist]:
         """Return the commands of a step as firefighters can follow them in the smoke of the last update."""
@@ -144,18 +125,9 @@ class HazardStage(NoHazards):
         self._world = world
         self._update_s = scenario.fire.update_s
         self.source: HazardSource = make_hazards(scenario, setup.building)
+        self.field = self.source.field
         self._stress = HeatStress(scenario.fire, world.num_robots)
         self._firefighters = FirefighterHealth(scenario)
-
-    @property
-    def field(self) -> HazardField:
-        """See `NoHazards.field`."""
-        return self.source.field
-
-    @property
-    def update(self) -> HazardField | None:
-        """See `NoHazards.update`."""
-        return self.source.field if self.source.updated else None
 
     def slowed(self, twists: Sequence[Twist]) -> Sequence[Twist]:
         """See `NoHazards.slowed`."""
@@ -165,14 +137,16 @@ class HazardStage(NoHazards):
         """See `NoHazards.step`."""
         world = self._world
         self.failed = frozenset(robot_id for robot_id in self.failed if not world.present[robot_id])
-        if not self.source.step(world.sim_time_ns, world.door_states()):
+        is_updated, field = self.source.step(world.sim_time_ns, world.door_states()), self.source.field
+        self.field, self.update = field, field if is_updated else None
+        if not is_updated:
             return
         for name in self.source.burnt_doors():
             if world.door_states()[name].closed:
                 world.set_door(name, closed=False)
         positions_m = world.positions_m()
-        failing = self._firefighters.expose(positions_m, self.field, self._update_s)
-        failing += self._stress.expose(self._firefighters.without(positions_m), self.field, self._update_s)
+        failing = self._firefighters.expose(positions_m, field, self._update_s)
+        failing += self._stress.expose(self._firefighters.without(positions_m), field, self._update_s)
         for robot_id in failing:
             world.remove_robot(robot_id)
         self.failed |= frozenset(failing)

@@ -35,10 +35,6 @@ class DoorChange(NamedTuple):
     now: DoorState
 
 
-UNVERSIONED = -1
-"""Version of states that do not come from a world; equal to no other version."""
-
-
 class DoorStates(Mapping[str, DoorState]):
     """All doors after a step, by name, in the plan's order. Immutable: a change creates a new object.
 
@@ -47,7 +43,7 @@ class DoorStates(Mapping[str, DoorState]):
 
     __slots__ = ("_states", "version")
 
-    def __init__(self, states: Mapping[str, DoorState] = MappingProxyType({}), version: int = UNVERSIONED) -> None:
+    def __init__(self, states: Mapping[str, DoorState] = MappingProxyType({}), version: int = 0) -> None:
         self._states = dict(states)
         self.version = version
 
@@ -72,7 +68,7 @@ class DoorStates(Mapping[str, DoorState]):
 
     def changes_since(self, before: DoorStates) -> list[DoorChange]:
         """Return the doors whose state differs from an earlier one, in the plan's order."""
-        if self.version == before.version != UNVERSIONED:
+        if self.version == before.version:
             return []
         pairs = [DoorChange(name, before[name], state) for name, state in self._states.items()]
         return [change for change in pairs if change.now != change.before]

@@ -32,14 +32,14 @@ class Walk:
         self._arrivals_s = [0.0]
         """Time of arrival at each of the places known so far."""
         if victim.wander is None:
-            self._further = _along(victim)
+            self._next_places = _along(victim)
         else:
             generator = stream(seed, "victim", victim.name)
-            self._further = _random_places(plan, victim.position, victim.wander, generator)
+            self._next_places = _random_places(plan, victim.position, victim.wander, generator)
 
     def position_m(self, time_s: float) -> Point:
         """Return the position in `map` at a time of the world, 0 or later [m]."""
-        while self._arrivals_s[-1] <= time_s and (place := next(self._further, None)) is not None:
+        while self._arrivals_s[-1] <= time_s and (place := next(self._next_places, None)) is not None:
             leg_s = math.dist(self._places[-1], place) / self._speed_mps
             self._places.append(place)
             self._arrivals_s.append(self._arrivals_s[-1] + leg_s)
@@ -48,8 +48,8 @@ class Walk:
             return self._places[-1]
         (x0, y0), (x1, y1) = self._places[index - 1], self._places[index]
         left_s, arrives_s = self._arrivals_s[index - 1], self._arrivals_s[index]
-        share = (time_s - left_s) / (arrives_s - left_s)
-        return x0 + share * (x1 - x0), y0 + share * (y1 - y0)
+        fraction = (time_s - left_s) / (arrives_s - left_s)
+        return x0 + fraction * (x1 - x0), y0 + fraction * (y1 - y0)
 
 
 class Walkers:

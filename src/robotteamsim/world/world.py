@@ -1,4 +1,4 @@
-"""The world of Box2D: bodies in the plane."""
+"""The world of Box2D, bodies in the plane, and the choice of a scenario's world."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ import numpy as np
 from robotteamsim import _core
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
-from robotteamsim.scenario.sections import Run
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors.base import Fan
-from robotteamsim.world.base_world import BaseWorld
+from robotteamsim.world.contract import AnyWorld
 from robotteamsim.world.core_parts import core_fan, core_object, core_robot, core_solids
 
 
-class World(BaseWorld):
+class World(AnyWorld):
     """A floor plan with robots and objects: static walls, doors, round or polygonal bodies with drives.
 
     Commands are twists in `base_link`: the drive approaches them within its acceleration and speed limits in every
@@ -48,3 +49,18 @@ class World(BaseWorld):
 @functools.lru_cache(maxsize=64)
 def _fan_caster(plan: FloorPlan, fan: Fan) -> _core.world.FanCaster:
     return _core.world.FanCaster(core_fan(fan), *core_solids(plan))
+
+
+def make_world(scenario: Scenario, robots: Sequence[PlacedRobot]) -> AnyWorld:
+    """Return the world of `run.world` with these robots, in id order.
+
+    Raises: PlacementError: a robot or object has no room.
+            ModuleNotFoundError: the package that computes this world is not installed; see `robotteamsim.extras`.
+    """
+    plan, run, objects = scenario.plan, scenario.run, scenario.objects
+    if run.world == "box2d":
+        return World(plan, robots, run, objects=objects)
+    # MuJoCo is an extra, and its import takes a while.
+    from robotteamsim.world.mujoco.world import MujocoWorld
+
+    return MujocoWorld(plan, robots, run, objects=objects)

@@ -212,7 +212,7 @@ def test_leaf_of_a_door_is_reported_when_it_starts_is_blocked_and_stops(hall_sce
     course = Course(Mission(resolve(scenario.model_copy(update={"plan": plan}))))
     course.step()
     told, epochs = [], []
-    for state in (
+    states = (
         DoorState(False, 1.0),
         DoorState(False, 0.9, "closes"),
         DoorState(False, 0.8, "closes"),
@@ -220,8 +220,9 @@ def test_leaf_of_a_door_is_reported_when_it_starts_is_blocked_and_stops(hall_sce
         DoorState(True, 0.0),
         DoorState(False, 0.1, "opens"),
         DoorState(False, 1.0),
-    ):
-        told += [event.detail for event in course.step(doors=DoorStates({"gate": state}))]
+    )
+    for version, state in enumerate(states):
+        told += [event.detail for event in course.step(doors=DoorStates({"gate": state}, version))]
         epochs.append(course.mission.status.task.epoch)
     assert told == [
         "door gate closes, 90% open",

@@ -182,20 +182,6 @@ def test_rssi_matrix_is_transmit_power_minus_path_loss(flat):
     assert rssi_dbm[3, 8] == 12.0 - field.path_loss_db(tuple(positions_m[3]), tuple(positions_m[8]))
 
 
-def test_rssi_matrix_is_written_into_the_array_of_the_caller(flat):
-    field = RadioField(flat, Radio())
-    positions_m = np.random.default_rng(8).uniform(0.0, 20.0, size=(12, 2))
-    out = np.full((12, 12), 5.0)
-    assert field.rssi_matrix_dbm(positions_m, out=out) is out
-    assert out.tobytes() == field.rssi_matrix_dbm(positions_m).tobytes()
-
-
-@pytest.mark.parametrize("out", [np.zeros((12, 11)), np.zeros((12, 12), np.float32), np.zeros((12, 24))[:, ::2]])
-def test_array_that_a_matrix_does_not_fit_into_is_rejected(flat, out):
-    with pytest.raises(ValueError, match=r"^out must be float64, C-contiguous, writeable, of shape \(12, 12\), got"):
-        RadioField(flat, Radio()).rssi_matrix_dbm(np.zeros((12, 2)), out=out)
-
-
 MAP_ERROR_DB = 4e-5
 
 

@@ -129,18 +129,3 @@ def test_robots_without_additional_sensors_have_no_readings():
     readings = run(mixed, steps=1)[0]
     assert [len(reading.sensors) for reading in readings] == [0, 1, 0]
     assert run(robots(), steps=1)[0][0].sensors == {}
-
-
-def test_reset_repeats_readings():
-    team = robots(sensors=(REAR.model_copy(update={"noise_m": 0.05}),))
-    world = World(PLAN, team, Run())
-    sensors = RobotSensors(world, team, 3)
-    records = []
-    for _ in range(2):
-        world.reset()
-        sensors.reset()
-        for _ in range(5):
-            world.step([Twist(0.2, 0.0, 0.5)] * len(team))
-            readings = sensors.read()
-        records.append([reading.sensors["rear"] for reading in readings])
-    np.testing.assert_array_equal(*records)

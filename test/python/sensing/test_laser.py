@@ -1,82 +1,133 @@
+"""What lasers see, against exact intersections in the shipped garage and numbers worked by hand."""
+
 import math
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
 import shapely
 
-from robotteamsim.geometry import Pose
-from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
+from robotteamsim.geometry import Pose, Twist
+from robotteamsim.scenario import Bounds, FloorPlan, Wall, load
 from robotteamsim.scenario.plan import obstacles
 from robotteamsim.scenario.sections import Laser as LaserModel
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.sensing.beams import Laser
+from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
 
-
-def random_plan(generator: np.random.Generator) -> FloorPlan:
-    walls = []
-    for i in range(25):
-        x, y, angle = generator.uniform(1.0, 19.0), generator.uniform(1.0, 14.0), generator.uniform(0.0, math.tau)
-        length = generator.uniform(0.5, 4.0)
-        end = (x + length * math.cos(angle), y + length * math.sin(angle))
-        walls.append(Wall(name=f"w{i}", start=(x, y), end=end, thickness_m=generator.uniform(0.05, 0.5)))
-    blocks = (Block(name="b", polygon=((9.0, 6.0), (12.0, 6.0), (12.0, 7.0), (10.0, 7.0), (10.0, 9.0), (9.0, 9.0))),)
-    doors = (
-        Door(name="closed", start=(4.0, 4.0), end=(4.0, 5.0), closed=True),
-        Door(name="open", start=(15.0, 4.0), end=(15.0, 5.0)),
-    )
-    return FloorPlan(
-        name="random", bounds=Bounds(min=(-5.0, -5.0), max=(25.0, 20.0)), walls=walls, blocks=blocks, doors=doors
-    )
+WALL_AHEAD = FloorPlan(
+    name="wall ahead", bounds=Bounds(max=(20.0, 20.0)), walls=(Wall(name="w", start=(6.0, 0.0), end=(6.0, 20.0)),)
+)
 
 
-def free_poses(plan: FloorPlan, generator: np.random.Generator, count: int) -> list[Pose]:
-    solid, poses = obstacles(plan), []
-    while len(poses) < count:
-        x, y = generator.uniform(0.3, 19.7), generator.uniform(0.3, 14.7)
-        taken = any(math.dist((x, y), (pose.x_m, pose.y_m)) < 0.45 for pose in poses)
-        if not taken and solid.distance(shapely.Point(x, y)) > 0.25:
-            poses.append(Pose(x, y, generator.uniform(-math.pi, math.pi)))
-    return poses
+@dataclass
+class Scene:
+    """What a laser can see: solids by shapely, other robots as circles by the quadratic formula."""
 
+    solid: shapely.Geometry
+    centers_m: np.ndarray
+    radius_m: float
 
-def world_at(plan: FloorPlan, poses: list[Pose]) -> World:
-    robots = [PlacedRobot(start_pose=(pose.x_m, pose.y_m, pose.yaw_rad)) for pose in poses]
-    return World(plan, robots, Run())
-
-
-def shapely_range(scene: shapely.Geometry, origin: Pose, angle_rad: float, range_max_m: float) -> float:
-    end = (origin.x_m + range_max_m * math.cos(angle_rad), origin.y_m + range_max_m * math.sin(angle_rad))
-    hit = shapely.LineString([(origin.x_m, origin.y_m), end]).intersection(scene)
-    return range_max_m if hit.is_empty else hit.distance(shapely.Point(origin.x_m, origin.y_m))
+    def ranges_m(self, origin: Pose, angles_rad: np.ndarray, range_max_m: float) -> np.ndarray:
+        at, ahead = np.array([origin.x_m, origin.y_m]), np.stack([np.cos(angles_rad), np.sin(angles_rad)], axis=1)
+        beams = shapely.linestrings(np.stack([np.broadcast_to(at, ahead.shape), at + range_max_m * ahead], axis=1))
+        to_solid_m = shapely.distance(shapely.intersection(self.solid, beams), shapely.Point(at))
+        offsets_m = self.centers_m - at
+        along_m = ahead @ offsets_m.T
+        half_chord_m2 = self.radius_m**2 - (np.sum(offsets_m**2, axis=1) - along_m**2)
+        met = (half_chord_m2 >= 0.0) & (along_m > 0.0)
+        to_robots_m = np.where(met, along_m - np.sqrt(np.maximum(half_chord_m2, 0.0)), math.inf)
+        nearest_m = np.fmin(to_solid_m, to_robots_m.min(axis=1, initial=math.inf))
+        return np.where(nearest_m <= range_max_m, nearest_m, range_max_m)
 
 
 @pytest.mark.slow
-def test_ranges_are_those_that_shapely_finds():
-    generator = np.random.default_rng(11)
-    model = LaserModel(beams=61, angle_min_rad=-2.5, angle_max_rad=3.0, range_min_m=0.0, forward_m=0.1)
-    for _ in range(5):
-        plan = random_plan(generator)
-        world = world_at(plan, free_poses(plan, generator, 12))
-        scans = Laser(model, world).scan(range(world.num_robots), ())
-        for robot_id, pose in enumerate(world.poses()):
-            others = [
-                shapely.Point(other.x_m, other.y_m).buffer(0.2, quad_segs=256)
-                for other_id, other in enumerate(world.poses())
-                if other_id != robot_id
-            ]
-            scene = shapely.union_all([obstacles(plan), *others]).boundary
-            origin = pose @ Pose(model.forward_m, 0.0, 0.0)
-            angles_rad = pose.yaw_rad + np.linspace(model.angle_min_rad, model.angle_max_rad, model.beams)
-            expected_m = [shapely_range(scene, origin, angle_rad, model.range_max_m) for angle_rad in angles_rad]
-            np.testing.assert_allclose(scans[robot_id], expected_m, atol=1e-4)
+@pytest.mark.parametrize("stair_door_closed", [True, False])
+@pytest.mark.parametrize(
+    "model",
+    [LaserModel(), LaserModel(beams=97, angle_min_rad=-3.1, angle_max_rad=3.1, range_max_m=30.0, forward_m=-0.15)],
+    ids=["default", "all round and far"],
+)
+def test_ranges_in_the_garage_are_those_of_exact_intersections(scattered_robots, model, stair_door_closed):
+    plan = load("garage_sar").plan
+    generator = np.random.default_rng(21)
+    world = World(plan, scattered_robots(plan, 25, generator, laser=model), Run())
+    world.set_door("stair_door", stair_door_closed)
+    closed = {name: door.closed for name, door in world.door_states().items()}
+    laser, solid = Laser(model, world), obstacles(plan, closed)
+    returns = 0
+    for robot_id, pose in enumerate(world.poses()):
+        scene = Scene(solid, np.delete(world.positions_m(), robot_id, axis=0), 0.2)
+        origin = pose @ Pose(model.forward_m, 0.0, 0.0)
+        angles_rad = pose.yaw_rad + np.linspace(model.angle_min_rad, model.angle_max_rad, model.beams)
+        # Just beside an edge ranges jump, so a beam may see either side of its angle.
+        seen_m = [scene.ranges_m(origin, angles_rad + shift, model.range_max_m) for shift in (-1e-7, 0.0, 1e-7)]
+        ranges_m = laser.scan([robot_id], [generator])[0]
+        assert (ranges_m >= np.min(seen_m, axis=0) - 1e-4).all()
+        assert (ranges_m <= np.max(seen_m, axis=0) + 1e-4).all()
+        returns += np.count_nonzero(ranges_m < model.range_max_m)
+    assert returns > 25 * model.beams / 10
+
+
+def test_ranges_between_robots_equal_the_hand_calculation():
+    # Face to face, 3 m apart: 3 m less a laser 0.1 m ahead of the middle and a radius of 0.2 m.
+    robots = [PlacedRobot(start_pose=(1.0, 5.0, 0.0)), PlacedRobot(start_pose=(4.0, 5.0, math.pi))]
+    world = World(WALL_AHEAD, robots, Run())
+    laser, generator = Laser(LaserModel(), world), np.random.default_rng(1)
+    first, second = laser.scan([0, 1], [generator, generator])
+    assert first[90] == second[90] == np.float32(2.7)
+    np.testing.assert_allclose(first[87:94], second[87:94][::-1], atol=1e-5)
+    # The disc spans asin(0.2 / 2.9) = 3.96 degrees to either side.
+    assert np.flatnonzero(first < 3.0).tolist() == list(range(87, 94))
+
+
+def test_wall_ahead_returns_its_distance_over_the_cosine_until_range_max():
+    world = World(WALL_AHEAD, [PlacedRobot(start_pose=(3.3, 10.0, 0.0))], Run())
+    ranges_m = Laser(LaserModel(), world).scan([0], [np.random.default_rng(1)])[0]
+    assert ranges_m[90] == np.float32(2.5)
+    assert ranges_m[[30, 150]] == pytest.approx(5.0)  # 60 degrees
+    assert ranges_m[135] == pytest.approx(2.5 * math.sqrt(2.0))
+    assert (ranges_m[:30] == 5.0).all()
+    assert (ranges_m[151:] == 5.0).all()
+
+
+def test_moved_robot_senses_its_new_place():
+    world = World(WALL_AHEAD, [PlacedRobot(start_pose=(3.3, 10.0, 0.0))], Run())
+    laser, generator = Laser(LaserModel(), world), np.random.default_rng(1)
+    laser.scan([0], [generator])
+    world.set_pose(0, Pose(4.3, 10.0, 0.0))
+    assert laser.scan([0], [generator])[0, 90] == np.float32(1.5)
+
+
+def test_scan_draws_one_number_per_beam_and_none_without_noise():
+    world = World(WALL_AHEAD, [PlacedRobot(start_pose=(3.3, 10.0, 0.0))], Run())
+    generator, expected = np.random.default_rng(3), np.random.default_rng(3)
+    Laser(LaserModel(), world).scan([0], [generator])
+    assert generator.bit_generator.state == expected.bit_generator.state
+    Laser(LaserModel(beams=7, noise_m=0.1), world).scan([0], [generator])
+    expected.normal(size=7)
+    assert generator.bit_generator.state == expected.bit_generator.state
+
+
+def test_noise_of_a_laser_is_its_own_and_does_not_depend_on_other_robots():
+    def ranges_m(count: int) -> list[np.ndarray]:
+        robots = [
+            PlacedRobot(start_pose=(3.3, 2.0 + 7.0 * i, 0.0), laser=LaserModel(noise_m=0.1)) for i in range(count)
+        ]
+        world = World(WALL_AHEAD, robots, Run())
+        world.step([Twist()] * count)
+        return [reading.ranges_m for reading in RobotSensors(world, robots, seed=4).read()]
+
+    two, three = ranges_m(2), ranges_m(3)
+    assert np.array_equal(two[0], three[0])
+    assert np.array_equal(two[1], three[1])
+    # All look at the same long wall from the same distance.
+    assert abs(three[0][60:120] - three[1][60:120]).min() > 0.0
 
 
 def test_no_return_and_too_near_read_as_in_the_model():
-    plan = FloorPlan(
-        name="wall", bounds=Bounds(max=(20.0, 10.0)), walls=(Wall(name="w", start=(4.1, 1.0), end=(4.1, 9.0)),)
-    )
-    world = world_at(plan, [Pose(3.8, 5.0, 0.0)])
+    world = World(WALL_AHEAD, [PlacedRobot(start_pose=(5.7, 5.0, 0.0))], Run())
     view = {"beams": 2, "angle_min_rad": 0.0, "angle_max_rad": math.pi, "range_min_m": 0.15}
     as_stage = Laser(LaserModel(**view), world).scan([0], ())[0]
     assert as_stage.dtype == np.float32
@@ -85,22 +136,8 @@ def test_no_return_and_too_near_read_as_in_the_model():
     assert as_rep_117.tolist() == [-math.inf, math.inf]
 
 
-def test_door_returns_beams_only_while_closed():
-    plan = FloorPlan(
-        name="door", bounds=Bounds(max=(20.0, 10.0)), doors=(Door(name="d", start=(4.0, 1.0), end=(4.0, 9.0)),)
-    )
-    world = world_at(plan, [Pose(2.0, 5.0, 0.0)])
-    laser = Laser(LaserModel(beams=1, angle_min_rad=0.0, angle_max_rad=1.0, forward_m=0.0), world)
-    assert laser.scan([0], ())[0, 0] == 5.0
-    world.set_door("d", True)
-    assert laser.scan([0], ())[0, 0] == pytest.approx(1.97)
-
-
 def test_noise_has_its_standard_deviation_and_touches_only_returns():
-    plan = FloorPlan(
-        name="wall", bounds=Bounds(max=(20.0, 10.0)), walls=(Wall(name="w", start=(4.1, 1.0), end=(4.1, 9.0)),)
-    )
-    world = world_at(plan, [Pose(2.0, 5.0, 0.0)])
+    world = World(WALL_AHEAD, [PlacedRobot(start_pose=(3.9, 5.0, 0.0))], Run())
     model = LaserModel(beams=2, angle_min_rad=0.0, angle_max_rad=math.pi, forward_m=0.0, noise_m=0.05)
     laser, generator = Laser(model, world), np.random.default_rng(1)
     scans = np.concatenate([laser.scan([0], [generator]) for _ in range(4000)])

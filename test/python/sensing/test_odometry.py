@@ -14,19 +14,7 @@ YAW_YAW = -1
 """The place of the yaw's variance in a covariance: the last one."""
 EXACT = OdometryModel(alpha1=0.0, alpha2=0.0, alpha3=0.0, alpha4=0.0)
 MODEL = OdometryModel(alpha1=0.04, alpha2=0.01, alpha3=0.02, alpha4=0.03)
-
-
-class Odometry:
-    """That of a team of one."""
-
-    def __init__(self, model: OdometryModel = MODEL, seed: int = 1) -> None:
-        self._team = TeamOdometry([model], STEP_S, [np.random.default_rng(seed)])
-
-    def step(self, motion: Pose, twist: Twist) -> OdometryReading:
-        motions = np.array([[motion.x_m, motion.y_m, motion.yaw_rad]])
-        twists = np.array([[twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps]])
-        (reading,) = self._team.step(motions, twists).readings()
-        return reading
+SMALL = OdometryModel(alpha1=0.004, alpha2=0.001, alpha3=0.002, alpha4=0.003)
 
 
 def arc(speed_mps: float, turn_radps: float) -> tuple[Pose, Twist]:
@@ -37,55 +25,78 @@ def arc(speed_mps: float, turn_radps: float) -> tuple[Pose, Twist]:
     return way, Twist(speed_mps, 0.0, turn_radps)
 
 
-def last_pose(motion: Pose, twist: Twist, steps: int, model: OdometryModel = MODEL, seed: int = 1) -> Pose:
-    robot = Odometry(model, seed)
-    for _ in range(steps):
-        reading = robot.step(motion, twist)
-    return reading.pose.pose
+def drive(
+    ways: list[tuple[Pose, Twist]], model: OdometryModel, robots: int = 1, *, omni: bool = False
+) -> OdometryState:
+    """Return the last readings of robots that made the same ways."""
+    generators = [np.random.default_rng([5, seed]) for seed in range(robots)]
+    team = TeamOdometry([model] * robots, STEP_S, generators, [omni] * robots)
+    for motion, twist in ways:
+        motions = np.tile([motion.x_m, motion.y_m, motion.yaw_rad], (robots, 1))
+        twists = np.tile([twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps], (robots, 1))
+        readings = team.step(motions, twists)
+    return readings
 
 
+def pose_of(readings: OdometryState) -> tuple[float, float, float]:
+    """Return the pose of the first robot."""
+    pose = readings.readings()[0].pose.pose
+    return pose.x_m, pose.y_m, pose.yaw_rad
+
+
+@pytest.mark.parametrize("steps", [1, 7, 200])
 @pytest.mark.parametrize("speed_mps", [0.5, -0.5])
-def test_odometry_without_noise_is_the_true_path(speed_mps):
+def test_odometry_without_noise_is_the_true_path(speed_mps, steps):
     motion, twist = arc(speed_mps, 0.8)
     true = Pose(0.0, 0.0, 0.0)
-    robot = Odometry(EXACT)
-    for _ in range(200):
+    for _ in range(steps):
         true = true @ motion
-        reading = robot.step(motion, twist)
-        pose = reading.pose.pose
-        assert (pose.x_m, pose.y_m, pose.yaw_rad) == pytest.approx((true.x_m, true.y_m, true.yaw_rad), abs=1e-9)
-        assert reading.twist == twist
+    readings = drive([(motion, twist)] * steps, EXACT)
+    assert pose_of(readings) == pytest.approx((true.x_m, true.y_m, true.yaw_rad), abs=1e-9)
+    assert readings.readings()[0].twist == twist
 
 
 def test_odometry_without_noise_follows_a_robot_that_slides_sideways():
-    robot = Odometry(EXACT)
-    pose = robot.step(Pose(0.01, -0.03, 0.1), Twist(0.1, -0.3, 1.0)).pose.pose
-    assert (pose.x_m, pose.y_m, pose.yaw_rad) == pytest.approx((0.01, -0.03, 0.1), abs=1e-12)
+    readings = drive([(Pose(0.01, -0.03, 0.1), Twist(0.1, -0.3, 1.0))], EXACT)
+    assert pose_of(readings) == pytest.approx((0.01, -0.03, 0.1), abs=1e-12)
 
 
 def test_odometry_of_a_robot_at_rest_does_not_move():
-    pose = last_pose(Pose(0.0, 0.0, 0.0), Twist(), steps=500)
-    assert pose == Pose(0.0, 0.0, 0.0)
+    assert pose_of(drive([(Pose(0.0, 0.0, 0.0), Twist())] * 500, MODEL)) == (0.0, 0.0, 0.0)
 
 
-def test_drift_of_a_straight_step_has_the_models_variances():
-    motion, twist = arc(0.5, 0.0)
-    poses = [last_pose(motion, twist, steps=1, seed=seed) for seed in range(4000)]
-    lengths_m = np.array([math.hypot(pose.x_m, pose.y_m) for pose in poses])
-    yaws_rad = np.array([pose.yaw_rad for pose in poses])
-    assert lengths_m.mean() == pytest.approx(0.05, abs=5e-4)
-    assert lengths_m.var() == pytest.approx(0.02 * 0.05**2, rel=0.1)
-    assert yaws_rad.mean() == pytest.approx(0.0, abs=5e-4)
-    assert yaws_rad.var() == pytest.approx(2 * 0.01 * 0.05**2, rel=0.1)  # of both turns
+def test_motions_of_another_number_of_robots_are_rejected():
+    odometry = TeamOdometry([MODEL] * 2, STEP_S, [np.random.default_rng(seed) for seed in range(2)])
+    with pytest.raises(ValueError, match="one row of three numbers per robot"):
+        odometry.step(np.zeros((1, 3)), np.zeros((1, 3)))
 
 
-def test_drift_of_a_turn_on_the_spot_has_the_models_variances():
-    motion, twist = arc(0.0, 1.0)
-    poses = [last_pose(motion, twist, steps=1, seed=seed) for seed in range(4000)]
-    yaws_rad = np.array([pose.yaw_rad for pose in poses])
-    assert yaws_rad.mean() == pytest.approx(0.1, abs=2e-3)
-    assert yaws_rad.var() == pytest.approx(0.04 * 0.1**2, rel=0.1)
-    assert np.array([pose.x_m for pose in poses]).var() == pytest.approx(0.03 * 0.1**2, rel=0.1)
+@pytest.mark.parametrize(
+    ("speed_mps", "turn_radps"),
+    [(0.5, 0.0), (0.0, 1.0), (0.6, 1.2), (-0.6, 1.2)],
+    ids=["straight", "turn on the spot", "forwards", "backwards"],
+)
+def test_drift_of_a_step_has_the_variances_of_the_formula(speed_mps, turn_radps):
+    # An arc is a turn by half its angle, its chord, and the other half; a turn on the spot is a single turn.
+    samples, model, (motion, twist) = 5000, SMALL, arc(speed_mps, turn_radps)
+    ends = [reading.pose.pose for reading in drive([(motion, twist)], model, robots=samples).readings()]
+    chord_m, turns_rad = math.hypot(motion.x_m, motion.y_m), (0.5 * motion.yaw_rad,) * 2 if speed_mps else (0.1,)
+    of_turns_rad2 = sum(model.alpha1 * turn_rad**2 + model.alpha2 * chord_m**2 for turn_rad in turns_rad)
+    of_length_m2 = model.alpha3 * chord_m**2 + model.alpha4 * sum(turn_rad**2 for turn_rad in turns_rad)
+    yaws_rad = np.array([end.yaw_rad for end in ends])
+    along_m = np.array([math.copysign(math.hypot(end.x_m, end.y_m), end.x_m) for end in ends])
+    # Five standard errors: that of a variance of normal numbers is sqrt(2 / samples) of it.
+    within = 5.0 * math.sqrt(2.0 / samples)
+    assert yaws_rad.var() == pytest.approx(of_turns_rad2, rel=within)
+    assert yaws_rad.mean() == pytest.approx(motion.yaw_rad, abs=5.0 * math.sqrt(of_turns_rad2 / samples))
+    assert along_m.var() == pytest.approx(of_length_m2, rel=within)
+    assert along_m.mean() == pytest.approx(
+        math.copysign(chord_m, speed_mps), abs=5.0 * math.sqrt(of_length_m2 / samples)
+    )
+    if speed_mps:
+        sign = math.copysign(1.0, speed_mps)
+        course_rad = np.array([math.atan2(sign * end.y_m, sign * end.x_m) for end in ends])
+        assert course_rad.var() == pytest.approx(0.5 * of_turns_rad2, rel=within)
 
 
 @pytest.mark.parametrize("omni", [False, True])
@@ -106,40 +117,25 @@ def test_turn_on_the_spot_is_charged_once_however_the_wheels_slip(x_m, y_m):
 
 
 def test_drift_has_no_bias_over_a_long_straight_path():
-    motion, twist = arc(0.5, 0.0)
     model = OdometryModel(alpha1=0.0, alpha2=0.0, alpha3=0.02, alpha4=0.0)
-    ends_m = np.array([last_pose(motion, twist, steps=100, model=model, seed=seed).x_m for seed in range(400)])
+    ends_m = drive([arc(0.5, 0.0)] * 100, model, robots=400).pose[:, 0]
     spread_m = math.sqrt(100 * 0.02) * 0.05
     assert ends_m.mean() == pytest.approx(5.0, abs=4 * spread_m / math.sqrt(400))
     assert ends_m.std() == pytest.approx(spread_m, rel=0.15)
 
 
 def test_robot_that_is_pushed_aside_turns_no_more_than_its_body():
-    motion = Pose(0.0, 0.03, 0.0)
-    yaws_rad = [last_pose(motion, Twist(0.0, 0.3, 0.0), steps=1, seed=seed).yaw_rad for seed in range(2000)]
-    assert np.var(yaws_rad) == pytest.approx(2 * 0.01 * 0.03**2, rel=0.15)
+    _, _, qz, qw = drive([(Pose(0.0, 0.03, 0.0), Twist(0.0, 0.3, 0.0))], MODEL, robots=2000).pose.T
+    assert np.var(2.0 * np.arctan2(qz, qw)) == pytest.approx(2 * 0.01 * 0.03**2, rel=0.15)
 
 
 def test_twist_carries_the_noise_of_the_pose():
     motion, twist = arc(0.5, 0.0)
-    reading = Odometry().step(motion, twist)
+    (reading,) = drive([(motion, twist)], MODEL).readings()
     pose = reading.pose.pose
     assert reading.twist.linear_x_mps == pytest.approx(math.hypot(pose.x_m, pose.y_m) / STEP_S)
     assert reading.twist.angular_z_radps == pytest.approx(pose.yaw_rad / STEP_S)
     assert reading.twist != twist
-
-
-def drive(
-    ways: list[tuple[Pose, Twist]], model: OdometryModel, robots: int = 1, *, omni: bool = False
-) -> OdometryState:
-    """Return the last readings of robots that made the same ways."""
-    generators = [np.random.default_rng([5, seed]) for seed in range(robots)]
-    team = TeamOdometry([model] * robots, STEP_S, generators, [omni] * robots)
-    for motion, twist in ways:
-        motions = np.tile([motion.x_m, motion.y_m, motion.yaw_rad], (robots, 1))
-        twists = np.tile([twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps], (robots, 1))
-        readings = team.step(motions, twists)
-    return readings
 
 
 STRAIGHT = [arc(0.6, 0.0)] * 60

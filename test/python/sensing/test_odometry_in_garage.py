@@ -9,7 +9,6 @@ from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario import Bounds, FloorPlan, Wall, load
 from robotteamsim.scenario.sections import Odometry as OdometryModel
 from robotteamsim.scenario.sections import PlacedRobot, Run
-from robotteamsim.sensing.odometry import TeamOdometry
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
 
@@ -47,12 +46,6 @@ def test_odometry_without_noise_is_exact_to_a_nanometre_over_five_minutes_of_col
     assert len(touched) >= 10
 
 
-def test_motions_of_another_number_of_robots_are_rejected():
-    odometry = TeamOdometry([MODEL] * 2, 0.1, [np.random.default_rng(seed) for seed in range(2)])
-    with pytest.raises(ValueError, match="one row of three numbers per robot"):
-        odometry.step(np.zeros((1, 3)), np.zeros((1, 3)))
-
-
 def test_odometry_of_a_robot_that_slides_along_a_wall_is_its_true_path():
     robots = [PlacedRobot(start_pose=(5.0, 2.8, 0.5), odometry=EXACT)]
     world = World(CORRIDOR, robots, Run())
@@ -83,33 +76,6 @@ def test_robot_that_is_pushed_sideways_reckons_with_it():
     assert way_m > 0.1
     assert (pushed.pose.x_m, pushed.pose.y_m) == pytest.approx((0.0, -way_m), abs=1e-9)
     assert pushed.twist.linear_y_mps < -0.01
-
-
-@pytest.mark.parametrize("speed_mps", [0.6, -0.6], ids=["forwards", "backwards"])
-def test_drift_along_an_arc_has_the_variances_of_the_formula(speed_mps):
-    # An arc is a turn by half its angle, its chord, and the other half.
-    half_rad, samples = 0.06, 5000
-    chord_m = speed_mps * 0.1 * math.sin(half_rad) / half_rad
-    way = Pose(chord_m * math.cos(half_rad), chord_m * math.sin(half_rad), 2.0 * half_rad)
-    team = TeamOdometry([MODEL] * samples, 0.1, [np.random.default_rng(seed) for seed in range(samples)])
-    motions = np.tile([way.x_m, way.y_m, way.yaw_rad], (samples, 1))
-    twists = np.tile([speed_mps, 0.0, 20.0 * half_rad], (samples, 1))
-    ends = [reading.pose.pose for reading in team.step(motions, twists).readings()]
-    expected = {
-        "length": MODEL.alpha3 * chord_m**2 + MODEL.alpha4 * 2.0 * half_rad**2,
-        "yaw": 2.0 * (MODEL.alpha1 * half_rad**2 + MODEL.alpha2 * chord_m**2),
-        "course": MODEL.alpha1 * half_rad**2 + MODEL.alpha2 * chord_m**2,
-    }
-    sign = math.copysign(1.0, speed_mps)
-    measured = {
-        "length": np.array([math.hypot(end.x_m, end.y_m) for end in ends]),
-        "yaw": np.array([end.yaw_rad for end in ends]),
-        "course": np.array([math.atan2(sign * end.y_m, sign * end.x_m) for end in ends]),
-    }
-    # Five standard errors: that of a variance of normal numbers is sqrt(2 / samples) of it.
-    for name, variance in expected.items():
-        assert measured[name].var() == pytest.approx(variance, rel=5.0 * math.sqrt(2.0 / samples)), name
-    assert measured["yaw"].mean() == pytest.approx(2.0 * half_rad, abs=5.0 * math.sqrt(expected["yaw"] / samples))
 
 
 def test_drifts_of_two_robots_on_the_same_path_are_independent():

@@ -7,6 +7,7 @@ from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.rng import stream
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.sections import Laser, Odometry, PlacedRobot, Run
+from robotteamsim.scenario.sensors import MountedLaser
 from robotteamsim.sensing.beams import Laser as LaserSensor
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.sensing.robots import RobotSensors
@@ -15,12 +16,13 @@ from robotteamsim.world import World
 PLAN = FloorPlan(
     name="wall", bounds=Bounds(max=(20.0, 10.0)), walls=(Wall(name="w", start=(6.1, 1.0), end=(6.1, 9.0)),)
 )
+REAR = MountedLaser(name="rear", beams=5, noise_m=0.05)
 DRIFT = Odometry(alpha1=0.1, alpha2=0.1, alpha3=0.1, alpha4=0.1)
 
 
 def team(count: int = 2, odometry: Odometry = DRIFT, laser: Laser | None = None) -> list[PlacedRobot]:
-    laser = laser or Laser(noise_m=0.01)
-    return [PlacedRobot(start_pose=(4.0, 2.0 + i, 0.0), odometry=odometry, laser=laser) for i in range(count)]
+    keys = {"odometry": odometry, "laser": laser or Laser(noise_m=0.01), "sensors": (REAR,)}
+    return [PlacedRobot(start_pose=(4.0, 2.0 + i, 0.0), **keys) for i in range(count)]
 
 
 def run(robots: list[PlacedRobot], steps: int, seed: int = 1) -> tuple[World, RobotSensors, list[list[RobotReading]]]:
@@ -41,6 +43,7 @@ def same(first: list[list[RobotReading]], second: list[list[RobotReading]]) -> b
     return all(
         (a.ground_truth, a.twist, a.odometry, a.in_contact) == (b.ground_truth, b.twist, b.odometry, b.in_contact)
         and np.array_equal(a.ranges_m, b.ranges_m)
+        and np.array_equal(a.sensors["rear"], b.sensors["rear"])
         for before, after in zip(first, second, strict=True)
         for a, b in zip(before, after, strict=True)
     )

@@ -35,11 +35,6 @@ def read(model: Sonar, world: World, robot_id: int = 0) -> float:
     return float(RobotSensors(world, robots, seed=1).read()[robot_id].sensors[model.name])
 
 
-def test_sonar_that_looks_straight_at_a_wall_reads_its_distance():
-    model = Sonar(name="s", forward_m=0.2, range_max_m=3.0)
-    assert read(model, world_of(WALL, Pose(8.0, 5.0, 0.0))) == pytest.approx(10.0 - 8.2, abs=1e-6)
-
-
 def test_sonar_that_looks_at_a_wall_askew_reads_its_nearest_edge():
     # The cone reaches from 0.6 - 0.25 to 0.6 + 0.25 off the normal.
     model = Sonar(name="s", opening_rad=0.5, yaw_rad=0.6)

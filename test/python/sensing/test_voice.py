@@ -26,7 +26,7 @@ def plan() -> FloorPlan:
 def test_the_call_of_a_victim_is_drawn_from_the_ranges_and_depends_on_seed_and_name_alone(plan):
     alone = VoiceSensor(plan, Voice(), [_BOB], seed=4).map().values
     second = VoiceSensor(plan, Voice(), [_ANN, _BOB], seed=4)
-    second.silence("ann")
+    second.set_silenced(["ann"])
     assert np.array_equal(second.map().values, alone)
     assert not np.array_equal(VoiceSensor(plan, Voice(), [_BOB], seed=5).map().values, alone)
     at_one_metre = VoiceSensor(plan, Voice(map_resolution_m=0.1), [_BOB], seed=4).map().value_at(15.95, 6.05)
@@ -70,7 +70,7 @@ def test_walls_give_no_voice(plan):
 def test_silenced_victim_leaves_the_map_and_calls_again_when_set(plan):
     sensor = VoiceSensor(plan, Voice(), [_ANN], seed=1)
     before = sensor.map().values
-    sensor.silence("ann")
+    sensor.set_silenced(["ann"])
     assert not sensor.map().values.any()
     sensor.set_victim("ann", (3.0, 3.0))
     assert np.array_equal(sensor.map().values, before)
@@ -112,7 +112,7 @@ def test_moved_victim_calls_from_the_new_place_as_loud_as_before(plan):
 def test_wrong_names_and_values_are_rejected(plan):
     sensor = VoiceSensor(plan, Voice(), [_ANN, _BOB], seed=1)
     with pytest.raises(ValueError, match=r"^there is no victim 'eve', only ann, bob$"):
-        sensor.silence("eve")
+        sensor.set_silenced(["eve"])
     with pytest.raises(ValueError, match=r"^unknown door 'back'; known: gate$"):
         sensor.set_door("back", True)
     with pytest.raises(ValueError, match=r"^position_m must be finite, got \(nan, 1\)$"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -50,13 +51,29 @@ def rescue(**changes: Any) -> Any:
     return from_mapping(data, "rescue.yaml")
 
 
-def run(scenario: Any) -> list[StepRecord]:
+def started(scenario: Any) -> Simulation:
     simulation = Simulation(scenario)
     simulation.mission.start()
+    return simulation
+
+
+def until(simulation: Simulation, condition: Callable[[list[StepRecord]], bool]) -> list[StepRecord]:
     records = [simulation.step()]
-    while records[-1].mission.state != "ended":
+    while not condition(records):
         records.append(simulation.step())
     return records
+
+
+def has_ended(records: list[StepRecord]) -> bool:
+    return records[-1].mission.state == "ended"
+
+
+def is_carried(records: list[StepRecord]) -> bool:
+    return records[-1].mission.victims == ("carried",)
+
+
+def run(scenario: Any) -> list[StepRecord]:
+    return until(started(scenario), has_ended)
 
 
 def events(records: list[StepRecord], *kinds: str) -> list[tuple[str, str]]:
@@ -111,14 +128,10 @@ def test_firefighter_out_of_contact_finishes_the_last_order_and_returns():
 
 
 def test_firefighters_go_on_when_the_last_robot_has_gone():
-    simulation = Simulation(rescue())
-    simulation.mission.start()
+    simulation = started(rescue())
     simulation.step()
     simulation.remove_robot(0)
-    records = [simulation.step()]
-    while records[-1].mission.state != "ended":
-        records.append(simulation.step())
-    assert records[-1].mission.end == "victims_safe"
+    assert until(simulation, has_ended)[-1].mission.end == "victims_safe"
 
 
 def test_people_flee_through_the_open_door_and_wait_behind_a_closed_one():
@@ -170,12 +183,8 @@ def test_people_whom_a_fire_encloses_wait_and_report_it():
 
 
 def test_removed_firefighter_leaves_the_victim_to_another():
-    simulation = Simulation(rescue(mission={"victims": [{"name": "ann", "position": [12.0, 2.0]}]}))
-    simulation.mission.start()
-    record = simulation.step()
-    while record.mission.victims != ("carried",):
-        record = simulation.step()
-    simulation.remove_robot(record.mission.task.assistance[0].robot_id)
+    simulation = started(rescue(mission={"victims": [{"name": "ann", "position": [12.0, 2.0]}]}))
+    simulation.remove_robot(until(simulation, is_carried)[-1].mission.task.assistance[0].robot_id)
     states = [simulation.step().mission.victims[0] for _ in range(2000)]
     assert states[0] == "waiting"
     assert states[-1] == "safe"
@@ -265,11 +274,8 @@ def test_firefighter_stays_out_of_a_fire_that_fills_the_path_to_the_victim():
 
 def test_collapsed_victim_whom_a_firefighter_leaves_stays_silent():
     fire = {**PILE, "casualties": {"collapse_dose": 1e-9}}
-    simulation = Simulation(rescue(fire=fire, mission={"victims": [{"name": "ann", "position": [12.0, 2.0]}]}))
-    simulation.mission.start()
-    records = [simulation.step()]
-    while not (records[-1].mission.victims == ("carried",) and events(records, "victim_collapsed")):
-        records.append(simulation.step())
+    simulation = started(rescue(fire=fire, mission={"victims": [{"name": "ann", "position": [12.0, 2.0]}]}))
+    records = until(simulation, lambda records: is_carried(records) and bool(events(records, "victim_collapsed")))
     simulation.remove_robot(records[-1].mission.task.assistance[0].robot_id)
     record = simulation.step()
     assert events([record], "victim_left") == [("victim_left", "ann")]
@@ -280,11 +286,7 @@ def test_collapsed_victim_whom_a_firefighter_leaves_stays_silent():
 def test_collapsed_victim_is_carried_even_if_they_could_walk():
     fire = {**PILE, "casualties": {"collapse_dose": 1e-9}}
     bob = {"name": "bob", "position": [12.0, 2.0], "can_walk": True}
-    simulation = Simulation(rescue(fire=fire, mission={"victims": [bob]}))
-    simulation.mission.start()
-    records = [simulation.step()]
-    while records[-1].mission.victims != ("carried",):
-        records.append(simulation.step())
+    records = until(started(rescue(fire=fire, mission={"victims": [bob]})), is_carried)
     assert events(records, "victim_collapsed") == [("victim_collapsed", "bob")]
     (event,) = [e for e in records[-1].events if e.kind == "victim_carried"]
     assert event.detail == f"firefighter {event.robot_id} carries bob"

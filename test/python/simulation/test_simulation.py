@@ -4,6 +4,7 @@ import dataclasses
 
 import numpy as np
 import pytest
+from msgspec.structs import astuple
 
 from robotteamsim import scenario
 from robotteamsim.errors import PlacementError, RecordingError
@@ -12,8 +13,7 @@ from robotteamsim.interface import Decision, Task
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
 from robotteamsim.scenario import sections
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings, VoiceReading
-from robotteamsim.simulation import Simulation, simulation
-from robotteamsim.simulation.trajectory_hash import TrajectoryHash
+from robotteamsim.simulation import Simulation, TrajectoryHash, simulation
 from robotteamsim.world.doors import DoorStates
 
 
@@ -299,7 +299,7 @@ def test_result_hash_is_that_of_the_recorded_ground_truth(hall_scenario):
     witness, by_hand = Witness(), TrajectoryHash()
     result = Simulation(short(hall_scenario)).run([witness])
     for record in witness.records:
-        by_hand.update(record.sim_time_ns, [reading.ground_truth for reading in record.readings])
+        by_hand.update(record.sim_time_ns, np.array([astuple(reading.ground_truth) for reading in record.readings]))
     assert by_hand.hexdigest() == result.trajectory_hash
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan
 from robotteamsim.scenario.sections import Run
 from robotteamsim.world import World
-from robotteamsim.world.doors import UNVERSIONED, DoorChange, DoorState, DoorStates
+from robotteamsim.world.doors import DoorChange, DoorState, DoorStates
 
 CLOSED, OPEN = DoorState(closed=True, opening=0.0), DoorState(closed=False, opening=1.0)
 PLAN = FloorPlan(
@@ -52,10 +52,3 @@ def test_door_whose_leaf_moves_is_not_closed_before_it_has_arrived() -> None:
     moving = DoorStates({"front": CLOSED, "back": DoorState(closed=False, opening=0.5, motion="closes")}, version=1)
     assert [change.name for change in moving.changes_since(start)] == ["back"]
     assert moving.closed_since(start) == {}
-
-
-def test_states_without_a_version_are_compared_door_by_door() -> None:
-    one = DoorStates({"front": CLOSED, "back": CLOSED})
-    other = DoorStates({"front": OPEN, "back": OPEN})
-    assert one.version == other.version == UNVERSIONED
-    assert [change.name for change in one.changes_since(other)] == ["front", "back"]

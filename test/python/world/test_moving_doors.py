@@ -42,13 +42,6 @@ def step(world: World, steps: int, *twists: Twist) -> list[DoorState]:
     return states
 
 
-def test_instant_door_has_no_leaf_while_it_is_open():
-    world = world_of(door(closed=True))
-    world.set_door("gate", False)
-    assert world.door_states()["gate"] == DoorState(closed=False, opening=1.0)
-    world.set_pose(0, Pose(4.5, 2.0, 0.0))
-
-
 @pytest.mark.parametrize(
     ("keys", "tip"),
     [

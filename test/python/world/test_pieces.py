@@ -1,6 +1,5 @@
 import math
 
-import numpy as np
 import pytest
 import shapely
 
@@ -16,13 +15,6 @@ def ring(corners: int) -> tuple[tuple[float, float], ...]:
     return tuple((math.cos(angle), math.sin(angle)) for angle in angles)
 
 
-def star(generator: np.random.Generator) -> tuple[tuple[float, float], ...]:
-    angles = np.sort(generator.uniform(0.0, math.tau, 15))
-    return tuple(
-        (r * math.cos(a), r * math.sin(a)) for a, r in zip(angles, generator.uniform(0.5, 3.0, 15), strict=True)
-    )
-
-
 def test_convex_polygon_of_eight_corners_stays_whole():
     assert convex_pieces(SQUARE) == (SQUARE,)
     assert convex_pieces(ring(8)) == (ring(8),)
@@ -31,12 +23,6 @@ def test_convex_polygon_of_eight_corners_stays_whole():
 @pytest.mark.parametrize("corners", [L_SHAPE, IN_LINE, ring(9)], ids=["L", "corners in line", "nine corners"])
 def test_other_polygons_become_pieces_that_box2d_takes(corners):
     check(corners)
-
-
-def test_star_shaped_polygons_become_pieces_that_box2d_takes():
-    generator = np.random.default_rng(4)
-    for _ in range(100):
-        check(star(generator))
 
 
 def check(corners: tuple[tuple[float, float], ...]) -> None:

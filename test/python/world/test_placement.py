@@ -111,11 +111,6 @@ def test_large_team_fits_into_the_garage_clear_of_walls_and_each_other(count: in
     assert apart.min() >= scenario.robots.spacing_m - 1e-9
 
 
-def test_formation_is_the_same_each_time() -> None:
-    team = Team(count=40, start=(5.0, 5.0, 0.7))
-    assert _placed(HALL, team) == _placed(HALL, team)
-
-
 def test_team_without_room_is_rejected_with_count_and_place() -> None:
     closet = FloorPlan(name="closet", bounds=Bounds(max=(2.0, 2.0)))
     with pytest.raises(PlacementError) as raised:

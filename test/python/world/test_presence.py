@@ -1,15 +1,9 @@
 """Robots that leave and come while the world runs."""
 
-import math
+from two_rooms import two_rooms
 
-import numpy as np
-import pytest
-
-from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario import load
-from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
-from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors import Laser as LaserModel
@@ -18,15 +12,7 @@ from robotteamsim.setup import resolve
 from robotteamsim.simulation.stages import ScheduleStage
 from robotteamsim.world import World
 
-PLAN = FloorPlan(
-    name="two rooms",
-    bounds=Bounds(max=(12.0, 6.0)),
-    walls=(
-        Wall(name="middle south", start=(6.0, 0.2), end=(6.0, 2.5), thickness_m=0.1),
-        Wall(name="middle north", start=(6.0, 3.5), end=(6.0, 5.8), thickness_m=0.1),
-    ),
-    doors=(Door(name="gate", start=(6.0, 2.5), end=(6.0, 3.5), motion="slide", time_s=1.0),),
-)
+PLAN = two_rooms(motion="slide", time_s=1.0)
 FORWARD = Twist(0.7)
 STARTS = ((2.0, 2.0, 0.0), (3.0, 2.0, 0.0))
 
@@ -42,23 +28,6 @@ def present(world: World) -> list[bool]:
 
 def bits(world: World) -> bytes:
     return world.core.poses().tobytes()
-
-
-def test_all_robots_are_present_by_default():
-    assert world_of(*STARTS).present.all()
-    world = world_of(*STARTS, absent=(1,))
-    assert (present(world), world.arrivals) == ([True, False], (1, 0))
-
-
-def test_removed_robot_is_absent_and_stays_so():
-    world = world_of(*STARTS)
-    world.remove_robot(1)
-    for _ in range(5):
-        world.step([FORWARD, FORWARD])
-    assert present(world) == [True, False]
-    assert all(map(math.isnan, world.core.poses()[1]))
-    assert (world.twists()[1], world.motions()[1], world.in_contact()[1]) == (Twist(), Pose(0.0, 0.0, 0.0), False)
-    assert np.isfinite(world.positions_m()[0]).all()
 
 
 def test_no_beam_meets_a_robot_that_is_not_there_and_it_sees_nothing_itself():
@@ -90,52 +59,6 @@ def test_robot_that_left_has_no_effect_on_the_others():
         for world in (alone, left):
             world.step([FORWARD, FORWARD])
         assert bits(alone) == bits(left)
-
-
-def test_reset_restores_the_robots_of_the_start():
-    world = world_of(*STARTS, (4.0, 4.0, 0.0), absent=(2,))
-    script = [[FORWARD, FORWARD, FORWARD]] * 10
-
-    def run() -> list[bytes]:
-        record = []
-        for twists in script:
-            world.step(twists)
-            record.append(bits(world))
-        return record
-
-    first = run()
-    world.remove_robot(0)
-    world.spawn_robot(2, Pose(8.0, 4.0, 0.0))
-    world.reset()
-    assert (present(world), world.arrivals) == ([True, True, False], (1, 1, 0))
-    assert run() == first
-
-
-def test_robots_put_back_are_those_present():
-    world = world_of(*STARTS)
-    world.remove_robot(0)
-    world.set_pose(1, Pose(8.0, 4.0, 0.0))
-    world.reset_positions()
-    assert present(world) == [False, True]
-    assert world.poses()[1] == Pose(*STARTS[1])
-
-
-@pytest.mark.parametrize(
-    ("pose", "error", "message"),
-    [
-        (Pose(6.0, 1.0, 0.0), PlacementError, r"robot_1: pose \(6.00, 1.00\) is inside wall 'middle south'"),
-        (Pose(2.1, 2.0, 0.0), PlacementError, r"robot_1: pose \(2.10, 2.00\) is inside robot_0"),
-        (Pose(9.0, 3.0, 0.0), PlacementError, r"robot_1: pose \(9.00, 3.00\) is inside barrel 'drum'"),
-        (Pose(-1.0, 2.0, 0.0), PlacementError, r"robot_1: pose \(-1.00, 2.00\) is outside the plan"),
-        (Pose(2.0, math.nan, 0.0), ValueError, "robot_1: pose must be finite"),
-    ],
-)
-def test_robot_cannot_be_spawned_without_room(pose: Pose, error: type[Exception], message: str):
-    drum = MovableObject(name="drum", kind="barrel", radius_m=0.3, pose=(9.0, 3.0, 0.0))
-    world = world_of(*STARTS, absent=(1,), objects=[drum])
-    with pytest.raises(error, match=message):
-        world.spawn_robot(1, pose)
-    assert present(world) == [True, False]
 
 
 def test_scheduled_robot_waits_until_its_place_is_free():

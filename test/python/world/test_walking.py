@@ -7,22 +7,14 @@ import math
 
 import pytest
 import shapely
+from two_rooms import two_rooms
 
-from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.plan import solids
 from robotteamsim.scenario.sections import Mission, Run, Victim
 from robotteamsim.scenario.victims import Wander
 from robotteamsim.world.walking import Walk, Walkers
 
-PLAN = FloorPlan(
-    name="two rooms",
-    bounds=Bounds(max=(12.0, 6.0)),
-    walls=(
-        Wall(name="south", start=(6.0, 0.0), end=(6.0, 2.5)),
-        Wall(name="north", start=(6.0, 3.5), end=(6.0, 6.0)),
-    ),
-    doors=(Door(name="gate", start=(6.0, 2.5), end=(6.0, 3.5), closed=True),),
-)
+PLAN = two_rooms(closed=True)
 EVERYWHERE = Wander(polygon=((0.0, 0.0), (12.0, 0.0), (12.0, 6.0), (0.0, 6.0)))
 
 

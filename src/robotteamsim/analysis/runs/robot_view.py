@@ -11,14 +11,14 @@ from robotteamsim.geometry import Pose
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sensors import Camera
 from robotteamsim.setup import resolve
-from robotteamsim.world.mujoco.puppets import Puppets
+from robotteamsim.world.mujoco.posed_robots import PosedRobots
 
 _CAMERA = Camera(name="film", width_px=640, height_px=360, fov_rad=1.4)
 """Of a robot without a camera for colours."""
 
 
 class RobotView:
-    """Draws images for films. Doors, objects and lamps are as at the start of the scenario."""
+    """Draws images for films. Doors, objects and lights are as at the start of the scenario."""
 
     def __init__(self, run: RecordedRun, scenario: Scenario, robot_id: int) -> None:
         """Raises: CameraError: the run or the scenario has no such robot."""
@@ -33,7 +33,7 @@ class RobotView:
         robots = resolve(scenario).robots
         cameras = (sensor for sensor in robots[robot_id].sensors if isinstance(sensor, Camera))
         colour = (camera for camera in cameras if camera.images == "rgb")
-        self._puppets = Puppets(scenario, robots, robot_id, next(colour, _CAMERA))
+        self._posed = PosedRobots(scenario, robots, robot_id, next(colour, _CAMERA))
         self.title = f"camera of robot {robot_id}"
 
     def image(self, stamp_ns: int) -> np.ndarray:
@@ -43,4 +43,4 @@ class RobotView:
             for robot_id, track in self._tracks.items()
             if track.is_present(stamp_ns)
         }
-        return self._puppets.image(poses)
+        return self._posed.image(poses)

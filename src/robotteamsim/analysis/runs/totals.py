@@ -6,10 +6,9 @@ import numpy as np
 
 from robotteamsim.analysis.runs.reading import TRUTH
 from robotteamsim.analysis.runs.recorded_run import Flags, RecordedContext, RecordedNetwork, RecordedRobot, RecordedRun
-from robotteamsim.geometry import PoseReading
 from robotteamsim.interface import SwarmContext
 from robotteamsim.network import newly_endangered
-from robotteamsim.simulation.trajectory_hash import TrajectoryHash
+from robotteamsim.simulation.trial import TrajectoryHash
 
 SPEED_WINDOW_S = 1.0
 """Speeds are means over this time: over shorter times, a real robot's odometry is mostly noise."""
@@ -241,9 +240,9 @@ def _trajectory_hash(run: RecordedRun) -> str | None:
     if not all(np.array_equal(track.stamps_ns, stamps_ns) for track in tracks[1:]):
         return None
     computed = TrajectoryHash()
-    columns = [np.column_stack((track.poses[:, :2], track.turns)).tolist() for track in tracks]
-    for stamp_ns, *readings in zip(stamps_ns.tolist(), *columns, strict=True):
-        computed.update(stamp_ns, [PoseReading(*reading) for reading in readings])
+    true_poses = np.stack([np.column_stack((track.poses[:, :2], track.turns)) for track in tracks], axis=1)
+    for stamp_ns, rows in zip(stamps_ns.tolist(), true_poses, strict=True):
+        computed.update(stamp_ns, rows)
     return computed.hexdigest()
 
 

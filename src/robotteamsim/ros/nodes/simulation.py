@@ -39,7 +39,7 @@ from robotteamsim.shell.motion import StepMotion
 from robotteamsim.shell.requests import CHANGES, CHANGES_OF_BODIES, Change, pose_of
 from robotteamsim.simulation import Observer, Simulation, StepRecord, TeamInputs
 from robotteamsim.simulation.trial import Trial
-from robotteamsim.world.making import make_world
+from robotteamsim.world.world import make_world
 
 logger = logging.getLogger(__name__)
 

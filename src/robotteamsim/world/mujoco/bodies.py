@@ -12,8 +12,8 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import Corners
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.sensors import MountedLaser
+from robotteamsim.world.mujoco.appearance import add_dome
 from robotteamsim.world.mujoco.cameras import add_camera, camera_name, cameras_of
-from robotteamsim.world.mujoco.looks import add_dome
 from robotteamsim.world.mujoco.shapes import (
     BODIES,
     BODY_HITS,
@@ -30,7 +30,7 @@ from robotteamsim.world.mujoco.shapes import (
 from robotteamsim.world.mujoco.wheels import Chassis, add_wheels, wheel_mass_kg
 
 _CENTRE_OF_MASS = 0.35
-"""Height of a robot's centre of mass, as a share of its height: motors and batteries are low."""
+"""Height of a robot's centre of mass, as a fraction of its height: motors and batteries are low."""
 _ABOVE_LASER_M = 0.05
 
 

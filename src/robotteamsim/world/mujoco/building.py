@@ -10,7 +10,7 @@ from robotteamsim.palette import LIT_DOORS, LIT_SOLIDS
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.plan import Corners, door_corners
 from robotteamsim.world.core_parts import convex_pieces, still_solids
-from robotteamsim.world.mujoco.looks import FLOOR
+from robotteamsim.world.mujoco.appearance import FLOOR
 from robotteamsim.world.mujoco.shapes import (
     BODIES,
     BUILDING_GROUP,

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from typing import Any
 
 import mujoco
 import numpy as np
 
 from robotteamsim.errors import CameraError
-from robotteamsim.scenario.mujoco import Light
 from robotteamsim.scenario.sections import Robot
 from robotteamsim.scenario.sensors import Camera
-from robotteamsim.world.mujoco.lamps import Lamps
-from robotteamsim.world.mujoco.rays import Bodies, Rays
+from robotteamsim.world.mujoco.lights import Lights
+from robotteamsim.world.mujoco.rays import Bodies
 from robotteamsim.world.mujoco.shapes import about_z
 
 _AHEAD = [0.5, 0.5, -0.5, -0.5]
@@ -40,13 +38,11 @@ def add_camera(body: Any, name: str, camera: Camera) -> None:
     body.add_camera(name=name, pos=place, quat=quat, fovy=math.degrees(fovy_rad))
 
 
-class Scene:
-    """Rays of sensors, lamps, and images of cameras."""
+class Cameras:
+    """The cameras of all robots."""
 
-    def __init__(self, bodies: Bodies, lights: Sequence[Light]) -> None:
-        self._bodies = bodies
-        self.rays = Rays(bodies)
-        self.lamps = Lamps(lights, self.rays)
+    def __init__(self, bodies: Bodies, lights: Lights) -> None:
+        self._bodies, self._lights = bodies, lights
         self._model: mujoco.MjModel | None = None
         self._renderers: dict[tuple[int, int], mujoco.Renderer] = {}
         self._shown = mujoco.MjvOption()
@@ -59,7 +55,7 @@ class Scene:
             shape = (camera.height_px, camera.width_px)
             return np.zeros((*shape, 3), np.uint8) if camera.images == "rgb" else np.zeros(shape, np.float32)
         model, data = self._bodies.model, self._bodies.data
-        self.lamps.show(model)
+        self._lights.show(model)
         mujoco.mj_camlight(model, data)
         renderer = self._renderer(model, camera)
         renderer.update_scene(data, camera_name(model.body(body).name, camera), self._shown)

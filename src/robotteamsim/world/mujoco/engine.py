@@ -25,10 +25,10 @@ from robotteamsim.world.mujoco.building import leaf_name
 from robotteamsim.world.mujoco.grippers import Grip, add_grips, grip_of
 from robotteamsim.world.mujoco.leaves import Leaves
 from robotteamsim.world.mujoco.model import make_spec, steps_per_substep
-from robotteamsim.world.mujoco.motors import Motors
 from robotteamsim.world.mujoco.ramps import ground_m
 from robotteamsim.world.mujoco.shapes import about_z
 from robotteamsim.world.mujoco.team_state import FreeBodies, SavedBody, Touches
+from robotteamsim.world.mujoco.wheels import Motors
 
 _SAME_PLACE_RAD = 0.05
 """Contacts nearer to each other than this are one."""
@@ -225,7 +225,7 @@ class Engine:
     ) -> None:
         """Compile the model of these bodies; those that stay keep their state."""
         robots = {robot_id: self._bodies.saved(index) for index, robot_id in enumerate(self._present_ids())}
-        things = {obj.name: self._bodies.saved(i) for i, obj in enumerate(self._objects, self._num_present)}
+        saved_objects = {obj.name: self._bodies.saved(i) for i, obj in enumerate(self._objects, self._num_present)}
         poses = {robot_id: Pose(*row) for robot_id, row in enumerate(self.poses().tolist())}
         if new_robot is not None:
             poses[new_robot[0]] = new_robot[1]
@@ -234,7 +234,7 @@ class Engine:
             {robot_id: poses[robot_id] for robot_id in self._present_ids()},
             [Pose(*obj.pose) for obj in objects],
             robots,
-            things,
+            saved_objects,
         )
 
     def _build(
@@ -242,7 +242,7 @@ class Engine:
         poses: dict[int, Pose],
         object_poses: list[Pose],
         robots: dict[int, SavedBody],
-        things: dict[str, SavedBody],
+        saved_objects: dict[str, SavedBody],
     ) -> None:
         placed = {robot_id: (self._robots[robot_id], pose) for robot_id, pose in poses.items()}
         objects = list(zip(self._objects, object_poses, strict=True))
@@ -260,8 +260,8 @@ class Engine:
             if robot_id in robots:
                 self._bodies.restore(index, robots[robot_id])
         for index, obj in enumerate(self._objects, self._num_present):
-            if obj.name in things:
-                self._bodies.restore(index, things[obj.name])
+            if obj.name in saved_objects:
+                self._bodies.restore(index, saved_objects[obj.name])
         self._leaf_ids = [self.model.body_mocapid[self.model.body(leaf_name(door)).id] for door in self._plan.doors]
         self._soft: set[int] = set()
         """Doors that push something out of their way."""
@@ -288,12 +288,12 @@ class Engine:
         self._leaves.note_changes()
 
     def _footprints(self) -> list[Body]:
-        things: list[PlacedRobot | MovableObject] = [
+        models: list[PlacedRobot | MovableObject] = [
             *(self._robots[robot_id] for robot_id in self._present_ids()),
             *self._objects,
         ]
         rows = self._bodies.poses().tolist()
-        return [thing.body_at((x, y, yaw)) for thing, (x, y, yaw) in zip(things, rows, strict=True)]
+        return [model.body_at((x, y, yaw)) for model, (x, y, yaw) in zip(models, rows, strict=True)]
 
     def _follow_bodies(self) -> None:
         """Keep the drives near to what the bodies do, so that a blocked robot stops pressing."""

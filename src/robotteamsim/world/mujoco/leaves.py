@@ -19,7 +19,7 @@ _GLANCE_M = 0.01
 _CLEAR_M = 0.005
 """Its distance from anything."""
 _AT_END = 1e-9
-"""A leaf this near to its end, as a share of its motion, has arrived: the difference is rounding."""
+"""A leaf this near to its end, as a fraction of its motion, has arrived: the difference is rounding."""
 
 
 @dataclass(slots=True)
@@ -107,8 +107,8 @@ def _advance(leaf: _Leaf, time_s: float, bodies: Sequence[Body]) -> None:
     part = time_s / door.leaf_time_s / parts * (-1.0 if leaf.closes else 1.0)
     leaf.is_held = False
     for _ in range(parts):
-        further = leaf.opening + part
-        following = leaf.end if abs(leaf.end - further) < _AT_END else min(max(further, 0.0), 1.0)
+        reached = leaf.opening + part
+        following = leaf.end if abs(leaf.end - reached) < _AT_END else min(max(reached, 0.0), 1.0)
         if _is_blocked(door, leaf.opening, following, bodies):
             leaf.is_held = True
             return
@@ -119,7 +119,7 @@ def _advance(leaf: _Leaf, time_s: float, bodies: Sequence[Body]) -> None:
 
 def _is_blocked(door: Door, opening: float, following: float, bodies: Sequence[Body]) -> bool:
     """Whether a leaf would come too near to something; one that moves away from what it touches would not."""
-    now, then = (shapely.Polygon(leaf_corners(door, share)) for share in (opening, following))
+    now, then = (shapely.Polygon(leaf_corners(door, fraction)) for fraction in (opening, following))
     for body in bodies:
         gap_m = shapely.distance(body.core, then) - body.margin_m
         if gap_m < _CLEAR_M and gap_m < shapely.distance(body.core, now) - body.margin_m:

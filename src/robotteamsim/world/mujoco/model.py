@@ -11,13 +11,16 @@ from robotteamsim.geometry import Pose
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.mujoco import Mujoco
 from robotteamsim.scenario.objects import MovableObject
+from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot, Run
+from robotteamsim.world.mujoco.appearance import set_appearance
 from robotteamsim.world.mujoco.bodies import add_object, add_robot
-from robotteamsim.world.mujoco.building import add_building
+from robotteamsim.world.mujoco.building import add_building, leaf_name
 from robotteamsim.world.mujoco.cameras import cameras_of
-from robotteamsim.world.mujoco.lamps import add_lamps
-from robotteamsim.world.mujoco.looks import set_looks
+from robotteamsim.world.mujoco.leaves import Leaves
+from robotteamsim.world.mujoco.lights import add_lights
 from robotteamsim.world.mujoco.ramps import add_ramps, ground_m
+from robotteamsim.world.mujoco.shapes import about_z
 
 
 def steps_per_substep(run: Run) -> int:
@@ -39,8 +42,9 @@ def make_spec(
     spec = mujoco.MjSpec()
     spec.modelname = plan.name
     _set_options(spec, run.mujoco, run.step_s / run.physics_substeps / steps_per_substep(run))
-    set_looks(spec, plan, [camera for robot, _ in robots.values() for camera in cameras_of(robot)], run.mujoco.lights)
-    add_lamps(spec, run.mujoco.lights)
+    cameras = [camera for robot, _ in robots.values() for camera in cameras_of(robot)]
+    set_appearance(spec, plan, cameras, run.mujoco.lights)
+    add_lights(spec, run.mujoco.lights)
     add_building(spec, plan, run.mujoco.body_friction)
     ramps = run.mujoco.ramps
     for robot_id, (robot, pose) in robots.items():
@@ -49,6 +53,28 @@ def make_spec(
         add_object(spec, obj, pose, ground_m(ramps, obj.body_at(astuple(pose))))
     add_ramps(spec, ramps)
     return spec
+
+
+def start_spec(scenario: Scenario, robots: Mapping[int, PlacedRobot]) -> mujoco.MjSpec:
+    """Return the spec of a scenario at the start, with these robots, by id, at their start poses."""
+    placed = {robot_id: (robot, Pose(*robot.start_pose)) for robot_id, robot in robots.items()}
+    spec = make_spec(scenario.plan, placed, [(obj, Pose(*obj.pose)) for obj in scenario.objects], scenario.run)
+    leaves = Leaves(scenario.plan)
+    for index, door in enumerate(scenario.plan.doors):
+        leaf, pose = spec.body(leaf_name(door)), leaves.pose(index)
+        if pose is None:
+            spec.delete(leaf)
+        else:
+            leaf.pos, leaf.quat = [pose.x_m, pose.y_m, 0.0], about_z(pose.yaw_rad)
+    return spec
+
+
+def mjcf(scenario: Scenario, team: Sequence[PlacedRobot]) -> str:
+    """Return a scenario and its team at the start in MJCF, the format of MuJoCo's own programs."""
+    spec = start_spec(scenario, {robot_id: robot for robot_id, robot in enumerate(team) if robot.present})
+    spec.compile()
+    text: str = spec.to_xml()
+    return text
 
 
 def _set_options(spec: mujoco.MjSpec, settings: Mujoco, timestep_s: float) -> None:

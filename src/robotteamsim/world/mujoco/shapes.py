@@ -14,7 +14,7 @@ GROUND, BODIES = 1, 2
 WHEEL_HITS, BODY_HITS = GROUND, GROUND | BODIES
 """Bits of conaffinity: wheels touch only the floor."""
 
-FLOOR_GROUP, BUILDING_GROUP, ROBOT_GROUP, OBJECT_GROUP, WHEEL_GROUP, LAMP_GROUP = range(6)
+FLOOR_GROUP, BUILDING_GROUP, ROBOT_GROUP, OBJECT_GROUP, WHEEL_GROUP, LIGHT_GROUP = range(6)
 """Groups of geoms."""
 
 TOUCH_M = 0.005
@@ -62,5 +62,5 @@ def add_disc(body: Any, name: str, radius_m: float, bottom_m: float, top_m: floa
 
 
 def rgba(colour: str) -> list[float]:
-    """Return a colour, a code of `palette`, as four shares."""
+    """Return a colour, a code of `palette`, as red, green, blue and opacity from 0 to 1."""
     return [int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5)] + [1.0]

@@ -24,15 +24,15 @@ RESPONSE_S = 0.02
 """Time in which a motor takes a wheel to its speed."""
 
 _INSET = 0.8
-"""Position of wheels, as a share of the way from base_link to the outline."""
+"""Position of wheels, as a fraction of the way from base_link to the outline."""
 _WHEEL_MASS = 0.02
-"""Mass of a wheel, as a share of the robot's."""
+"""Mass of a wheel, as a fraction of the robot's."""
 CASTOR = "/castor_"
 """Part of the names of the geoms of castors."""
 _CASTOR_LIFT_M = 0.0005
 """Height of castors above the floor, so that the driven wheels carry the robot."""
 _HUB_MASS = 0.1
-"""Mass of the hub of a steered wheel, as a share of the wheel's."""
+"""Mass of the hub of a steered wheel, as a fraction of the wheel's."""
 _STEERING_HZ = 6.0
 _DIAGONAL = math.sqrt(0.5)
 
@@ -87,6 +87,23 @@ def steering_rad(middle_rad: np.ndarray, wheelbase_m: np.ndarray, track_m: np.nd
     tan = np.tan(middle_rad)
     left_rad = np.arctan2(wheelbase_m * tan, wheelbase_m - track_m * tan)
     return left_rad, np.arctan2(wheelbase_m * tan, wheelbase_m + track_m * tan)
+
+
+class Motors:
+    """The motors of the robots that are present, in the order of the model's actuators."""
+
+    def __init__(self, robots: Sequence[PlacedRobot], present: Sequence[int]) -> None:
+        gains = [motor_gains(robots[robot_id]) for robot_id in present]
+        self._robot_of = np.array([i for i, some in zip(present, gains, strict=True) for _ in some], dtype=int)
+        self._gains = np.array([row for some in gains for row in some]).reshape(-1, 5)
+        self._wheelbase_m = np.array([r.drive.wheelbase_m if isinstance(r.drive, CarDrive) else 1.0 for r in robots])
+        self._track_m = np.array([Chassis.of(robot).track_m for robot in robots])
+
+    def drive(self, data: mujoco.MjData, speeds: np.ndarray) -> None:
+        """Set the targets. Args: speeds: of all drives, shape (n, 4): forward, turn, left, steering."""
+        left_rad, right_rad = steering_rad(speeds[:, 3], self._wheelbase_m, self._track_m)
+        wanted = np.column_stack((speeds[:, :3], left_rad, right_rad))
+        data.ctrl[:] = (self._gains * wanted[self._robot_of]).sum(axis=1)
 
 
 def add_wheels(spec: mujoco.MjSpec, body: Any, name: str, robot: PlacedRobot) -> None:

@@ -12,13 +12,14 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.sections import Run
 from robotteamsim.scenario.sensors import Camera, LightSensor
 from robotteamsim.scenario.sensors.base import Fan
-from robotteamsim.world.base_world import BaseWorld
-from robotteamsim.world.contract import Mishap
-from robotteamsim.world.mujoco.cameras import Scene
+from robotteamsim.world.contract import AnyWorld, Mishap
+from robotteamsim.world.mujoco.cameras import Cameras
 from robotteamsim.world.mujoco.engine import Engine
+from robotteamsim.world.mujoco.lights import Lights
+from robotteamsim.world.mujoco.rays import Rays
 
 
-class MujocoWorld(BaseWorld):
+class MujocoWorld(AnyWorld):
     """A floor plan with heights, robots on wheels, and objects, in three dimensions.
 
     Motors turn the wheels at the speeds that the drive wants; friction of the tyres on the floor moves the robot.
@@ -33,11 +34,13 @@ class MujocoWorld(BaseWorld):
 
     def caster(self, fan: Fan) -> Callable[[Sequence[int]], np.ndarray]:
         """See `AnyWorld.caster`."""
-        return lambda robot_ids: np.stack([self._scene.rays.ranges_m(robot_id, fan) for robot_id in robot_ids])
+        return lambda robot_ids: np.stack([self._rays.ranges_m(robot_id, fan) for robot_id in robot_ids])
 
     def _make_physics(self, run: Run) -> Engine:
         self.engine = Engine(self.plan, self._robots, run, self._objects)
-        self._scene = Scene(self.engine, run.mujoco.lights)
+        self._rays = Rays(self.engine)
+        self._lights = Lights(run.mujoco.lights, self._rays)
+        self._cameras = Cameras(self.engine, self._lights)
         self._tipped_rad = run.mujoco.tipped_rad
         self._reaches_m = np.array([robot.reach_m for robot in self._robots])
         return self.engine
@@ -94,11 +97,11 @@ class MujocoWorld(BaseWorld):
 
     def illuminance_lx(self, robot_id: int, sensor: LightSensor) -> float:
         """See `AnyWorld.illuminance_lx`."""
-        return self._scene.lamps.illuminance_lx(robot_id, sensor)
+        return self._lights.illuminance_lx(robot_id, sensor)
 
     def image(self, robot_id: int, camera: Camera) -> np.ndarray:
         """See `AnyWorld.image`."""
-        return self._scene.image(robot_id, camera)
+        return self._cameras.image(robot_id, camera)
 
     def reset_positions(self) -> None:
         """See `AnyWorld.reset_positions`."""
@@ -107,11 +110,11 @@ class MujocoWorld(BaseWorld):
 
     def set_light(self, name: str, lit: bool) -> None:
         """See `AnyWorld.set_light`."""
-        self._scene.lamps.set_lit(name, lit)
+        self._lights.set_lit(name, lit)
 
     def reset(self) -> None:
         """See `AnyWorld.reset`."""
-        self._scene.lamps.reset()
+        self._lights.reset()
         super().reset()
 
     def _update_presence(self) -> None:

@@ -11,7 +11,7 @@ from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world.contract import AnyWorld
-from robotteamsim.world.making import make_world
+from robotteamsim.world.world import make_world
 
 KINDS = ("box2d", "mujoco")
 """Worlds of this process. test/ros and test/gazebo run a part of the tests against worlds behind ROS."""

@@ -121,16 +121,32 @@ def test_objects_are_added_moved_and_removed(world_of):
     assert world.objects() == {"box": Pose(3.0, 2.0, 0.0)}
 
 
+@pytest.mark.parametrize(
+    ("place", "message"),
+    [
+        ((3.0, 5.8), r"is inside wall 'north'$"),
+        ((5.5, 2.5), r"is inside door 'gate'$"),
+        ((9.2, 4.0), r"is inside barrel 'drum'$"),
+        ((2.3, 2.0), r"is inside robot_0$"),
+        ((13.0, 2.0), r"is outside the plan"),
+    ],
+)
+def test_object_is_not_put_where_something_is(world_of, place, message):
+    drum = BARREL.model_copy(update={"pose": (9.0, 4.0, 0.0)})
+    world = world_of((2.0, 2.0, 0.0), objects=(BOX, drum), door={"motion": "swing"})
+    with pytest.raises(PlacementError, match=rf"^box 'box': pose .* {message}"):
+        world.move_object("box", Pose(*place, 0.0))
+    with pytest.raises(PlacementError, match=rf"^box 'other': pose .* {message}"):
+        world.add_object(BOX.model_copy(update={"name": "other", "pose": (*place, 0.0)}))
+    assert world.objects() == {"box": Pose(3.0, 2.0, 0.0), "drum": Pose(9.0, 4.0, 0.0)}
+
+
 def test_mistakes_about_objects_are_named(world_of):
     world = world_of((2.0, 2.0, 0.0), objects=(BOX,))
     with pytest.raises(ValueError, match=r"^there is already a box 'box'$"):
         world.add_object(BOX)
     with pytest.raises(ValueError, match=r"^unknown object 'crate'; known: box$"):
         world.remove_object("crate")
-    with pytest.raises(PlacementError, match=r"is inside wall 'north'"):
-        world.move_object("box", Pose(3.0, 5.8, 0.0))
-    with pytest.raises(PlacementError, match=r"is inside robot_0"):
-        world.add_object(BARREL.model_copy(update={"pose": (2.3, 2.0, 0.0)}))
-    with pytest.raises(ValueError, match=r"must be finite"):
+    with pytest.raises(ValueError, match=r"^box 'box': pose must be finite"):
         world.move_object("box", Pose(math.nan, 2.0, 0.0))
     assert world.objects() == {"box": Pose(3.0, 2.0, 0.0)}

@@ -16,6 +16,7 @@ from robotteamsim.simulation.stages import ScheduleStage
 
 FORWARD, STOP = Twist(0.5), Twist()
 BOX = MovableObject(name="box", size_m=(0.4, 0.4), pose=(3.0, 2.0, 0.3), mass_kg=1.0)
+DRUM = MovableObject(name="drum", kind="barrel", radius_m=0.3, pose=(4.5, 2.8, 0.0), mass_kg=1.0)
 BEAM = Laser(beams=3, angle_min_rad=-0.2, angle_max_rad=0.2, forward_m=0.0, range_max_m=8.0)
 
 
@@ -43,13 +44,17 @@ def test_teleported_robot_is_at_rest_and_did_not_move(world_of):
         ((4.1, 2.0, 0.0), "is inside robot_1"),
         ((13.0, 1.0, 0.0), "is outside the plan"),
         ((8.2, 2.9, 0.0), "is inside block 'core'"),
+        ((3.1, 2.0, 0.0), "is inside box 'box'"),
     ],
 )
-def test_robot_is_not_teleported_into_an_obstacle(world_of, pose, message):
-    world = world_of((2.0, 2.0, 0.0), (4.0, 2.0, 0.0))
-    with pytest.raises(PlacementError, match=message):
-        world.set_pose(0, Pose(*pose))
+def test_robot_is_neither_teleported_nor_spawned_into_an_obstacle(world_of, pose, message):
+    absent = PlacedRobot(start_pose=(2.0, 4.0, 0.0), present=False)
+    world = world_of((2.0, 2.0, 0.0), (4.0, 2.0, 0.0), absent, objects=(BOX,))
+    for robot_id, call in ((0, world.set_pose), (2, world.spawn_robot)):
+        with pytest.raises(PlacementError, match=rf"^robot_{robot_id}: pose .* {message}"):
+            call(robot_id, Pose(*pose))
     assert (world.poses()[0].x_m, world.poses()[0].y_m) == (2.0, 2.0)
+    assert world.present.tolist() == [True, True, False]
 
 
 @pytest.mark.parametrize("value", [math.nan, math.inf])
@@ -85,6 +90,7 @@ def test_robots_leave_and_arrive_again(world_of):
     assert (world.present.tolist(), world.arrivals) == ([True, False], (1, 1))
     drive(world, FORWARD, STOP, steps=1)
     assert world.twists()[0].linear_x_mps == pytest.approx(0.5, rel=0.05)
+    assert (world.twists()[1], world.motions()[1], world.in_contact()[1]) == (Twist(), Pose(0.0, 0.0, 0.0), False)
     world.spawn_robot(1, Pose(9.0, 4.0, 1.0))
     assert (world.present.tolist(), world.arrivals) == ([True, True], (1, 2))
     assert world.poses()[1] == Pose(9.0, 4.0, pytest.approx(1.0, abs=1e-12))
@@ -146,7 +152,9 @@ def course(world, robots):
         if step == 20:
             world.remove_robot(2)
             world.set_door("gate", closed=True)
+            world.add_object(DRUM)
         if step == 40:
+            world.remove_object("drum")
             world.spawn_robot(2, Pose(9.0, 4.0, 0.5))
             world.move_object("box", Pose(4.0, 4.0, 0.0))
         world.step([Twist(0.5, 0.0, 0.1), Twist(-0.4, 0.0, math.sin(step)), Twist(0.3, 0.0, 0.5)])
@@ -167,19 +175,23 @@ def test_equal_calls_give_equal_worlds_also_after_a_reset(world_of):
     world = world_of(*robots, **keys)
     first = course(world, robots)
     assert course(world_of(*robots, **keys), robots) == first
+    world.remove_robot(0)
     world.reset()
     assert world.present.all()
+    assert list(world.objects()) == ["box"]
     assert (world.step_index, world.sim_time_ns, world.arrivals) == (0, 0, (1, 1, 1))
     assert course(world, robots) == first
 
 
-def test_reset_of_positions_keeps_time_doors_and_objects(world_of):
-    world = world_of((2.0, 2.0, 0.0), objects=(BOX,))
+def test_reset_of_positions_keeps_time_doors_objects_and_presence(world_of):
+    world = world_of((2.0, 2.0, 0.0), (9.0, 4.0, 0.0), objects=(BOX,))
     world.set_door("gate", closed=True)
-    drive(world, FORWARD, steps=20)
+    world.remove_robot(1)
+    drive(world, FORWARD, STOP, steps=20)
     pushed = world.objects()["box"]
     world.reset_positions()
-    assert world.poses() == [Pose(2.0, 2.0, 0.0)]
+    assert world.poses()[0] == Pose(2.0, 2.0, 0.0)
+    assert world.present.tolist() == [True, False]
     assert (world.objects()["box"], world.step_index) == (pushed, 20)
     assert world.door_states()["gate"].closed
 

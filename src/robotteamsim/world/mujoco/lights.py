@@ -1,4 +1,4 @@
-"""Lamps: small spheres that shine equally in all directions, for light sensors and for cameras."""
+"""Lights: small spheres that shine equally in all directions, for light sensors and for cameras."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from robotteamsim.palette import YELLOW
 from robotteamsim.scenario.mujoco import Light
 from robotteamsim.scenario.sensors import LightSensor
 from robotteamsim.world.mujoco.rays import Rays
-from robotteamsim.world.mujoco.shapes import LAMP_GROUP, rgba
+from robotteamsim.world.mujoco.shapes import LIGHT_GROUP, rgba
 
 MOST_DRAWN = 7
-"""OpenGL draws this many lamps, besides the light at the camera."""
+"""OpenGL draws this many lights, besides the light at the camera."""
 _BULB_M = 0.05
 _WHITE_LX = 20.0
 """In images a white surface with this illuminance, or more, is white."""
 
 
-def add_lamps(spec: mujoco.MjSpec, lights: Sequence[Light]) -> None:
+def add_lights(spec: mujoco.MjSpec, lights: Sequence[Light]) -> None:
     """Add the lights of a scenario to a spec. Beams pass through them."""
     for index, light in enumerate(lights):
         place = [*light.position, light.height_m]
@@ -45,13 +45,13 @@ def add_lamps(spec: mujoco.MjSpec, lights: Sequence[Light]) -> None:
             pos=place,
             contype=0,
             conaffinity=0,
-            group=LAMP_GROUP,
+            group=LIGHT_GROUP,
             material=bulb.name,
         )
 
 
-class Lamps:
-    """The lamps of a world, and which of them are lit."""
+class Lights:
+    """The lights of a world, and which of them are lit."""
 
     def __init__(self, lights: Sequence[Light], rays: Rays) -> None:
         self._lights, self._rays = tuple(lights), rays
@@ -60,32 +60,32 @@ class Lamps:
         self.reset()
 
     def reset(self) -> None:
-        """Restore which lamps are lit at the start."""
+        """Restore which lights are lit at the start."""
         self._lit = np.array([light.lit for light in self._lights], dtype=bool)
 
     def set_lit(self, name: str, lit: bool) -> None:
-        """Switch a lamp. Raises: ValueError: no such lamp."""
+        """Switch a light. Raises: ValueError: no such light."""
         names = [light.name for light in self._lights]
         if name not in names:
             raise ValueError(f"unknown light '{name}'; known: {', '.join(names) or 'none'}")
         self._lit[names.index(name)] = lit
 
     def show(self, model: mujoco.MjModel) -> None:
-        """Light the lamps of a model as they are."""
+        """Switch the lights of a model."""
         drawn = self._lit[:MOST_DRAWN]
         model.light_active[: len(drawn)] = drawn
         for light, lit in zip(self._lights, self._lit, strict=True):
             model.material(f"light {light.name}").emission[:] = float(lit)
 
     def illuminance_lx(self, robot_id: int, sensor: LightSensor) -> float:
-        """Return I cos(a) / d^2, summed over the lit lamps that nothing hides, for the angle a to the sensor's axis."""
+        """Return the sum of I cos(a) / d^2 over lit lights in sight, where a is the angle to the sensor's axis."""
         placed = self._rays.axis(robot_id, sensor)
         if placed is None or not self._lit.any():
             return 0.0
         origin, axis = placed
-        ways_m = self._places_m[self._lit] - origin
-        distances_m = np.maximum(np.linalg.norm(ways_m, axis=1), _BULB_M)
-        directions = ways_m / distances_m[:, None]
+        offsets_m = self._places_m[self._lit] - origin
+        distances_m = np.maximum(np.linalg.norm(offsets_m, axis=1), _BULB_M)
+        directions = offsets_m / distances_m[:, None]
         ranges_m = self._rays.cast_m(robot_id, origin, directions, float(distances_m.max()))
         reached = np.maximum(directions @ axis, 0.0) * (ranges_m >= distances_m)
         return math.fsum(self._intensities_cd[self._lit] * reached / distances_m**2)

@@ -30,8 +30,8 @@ _DOME_M = 0.05
 _REFLECTANCE = 0.06
 
 
-def set_looks(spec: mujoco.MjSpec, plan: FloorPlan, cameras: Sequence[Camera], lights: Sequence[Light]) -> None:
-    """Set light, sky, distances and sizes for cameras; the only light of a scenario with lamps are its lamps."""
+def set_appearance(spec: mujoco.MjSpec, plan: FloorPlan, cameras: Sequence[Camera], lights: Sequence[Light]) -> None:
+    """Set light, sky, distances and sizes for cameras; a scenario with lights has no sun."""
     visual, diagonal_m = spec.visual, math.dist(plan.bounds.min, plan.bounds.max)
     spec.stat.extent = 1.0  # the unit of the distances below
     visual.map.znear = _NEAREST_M
@@ -44,7 +44,7 @@ def set_looks(spec: mujoco.MjSpec, plan: FloorPlan, cameras: Sequence[Camera], l
     visual.headlight.ambient, visual.headlight.diffuse = [ambient] * 3, [diffuse] * 3
     visual.headlight.specular = [0.0] * 3
     if lights:
-        visual.quality.numquads = 16  # OpenGL computes the light of lamps at the corners of these
+        visual.quality.numquads = 16  # OpenGL computes illumination at the corners of these
     else:
         _add_sun(spec, plan)
     spec.add_texture(
@@ -70,13 +70,13 @@ def add_shadows(model: mujoco.MjModel, lights: Sequence[Light]) -> None:
 def add_dome(body: Any, name: str, robot: PlacedRobot, bottom_m: float) -> None:
     """Add the housing of the laser on top of a robot, which only cameras see."""
     radius_m = 0.3 * Chassis.of(robot).half_width_m
-    look = {"contype": 0, "conaffinity": 0, "group": WHEEL_GROUP, "mass": 0.0, "rgba": rgba(ROBOT_BODY)}
+    keys = {"contype": 0, "conaffinity": 0, "group": WHEEL_GROUP, "mass": 0.0, "rgba": rgba(ROBOT_BODY)}
     body.add_geom(
         name=f"{name}/dome",
         type=mujoco.mjtGeom.mjGEOM_CYLINDER,
         size=[radius_m, 0.5 * _DOME_M, 0.0],
         pos=[0.0, 0.0, bottom_m + 0.5 * _DOME_M],
-        **look,
+        **keys,
     )
 
 

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
+import hashlib
 import math
+import struct
 
 import numpy as np
 import pytest
@@ -8,8 +10,9 @@ import pytest
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.rng import stream
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings
-from robotteamsim.simulation.team_totals import TeamTotals
+from robotteamsim.simulation.trial import TeamTotals, TrajectoryHash
 
+POSE = (1.5, -2.25, 0.6, 0.8)
 STILL = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
 
 
@@ -99,3 +102,17 @@ def test_rows_that_do_not_fit_the_team_are_rejected():
         update(TeamTotals(2, step_s=1.0), np.zeros((3, 2)), [False] * 3, [False, False], running=True)
     with pytest.raises(ValueError, match="one row per robot"):
         update(TeamTotals(2, step_s=1.0), np.zeros((2, 2)), [False] * 2, [False], running=True)
+
+
+def test_hash_is_sha256_of_stamp_and_little_endian_poses():
+    ours = TrajectoryHash()
+    ours.update(100_000_000, np.array([POSE, POSE]))
+    expected = struct.pack("<q4d4d", 100_000_000, *POSE, *POSE)
+    assert ours.hexdigest() == ours.hexdigest() == hashlib.sha256(expected).hexdigest()
+
+
+def test_one_bit_of_one_pose_changes_the_hash():
+    one, other = TrajectoryHash(), TrajectoryHash()
+    one.update(0, np.array([POSE]))
+    other.update(0, np.array([(1.5000000000000002, *POSE[1:])]))
+    assert one.hexdigest() != other.hexdigest()
