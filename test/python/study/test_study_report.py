@@ -90,19 +90,6 @@ def test_table_of_missions_has_the_figures_of_tables_8_and_9(study):
     assert [row["areas"] for row in theirs.values()] == ["4.93", "5.00", "5.00"]
 
 
-def test_latex_tables_fit_the_text_width_and_name_their_packages(study):
-    missions, claims = (study.report.files[f"tables/{name}.tex"].decode() for name in ("missions", "claims"))
-    assert missions.startswith("% \\usepackage{adjustbox,booktabs}\n")
-    assert r"\begin{adjustbox}{max width=\linewidth}" in missions
-    assert claims.startswith("% \\usepackage{array,booktabs,longtable}\n")
-    shares = [float(share) for share in re.findall(r"p\{([\d.]+)\\dimexpr\\linewidth-12\\tabcolsep\\relax\}", claims)]
-    assert len(shares) == 6
-    assert sum(shares) == pytest.approx(1.0, abs=0.002)
-    assert shares[5] > shares[0] > max(shares[1:5])
-    for table in (missions, claims):
-        assert re.findall(r"\\begin\{(\w+)\}", table) == re.findall(r"\\end\{(\w+)\}", table)[::-1]
-
-
 def test_sections_of_claims_are_in_the_contents(study):
     links = re.findall(r'href="#([^"]*)"', text(study))
     assert {"not-fitted", "fitted"} <= set(links)

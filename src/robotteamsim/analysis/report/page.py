@@ -12,7 +12,6 @@ import numpy as np
 from markupsafe import Markup
 
 from robotteamsim import palette
-from robotteamsim.analysis.fields.maps import VoiceRange
 from robotteamsim.analysis.report import figures, maps
 from robotteamsim.analysis.report.contrasts import contrasts, overall
 from robotteamsim.analysis.report.opening import compared_settings
@@ -21,10 +20,9 @@ from robotteamsim.analysis.report.rank_tests import PERMUTATIONS
 from robotteamsim.analysis.report.samples import Campaign, Cell, Panel, Sample, panels_of, pooled
 from robotteamsim.analysis.report.statistics import TABLES
 from robotteamsim.analysis.report.tables import Table, campaign_tables
-from robotteamsim.analysis.report.wording import listed, percents, unbroken
+from robotteamsim.analysis.report.wording import listed, unbroken
 from robotteamsim.campaign import StoredCampaign
 from robotteamsim.recording.files import atomically, prepare_folder
-from robotteamsim.setup import resolve
 from robotteamsim.wording import counted
 
 PAGE_NAME = "report.html"
@@ -150,7 +148,6 @@ def campaign_notes(campaign: Campaign, missions: ShownMissions | None) -> tuple[
 
 def campaign_pictures(campaign: Campaign, panels: Sequence[Panel]) -> Iterator[Picture]:
     """Yield the figures of a campaign. Args: panels: the missions to show."""
-    yield from _map_pictures(campaign)
     samples = [each.missions for panel in panels for each in panel.series]
     num_victims = max(sample.num_victims for sample in samples)
     if num_victims > 0:
@@ -197,31 +194,6 @@ def _path_pictures(cells: Sequence[Cell]) -> Iterator[Picture]:
             "median duration. Circles are the areas in their order, crosses the victims."
         )
         yield picture("paths", "Paths of the robots", caption, maps.draw_heat(heated))
-
-
-def _map_pictures(campaign: Campaign) -> Iterator[Picture]:
-    """Yield the voice and radio maps of this scenario, which need no mission."""
-    scenario, noises_db = campaign.scenario, maps.noises_db(campaign)
-    if scenario.mission.victims and noises_db:
-        ranges: tuple[VoiceRange, ...] = ("lowest", "highest")
-        for voice_range in ranges:
-            shares = maps.heard_shares(scenario, noises_db, voice_range)
-            heard = listed(
-                [f"{share} of the floor at {db:g} dB" for share, db in zip(percents(*shares), noises_db, strict=True)]
-            )
-            caption = (
-                f"A victim is heard in {heard} if all voices have the {voice_range} range of the voice model "
-                f"({maps.voice_text(scenario, voice_range)})."
-            )
-            drawn = maps.draw_voices(scenario, noises_db, voice_range)
-            yield picture(f"voice_{voice_range}", f"{voice_range.capitalize()} voice detection range", caption, drawn)
-    places_m = maps.widest_moment_m(campaign)
-    when = "at the time in all missions when a robot was farthest from its nearest neighbour"
-    if places_m is None:
-        places_m = np.array([robot.start_pose[:2] for robot in resolve(scenario).robots])
-        when = "with the robots at their start"
-    caption = f"Strongest signal at each place, {when}. Lines are thresholds of the signal for a link."
-    yield picture("network", "Range of the team's network", caption, maps.draw_network(scenario, places_m))
 
 
 def campaign_page(
