@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from robotteamsim import scenario
+from robotteamsim.cli.output import save
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, number, path_of, point
-from robotteamsim.cli.pictures import save
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.errors import ScenarioError
 from robotteamsim.recording.files import atomically

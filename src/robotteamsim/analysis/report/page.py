@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -13,14 +14,13 @@ from markupsafe import Markup
 
 from robotteamsim import palette
 from robotteamsim.analysis.report import figures, maps
-from robotteamsim.analysis.report.contrasts import contrasts, overall
-from robotteamsim.analysis.report.opening import compared_settings
+from robotteamsim.analysis.report.contrasts import Contrast, contrasts, overall
 from robotteamsim.analysis.report.pictures import Picture, picture
 from robotteamsim.analysis.report.rank_tests import PERMUTATIONS
 from robotteamsim.analysis.report.samples import Campaign, Cell, Panel, Sample, panels_of, pooled
 from robotteamsim.analysis.report.statistics import TABLES
 from robotteamsim.analysis.report.tables import Table, campaign_tables
-from robotteamsim.analysis.report.wording import listed, unbroken
+from robotteamsim.analysis.report.wording import interval_text, listed, p_text
 from robotteamsim.campaign import StoredCampaign
 from robotteamsim.recording.files import atomically, prepare_folder
 from robotteamsim.wording import counted
@@ -28,6 +28,9 @@ from robotteamsim.wording import counted
 PAGE_NAME = "report.html"
 FOLDER = Path(__file__).parent
 """The folder of the templates base.html and campaign.html."""
+
+_MAX_COMPARED = 6
+_MAX_SUMMARISED = 3
 
 READING = (
     (
@@ -114,6 +117,31 @@ def make_report(
         campaign, [*opening, *notes], pictures, tables[len(comparison) :], missions, comparison=comparison
     )
     return Report(opening, notes, report_files(page, pictures, tables), tables)
+
+
+def compared_settings(contrasts: Sequence[Contrast]) -> tuple[str, ...]:
+    """Return one paragraph per compared pair of settings; none if there are too many."""
+    grouped = [
+        list(group) for _, group in itertools.groupby(contrasts, key=lambda each: (each.where, each.first, each.second))
+    ]
+    return tuple(map(_paragraph, grouped)) if len(grouped) <= _MAX_COMPARED else ()
+
+
+def _paragraph(contrasts: Sequence[Contrast]) -> str:
+    """Return means, difference with interval, and effect size of the first quantities."""
+    one = contrasts[0]
+    parts = []
+    for c in contrasts[:_MAX_SUMMARISED]:
+        a, b = (f"{value:.{c.decimals}f}" for value in c.values)
+        shift = interval_text(c.difference, c.decimals).replace(" [-, -]", ", no interval")
+        shift = shift.replace("-", "\N{MINUS SIGN}")
+        parts.append(
+            f"{c.quantity} {b} instead of {a} (difference {shift}, larger in {100.0 * c.superiority:.0f} % of "
+            f"comparisons, {p_text(c.p)})"
+        )
+    where = f" at {one.where}" if one.where else ""
+    how = "" if one.pairs is None else f", in {one.pairs} pairs of missions with the same seed"
+    return f"{one.second} compared with {one.first}{where}{how}: {'; '.join(parts)}."
 
 
 def report_files(page: str, pictures: Sequence[Picture], tables: Sequence[Table]) -> dict[str, bytes]:
@@ -241,5 +269,4 @@ def render(template: str, folders: Sequence[Path], **values: object) -> str:
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    environment.filters["unbroken"] = unbroken
     return environment.get_template(template).render(colours=palette.css(), **values)

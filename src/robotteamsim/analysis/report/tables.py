@@ -80,7 +80,13 @@ def campaign_tables(
     panels: Sequence[Panel], between: Sequence[Contrast], all_cells: Overall | None
 ) -> tuple[Table, ...]:
     """Return the tables of a campaign, without empty ones; the one named "differences" compares the settings."""
-    tables = (_differences(between), _missions(panels), _victims(panels), _given_victims(panels), _overall(all_cells))
+    tables = (
+        difference_table(between),
+        _missions(panels),
+        _victims(panels),
+        _given_victims(panels),
+        _overall(all_cells),
+    )
     return tuple(table for table in tables if table.rows)
 
 
@@ -142,8 +148,8 @@ def _given_victims(panels: Sequence[Panel]) -> Table:
     return Table("durations_by_victims", title, ("", "saved", "missions", "time [s]", "SD"), tuple(rows), 2)
 
 
-def _differences(contrasts: Sequence[Contrast]) -> Table:
-    """Differences between the campaign's cells."""
+def difference_table(contrasts: Sequence[Contrast]) -> Table:
+    """Return differences between settings: the name, the values of both, the difference, effect size and p of each."""
     rows = []
     for c in contrasts:
         means = tuple(f"{value:.{c.decimals}f}" for value in c.values)
