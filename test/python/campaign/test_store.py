@@ -163,11 +163,6 @@ def test_checking_a_folder_leaves_nothing(short_design, tmp_path):
     assert os.listdir(tmp_path) == []
 
 
-def test_reading_a_folder_without_a_store_is_rejected(tmp_path):
-    with pytest.raises(CampaignError, match=r"contains no campaign: there is no campaign\.sqlite$"):
-        read_store(tmp_path)
-
-
 def test_store_of_another_format_is_rejected(short_design, tmp_path):
     path = tmp_path / "campaign.sqlite"
     with open_store(tmp_path, short_design(SWEEP)):
