@@ -9,7 +9,6 @@ from typing import TypeVar
 
 import numpy as np
 
-from robotteamsim.analysis.report.maps import nearest_other_m
 from robotteamsim.analysis.report.rank_tests import mann_whitney
 from robotteamsim.analysis.report.samples import Campaign, Cell, Sample
 from robotteamsim.analysis.report.statistics import generator
@@ -18,6 +17,7 @@ from robotteamsim.scenario import Scenario
 from study.comparison import MARGIN, Comparison, compare, shares
 from study.criteria import LEVEL, Finding, Verdict, at_least, at_most, equivalent, falls, over_campaigns, together
 from study.equivalence import equivalence, mean_difference, mean_ratio
+from study.maps import nearest_other_m
 from study.missions import Pair, compared
 
 MIN_TRIALS = 100

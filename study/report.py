@@ -30,6 +30,7 @@ from study import figures
 from study.claims import MIN_TRIALS, Claim, judge
 from study.comparison import MARGIN, SD_FACTOR, VICTIMS_MARGIN, Comparison, compare
 from study.criteria import Verdict
+from study.maps import map_pictures
 from study.missions import compared, panels
 from study.wording import DISSERTATION, calibration, claims_table, tests_table
 
@@ -42,7 +43,7 @@ _NUMBERS = {
     "areas": 21,
     "endangered": 22,
 }
-"""The dissertation's figures by the name of the same figure in the package."""
+"""The dissertation's figures by our names."""
 
 _WITH_THEIRS = ("victims", "times", "survival", "areas", "endangered")
 
@@ -132,13 +133,13 @@ def make_study(
         },
         dissertation=DISSERTATION,
     )
-    files = report_files(page, pictures, (claims_table(claims), *tables))
+    files = {"tables/claims.csv": claims_table(claims).csv().encode(), **report_files(page, pictures, tables)}
     return StudyReport(Report(opening, notes, files, tables), claims)
 
 
 def _pictures(campaign: Campaign, comparisons: Sequence[Comparison]) -> Iterator[Picture]:
     """Yield the figures of the campaign with the numbers of the dissertation's, and the durations compared."""
-    for drawn in campaign_pictures(campaign, panels(campaign)):
+    for drawn in (*map_pictures(campaign), *campaign_pictures(campaign, panels(campaign))):
         caption = drawn.caption
         if drawn.name in _WITH_THEIRS:
             caption += " Orange: the dissertation's 30 missions."

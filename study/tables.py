@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 
 from robotteamsim.analysis.report.samples import NOISE_KEY
 from robotteamsim.campaign import StoredCampaign
-from robotteamsim.campaign.tables import UNLIMITED
+from robotteamsim.campaign.summary import UNLIMITED
 from robotteamsim.errors import CampaignError
 from robotteamsim.wording import column_groups
 from study.reference import MissionValues, dissertation_missions

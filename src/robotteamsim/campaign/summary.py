@@ -1,5 +1,6 @@
-"""Mean, spread and interval of the results of each cell's trials."""
+"""Mean, spread and interval of the results of each cell's trials, also as text: one line per cell."""
 
+import json
 import math
 import statistics
 from collections.abc import Sequence
@@ -8,6 +9,10 @@ from typing import Any
 
 from robotteamsim.campaign.design import Design
 from robotteamsim.campaign.trial import Outcome
+from robotteamsim.wording import column_groups, counted
+
+UNLIMITED = 10**9
+"""Width of a table that is not for a terminal."""
 
 DELIVERY_QUANTITIES = ("discoveries_delivered", "mean_delivery_delay_s", "max_delivery_delay_s")
 QUANTITIES = (
@@ -77,3 +82,62 @@ def spread(values: Sequence[float]) -> Spread:
     sd = statistics.stdev(values)
     half = float(stats.t.ppf(0.975, len(values) - 1)) * sd / math.sqrt(len(values))
     return Spread(mean, sd, mean - half, mean + half)
+
+
+def summary_table(design: Design, summaries: Sequence[CellSummary], width: int = UNLIMITED) -> str:
+    """Return one line per cell: its settings; mean, standard deviation and 95 % interval of its results.
+
+    With a base, also the number of discoveries delivered to it, and their mean and longest delay. Results that do not
+    fit into the width come below.
+    """
+    columns = {"victims saved": "victims_saved", "time [s]": "time_s", "areas": "areas_explored"}
+    columns |= {"endangered": "endangered_links", "driven [m]": "distance_m"}
+    if design.scenario.base is not None:
+        columns |= dict(zip(("delivered", "mean delay [s]", "max delay [s]"), DELIVERY_QUANTITIES, strict=True))
+    lines = [[*design.keys, "trials", *columns]]
+    for summary in summaries:
+        values = [_setting(value) for value in summary.settings.values()]
+        count = f"{summary.trials}" + (f" + {summary.failed} failed" if summary.failed else "")
+        spreads = [summary.statistics.get(name) for name in columns.values()]
+        lines.append([*values, count, *(_spread(spread) for spread in spreads)])
+    text = "Mean, standard deviation, 95 % interval of the mean\n\n" + aligned(lines, len(design.keys) + 1, width)
+    timed_out = sum(summary.timed_out for summary in summaries)
+    ended = f"{counted(timed_out, 'mission')} ended at the time limit, which counts as the duration"
+    return f"{text}\n\n{ended}" if timed_out else text
+
+
+def exclusion_note(outcomes: Sequence[Outcome]) -> str:
+    """Return a note about missions that ended because all robots were excluded; "" if there are none."""
+    times_s = [outcome.time_s for outcome in outcomes if outcome.end == "all_excluded" and outcome.time_s is not None]
+    if not times_s:
+        return ""
+    when = f"{min(times_s):.0f}" if len(times_s) == 1 else f"{min(times_s):.0f} to {max(times_s):.0f}"
+    return (
+        f"{counted(len(times_s), 'mission')} ended at {when} s because all robots were excluded; that is the "
+        "time here, while a report uses the time limit"
+    )
+
+
+def aligned(lines: Sequence[Sequence[str]], num_first: int, total_width: int) -> str:
+    """Return lines of equal length as aligned columns; groups of columns that fit the width repeat the first ones."""
+    widths = [max(len(line[column]) for line in lines) for column in range(len(lines[0]))]
+    first_width = sum(widths[:num_first]) + 2 * (num_first - 1)
+    blocks = []
+    for group in column_groups([2 + width for width in widths[num_first:]], first_width, total_width):
+        columns = [*range(num_first), *(num_first + index for index in group)]
+        padded = ["  ".join(f"{line[column]:<{widths[column]}}" for column in columns) for line in lines]
+        blocks.append("\n".join(line.rstrip() for line in padded))
+    return "\n\n".join(blocks)
+
+
+def _setting(value: Any) -> str:
+    text = value if isinstance(value, str) else json.dumps(value)
+    return text if len(text) <= 30 else f"{text[:27]}..."
+
+
+def _spread(spread: Spread | None) -> str:
+    if spread is None:
+        return "-"
+    if spread.sd is None:
+        return f"{spread.mean:.2f}"
+    return f"{spread.mean:.2f} ± {spread.sd:.2f} [{spread.low:.2f}, {spread.high:.2f}]"

@@ -14,7 +14,7 @@ from rich.console import Console
 from rich.progress import track
 
 from robotteamsim import scenario
-from robotteamsim.cli.console import OutputConsole
+from robotteamsim.cli.output import OutputConsole
 from robotteamsim.cli.parser import UsageError, path_of, positive_number
 from robotteamsim.recording.files import atomically, check_replaceable, write_atomically
 

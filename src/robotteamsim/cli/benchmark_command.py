@@ -3,24 +3,25 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import dataclasses
 import importlib
 import json
 import shutil
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
+from rich.progress import track
 
-from robotteamsim.campaign import Design, Outcome, tables
+from robotteamsim.campaign import Design, Outcome
 from robotteamsim.campaign import protocol as protocols
+from robotteamsim.campaign.summary import UNLIMITED, aligned
 from robotteamsim.cli.campaign_command import add_worker_options, command_line, run_stored
 from robotteamsim.cli.parser import SCENARIO_HELP, number, path_of, positive_number, positive_whole_number, whole_number
 
 if TYPE_CHECKING:
-    from robotteamsim.analysis.benchmark.measures import Bounds
     from robotteamsim.analysis.report import Report
 
 _SEARCH = """\
@@ -119,10 +120,14 @@ def run_search(options: argparse.Namespace) -> int:
     )
 
     def report(outcomes: tuple[Outcome, ...]) -> Report:
+        from robotteamsim.analysis.benchmark.measures import lower_bounds
         from robotteamsim.analysis.benchmark.report import make_search_report
 
-        with _bounds(options, design, outcomes) as bounds:
-            return make_search_report(design, outcomes, command, bounds)
+        console = Console(stderr=True, quiet=options.quiet)
+        shown = partial(
+            track, description="lower bounds", console=console, disable=not console.is_terminal, transient=True
+        )
+        return make_search_report(design, outcomes, command, lower_bounds(design, outcomes, shown))
 
     return _run(options, design, command, "benchmark search", report)
 
@@ -196,22 +201,5 @@ def _print_report(made: Report) -> None:
     for note in made.notes:
         print(note)
     first = made.tables[0]
-    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else tables.UNLIMITED
-    print(f"{first.title}\n\n{tables.aligned([first.head, *first.rows], first.left, width)}")
-
-
-@contextlib.contextmanager
-def _bounds(options: argparse.Namespace, design: Design, outcomes: tuple[Outcome, ...]) -> Iterator[Bounds]:
-    """Yield the lower bounds, whose computation a bar on a terminal shows."""
-    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
-
-    from robotteamsim.analysis.benchmark.measures import Bounds
-
-    places = [design.cells[outcome.cell].values for outcome in outcomes if not outcome.failed]
-    seeds = [outcome.seed for outcome in outcomes if not outcome.failed]
-    total = len({(values[0], values[2], seed) for values, seed in zip(places, seeds, strict=True)})
-    console = Console(stderr=True, quiet=options.quiet)
-    columns = (TextColumn("lower bounds"), BarColumn(), MofNCompleteColumn(), TextColumn("left"), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task("", total=total)
-        yield Bounds(lambda count: progress.update(task, completed=count))
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else UNLIMITED
+    print(f"{first.title}\n\n{aligned([first.head, *first.rows], first.left, width)}")

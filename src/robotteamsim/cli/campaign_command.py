@@ -14,13 +14,13 @@ from typing import Any
 
 from rich.console import Console
 
-from robotteamsim.campaign import Design, Outcome, Store, check_folder, make_design, open_store, tables
+from robotteamsim.campaign import Design, Outcome, Store, check_folder, make_design, open_store
 from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.factors import DesignFile, Factor, parse_override, parse_sweep, read_design_file
 from robotteamsim.campaign.runner import local_workers, run_trials, scheduler_at
-from robotteamsim.campaign.summary import summarise
-from robotteamsim.cli.campaign_progress import CampaignProgress
+from robotteamsim.campaign.summary import UNLIMITED, exclusion_note, summarise, summary_table
 from robotteamsim.cli.parser import SCENARIO_HELP, address, number, path_of, positive_whole_number, whole_number
+from robotteamsim.cli.progress import CampaignProgress
 from robotteamsim.cli.run_command import add_code_option, add_set_option
 
 DEFAULT_TRIALS = 30
@@ -229,9 +229,9 @@ def _run_missing(
 
 
 def _print_tables(design: Design, outcomes: tuple[Outcome, ...]) -> None:
-    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else tables.UNLIMITED
-    print(tables.summary_table(design, summarise(design, outcomes), width))
-    if note := tables.exclusion_note(outcomes):
+    width = shutil.get_terminal_size().columns if sys.stdout.isatty() else UNLIMITED
+    print(summary_table(design, summarise(design, outcomes), width))
+    if note := exclusion_note(outcomes):
         print(f"\n{note}")
 
 

@@ -6,17 +6,16 @@ import argparse
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from robotteamsim import scenario
+from robotteamsim.cli.output import save
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, number, path_of, point
-from robotteamsim.cli.pictures import save
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.errors import ScenarioError
-from robotteamsim.recording.files import atomically, write_atomically
+from robotteamsim.recording.files import atomically
 from robotteamsim.setup import resolve
 
 if TYPE_CHECKING:
@@ -40,7 +39,7 @@ examples:
   robotteamsim field radio garage_sar --at 4,5 --at 30,36 --at 50,18 --png team.png
   robotteamsim field radio garage_sar --loss --compare at=4,5 --compare at=40,30 --png two.png
   robotteamsim field radio garage_sar --compare radio.pillars=true --compare radio.pillars=false --png pillars.png
-  robotteamsim field radio garage_sar --out radio.npz       the values, and radio.yaml for map_server"""
+  robotteamsim field radio garage_sar --out radio.npz"""
 
 _VOICE_TEXT = """\
 Map the level at which victims are heard. Contour lines are at 10, 20 and 30 dB: inside a
@@ -100,9 +99,7 @@ def add_to(commands: Any) -> None:
             help="settings of one of several maps drawn side by side: as in --set, or at=X,Y, or range=...; repeatable",
         )
         kind.add_argument("--png", type=path_of, metavar="FILE", help="the picture to write")
-        kind.add_argument(
-            "--out", type=path_of, metavar="FILE.npz", help="write the values, and FILE.yaml for map_server"
-        )
+        kind.add_argument("--out", type=path_of, metavar="FILE.npz", help="write the values for NumPy")
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,7 +161,7 @@ def _draw(
     style: Callable[[Sequence[scenario.Scenario]], FieldStyle],
 ) -> None:
     """Draw and write the requested files, or none if the maps do not fit into one file."""
-    from robotteamsim.analysis.fields.file import map_arrays
+    from robotteamsim.analysis.fields.maps import map_arrays
     from robotteamsim.analysis.fields.picture import draw_fields
 
     variants = _variants(options)
@@ -178,7 +175,9 @@ def _draw(
     if options.png:
         save(draw_fields(panels, common, f"{panels[0].plan.name}: {common.quantity}"), options.png)
     if options.out:
-        _write(options.out, arrays, panels, common)
+        with atomically(options.out) as part, part.open("wb") as file:
+            np.savez_compressed(file, **arrays)  # type: ignore[arg-type]  # NumPy's stub does not allow other keywords
+        print(options.out)
 
 
 def _variants(options: argparse.Namespace) -> list[_Variant]:
@@ -238,18 +237,3 @@ def _resolution_m(options: argparse.Namespace, loaded: scenario.Scenario) -> flo
     if cells > MAX_CELLS:
         raise UsageError(f"--resolution {options.resolution:g} gives {cells:.0f} cells; expected at most {MAX_CELLS}")
     return float(options.resolution)
-
-
-def _write(path: Path, arrays: dict[str, np.ndarray], panels: Sequence[Panel], style: FieldStyle) -> None:
-    """Write the values, and an image with its yaml for each map; print their paths."""
-    from robotteamsim.analysis.fields.file import grid_pgm, grid_yaml
-
-    with atomically(path) as part, part.open("wb") as file:
-        np.savez_compressed(file, **arrays)  # type: ignore[arg-type]  # NumPy's stub does not allow other keywords
-    print(path)
-    for i, panel in enumerate(panels, 1):
-        stem = path.stem if len(panels) == 1 else f"{path.stem}_{i}"
-        with atomically(path.with_name(f"{stem}.pgm")) as part:
-            part.write_bytes(grid_pgm(panel, style))
-        write_atomically(path.with_name(f"{stem}.yaml"), grid_yaml(panel, style, f"{stem}.pgm"))
-        print(path.with_name(f"{stem}.yaml"))

@@ -22,8 +22,8 @@ from robotteamsim.cli import (
     view_command,
 )
 from robotteamsim.cli.interrupt import Terminated, terminated_as_interrupted
+from robotteamsim.cli.output import close_stdout, open_streams
 from robotteamsim.cli.parser import Parser
-from robotteamsim.cli.streams import close_stdout, open_streams
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.extras import missing_extra
 from robotteamsim.wording import printable

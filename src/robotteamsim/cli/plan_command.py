@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
+from robotteamsim.cli.output import add_png_option, save
 from robotteamsim.cli.parser import PLAN_HELP, SCENARIO_HELP, UsageError, path_of
-from robotteamsim.cli.pictures import add_png_option, save
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
 from robotteamsim.scenario.map_image import import_map

@@ -1,14 +1,18 @@
-"""The progress bar of a running mission."""
+"""The progress of a running mission, and of a campaign with the remaining time."""
+
+from __future__ import annotations
 
 import time
 
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 
+from robotteamsim.campaign import Outcome
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
 
 _REFRESH_S = 0.1
+_LINE_EVERY_S = 10.0
 
 
 class ProgressBar:
@@ -53,3 +57,74 @@ class ProgressBar:
     def abandon(self) -> None:
         """Remove the bar."""
         self._progress.stop()
+
+
+class CampaignProgress:
+    """A progress bar on a terminal, or a line every 10 s elsewhere; a context manager."""
+
+    def __init__(self, console: Console, name: str, total: int, done: int) -> None:
+        self._console, self._name, self._total, self._done, self._done_before = console, name, total, done, done
+        self._failed = 0
+        self._simulated_s = 0.0
+        self._bar: Progress | None = None
+        if console.is_terminal:
+            self._bar = Progress(
+                TextColumn("[bold]{task.description}"),
+                BarColumn(),
+                MofNCompleteColumn(),
+                TimeElapsedColumn(),
+                TextColumn("left"),
+                TimeRemainingColumn(),
+                TextColumn("{task.fields[note]}"),
+                console=console,
+                transient=True,
+                speed_estimate_period=600.0,
+            )
+            self._task = self._bar.add_task(name, total=total, completed=done, note="starting workers")
+
+    def __enter__(self) -> CampaignProgress:
+        self._entered_s = self._start_s = self._printed_s = time.monotonic()
+        if self._bar:
+            self._bar.start()
+        else:
+            before = f", {self._done} of them already done" if self._done else ""
+            self.print_line(f"{self._name}: {self._total} trials{before}")
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._bar:
+            self._bar.stop()
+
+    def begin(self) -> None:
+        """Start timing: the workers have started."""
+        self._start_s = time.monotonic()
+        if self._bar:
+            self._bar.update(self._task, note="")
+
+    def add(self, outcome: Outcome) -> None:
+        """Count one more finished trial."""
+        self._done += 1
+        self._failed += outcome.failed
+        self._simulated_s += outcome.time_s or 0.0
+        failures = f"{self._failed} failed" if self._failed else ""
+        if self._bar:
+            self._bar.update(self._task, advance=1, note=failures)
+            return
+        now_s = time.monotonic()
+        if now_s - self._printed_s >= _LINE_EVERY_S or self._done == self._total:
+            self._printed_s = now_s
+            left_s = (now_s - self._start_s) / (self._done - self._done_before) * (self._total - self._done)
+            self.print_line(f"{self._done} of {self._total} trials, {left_s:.0f} s left{failures and ', ' + failures}")
+
+    def finish(self) -> None:
+        """Print how long the campaign took."""
+        wall_s, start_up_s = time.monotonic() - self._start_s, self._start_s - self._entered_s
+        count, simulated_min = self._done - self._done_before, self._simulated_s / 60.0
+        self.print_line(
+            f"{count} trials, {simulated_min:,.1f} min of missions, in {wall_s:.1f} s: "
+            f"{self._simulated_s / wall_s:,.0f} times real time; workers took {start_up_s:.1f} s to start"
+        )
+
+    def print_line(self, line: str) -> None:
+        """Print a line, above the bar if there is one."""
+        self._console.print(line, markup=False, highlight=False, soft_wrap=True)

@@ -9,8 +9,9 @@ from typing import Any
 from rich.console import Console
 
 from robotteamsim import scenario
-from robotteamsim.cli.console import OutputConsole
+from robotteamsim.analysis.runs.tables import print_result
 from robotteamsim.cli.interrupt import InterruptBetweenSteps
+from robotteamsim.cli.output import OutputConsole
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, number, path_of, whole_number
 from robotteamsim.cli.progress import ProgressBar
 from robotteamsim.control import foreign_code
@@ -18,7 +19,6 @@ from robotteamsim.errors import ScenarioError
 from robotteamsim.recording import BagWriter, McapWriter, ResultWriter, TumWriter, result_summary
 from robotteamsim.recording.idleness import IdlenessLog, patrols
 from robotteamsim.recording.results import FILE_NAME, EventList
-from robotteamsim.recording.table import print_result
 from robotteamsim.simulation import Observer, Simulation
 from robotteamsim.view.html import PageWriter
 

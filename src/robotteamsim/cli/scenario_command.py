@@ -6,8 +6,8 @@ import sys
 from typing import Any
 
 from robotteamsim import scenario
+from robotteamsim.cli.output import add_png_option, save
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of
-from robotteamsim.cli.pictures import add_png_option, save
 from robotteamsim.cli.run_command import add_code_option, add_set_option, check_code
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.recording.files import write_atomically

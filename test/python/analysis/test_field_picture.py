@@ -2,19 +2,16 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-import shapely
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.contour import QuadContourSet
 
 from robotteamsim.analysis.fields.picture import FieldStyle, Level, Panel, Spot, draw_fields
 from robotteamsim.propagation import FieldMap
-from robotteamsim.scenario.plan import obstacles
 
 STYLE = FieldStyle("level", "dB", "YlOrRd", low=10.0, high=60.0, silence="quiet", levels=(Level(30.0, "half"),))
 
@@ -135,18 +132,3 @@ def test_parts_common_to_all_titles_are_in_the_title_of_the_figure(hill):
     figure = draw_fields(panels, STYLE, "hall")
     assert [axes.get_title(loc="left") for axes in figure.axes[:2]] == ["10 dB of noise", "20 dB of noise"]
     assert figure.get_suptitle() == "hall, highest range"
-
-
-def test_names_of_sources_and_levels_of_contours_cover_neither_each_other_nor_walls(hall_scenario):
-    plan = hall_scenario().plan
-    spots = tuple(Spot(f"victim_{i}", (10.0 + 0.9 * i, 5.0), "victim") for i in range(3))
-    figure = draw_fields([Panel("", _hill(0.1), plan, spots, silent_below=10.0)], STYLE, "hall")
-    renderer = FigureCanvasAgg(figure).get_renderer()
-    figure.draw(renderer)
-    axes = figure.axes[0]
-    boxes = [text.get_window_extent(renderer) for text in axes.texts]
-    assert len(boxes) >= 4
-    assert not any(a.overlaps(b) for a, b in itertools.combinations(boxes, 2))
-    to_m = axes.transData.inverted()
-    walls = obstacles(plan)
-    assert not any(walls.intersects(shapely.box(*to_m.transform(box).ravel())) for box in boxes)

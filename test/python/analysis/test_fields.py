@@ -5,8 +5,17 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotteamsim.analysis.fields.maps import default_resolution_m, radio_panel, radio_style, voice_panel, voice_style
-from robotteamsim.propagation import RadioField, VoiceField, VoiceSource
+from robotteamsim.analysis.fields.maps import (
+    default_resolution_m,
+    map_arrays,
+    radio_panel,
+    radio_style,
+    voice_panel,
+    voice_style,
+)
+from robotteamsim.analysis.fields.picture import FieldStyle, Panel, Spot
+from robotteamsim.errors import RecordingError
+from robotteamsim.propagation import FieldMap, RadioField, VoiceField, VoiceSource
 from robotteamsim.scenario import load
 from robotteamsim.scenario.sections import Network, Radio, Voice
 from robotteamsim.sensing.voice import VoiceSensor
@@ -96,3 +105,25 @@ def test_default_resolution_gives_600_cells_in_whole_centimetres(hall_scenario):
     assert default_resolution_m(load("garage_sar").plan) == 0.1
     assert default_resolution_m(hall_scenario().plan) == 0.03
     assert default_resolution_m(load("tutorial_arena").plan) == 0.02
+
+
+def _panel(columns: int = 3) -> Panel:
+    spots = (Spot("ann", (1.5, 2.5), "victim"),)
+    return Panel("a map", FieldMap((-1.0, 2.0), 0.5, np.arange(2.0 * columns).reshape(2, columns)), None, spots)
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_arrays_of_maps_have_values_places_and_names(count):
+    arrays = map_arrays([_panel()] * count, FieldStyle("voice level", "dB", "YlOrRd", low=10.0, high=60.0))
+    assert arrays["values"].shape == ((2, 3) if count == 1 else (2, 2, 3))
+    assert arrays["values"].ravel()[:6].tolist() == [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]
+    assert (arrays["origin_m"].tolist(), float(arrays["resolution_m"])) == ([-1.0, 2.0], 0.5)
+    assert (str(arrays["quantity"]), str(arrays["unit"])) == ("voice level", "dB")
+    assert arrays["titles"].tolist() == ["a map"] * count
+    assert arrays["sources_m"].tolist() == [[1.5, 2.5]] * count
+    assert arrays["source_map"].tolist() == list(range(count))
+
+
+def test_maps_of_different_cells_do_not_fit_into_one_file():
+    with pytest.raises(RecordingError, match=r"^maps with different cells do not fit into one file"):
+        map_arrays([_panel(), _panel(columns=2)], FieldStyle("voice level", "dB", "YlOrRd", low=10.0, high=60.0))

@@ -119,14 +119,6 @@ def test_legend_of_a_film_names_all_that_is_drawn(run, film):
     assert {"victim waiting", "area, filled when explored", "link", "endangered link"} <= names
 
 
-def test_film_states_what_does_not_change_instead_of_a_flat_curve(comes_again):
-    run = read_run([comes_again.bag])
-    figure = RunFilm(run, run_totals(run), None, width_px=640).figure
-    labels = [axes.get_ylabel() for axes in figure.axes]
-    hops = "longest path 1 hop" in figure.get_suptitle()
-    assert hops == ("longest path\n[hops]" not in labels)
-
-
 class Flashes:
     """The picture of a camera, which is red in the first half of a run and blue in the second."""
 

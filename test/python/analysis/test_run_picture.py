@@ -13,7 +13,6 @@ from matplotlib.patches import Circle
 from matplotlib.text import Text
 
 from robotteamsim import palette
-from robotteamsim.analysis.runs.curves import curves, draw_hops, unchanging
 from robotteamsim.analysis.runs.picture import draw_runs, outcome
 from robotteamsim.analysis.runs.plan_panel import colour_of, extent_m, victim_style
 from robotteamsim.analysis.runs.reading import read_run
@@ -161,14 +160,6 @@ def test_states_of_victims_differ_in_shape_and_not_only_in_colour():
 def test_robot_has_the_colour_of_its_number_as_in_rviz(run):
     assert [colour_of(9, robot) for robot in run.robots] == [robot_colour(index) for index in range(5)]
     assert colour_of(9, replace(run.robots[0], robot_id=None)) == robot_colour(9)
-
-
-def test_curves_that_do_not_change_are_stated_in_words(run):
-    still = np.zeros_like(run.network.hop_count)
-    network = replace(run.network, hop_count=still, endangered=still > 0, adjacency=still > 0)
-    assert draw_hops not in curves(replace(run, network=network), changing=True)
-    assert draw_hops in curves(replace(run, network=network))
-    assert unchanging(replace(run, network=network)).startswith("0 links, longest path 0 hops")
 
 
 @pytest.mark.slow

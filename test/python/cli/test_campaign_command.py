@@ -182,14 +182,6 @@ def test_wrong_value_in_a_design_file_is_named_with_the_file(refusal, tmp_path):
     assert line == f"{design}: control.alpha: 7 is above 1"
 
 
-def test_folder_of_something_else_is_rejected(refusal, tmp_path):
-    (tmp_path / "file").touch()
-    line = refusal("campaign", "garage_sar", "--out", str(tmp_path))
-    assert line == f"{tmp_path}: contains 'file' and no campaign; expected a new or an empty folder"
-    line = refusal("campaign", "garage_sar", "--out", str(tmp_path / "file" / "c"))
-    assert line == f"{tmp_path}/file/c: cannot be created: {tmp_path}/file is not a folder"
-
-
 @pytest.mark.slow
 def test_other_commands_do_not_wait_for_dask():
     code = "import sys, robotteamsim.cli.main; assert not {'dask', 'distributed', 'scipy.stats'} & set(sys.modules)"

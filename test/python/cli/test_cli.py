@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -80,8 +81,6 @@ def test_unwritable_out_is_rejected_before_the_mission_and_leaves_no_bag(refusal
 def test_unwritable_bag_is_rejected(refusal, tmp_path):
     line = refusal("run", "garage_sar", "--bag", str(tmp_path))
     assert line == f"{tmp_path}: cannot be written: is a folder, expected a file name"
-    line = refusal("run", "garage_sar", "--bag", "")
-    assert line == "argument --bag: the name is empty (see `robotteamsim run --help`)"
 
 
 def test_devices_are_never_replaced(refusal, tmp_path):
@@ -147,108 +146,110 @@ def test_broken_pipe_is_silent(arguments):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("arguments", "line"),
+    ("command", "line"),
     [
-        (["rnu"], "no such command 'rnu'; did you mean 'run'? (see `robotteamsim --help`)"),
-        (["scenario", "zzz"], "no such command 'zzz'; expected one of check, show, render, schema, list"),
-        (["completion", "fsh"], "shell: 'fsh' is not valid; expected one of bash, zsh, fish, tcsh"),
-        ([], "the following arguments are required: COMMAND"),
-        (["run"], "the following arguments are required: SCENARIO (see `robotteamsim run --help`)"),
-        (["run", "garage_sar", "--seed", "x"], "argument --seed: 'x' is not a whole number"),
-        (["run", "garage_sar", "--noise", "nan"], "argument --noise: 'nan' is not a number"),
-        (["run", "garage_sar", "--seed", "-1"], "--seed: -1 is below 0"),
-        (["run", "garage_sar", "--noise", "99"], "--noise: 99 is above 80"),
+        ("rnu", "no such command 'rnu'; did you mean 'run'? (see `robotteamsim --help`)"),
+        ("scenario zzz", "no such command 'zzz'; expected one of check, show, render, schema, list"),
+        ("completion fsh", "shell: 'fsh' is not valid; expected one of bash, zsh, fish, tcsh"),
+        ("", "the following arguments are required: COMMAND"),
+        ("run", "the following arguments are required: SCENARIO (see `robotteamsim run --help`)"),
+        ("run garage_sar --seed x", "argument --seed: 'x' is not a whole number"),
+        ("run garage_sar --noise nan", "argument --noise: 'nan' is not a number"),
+        ("run garage_sar --seed -1", "--seed: -1 is below 0"),
+        ("run garage_sar --noise 99", "--noise: 99 is above 80"),
         (
-            ["run", "garage_sar", "--set", "control.localisation=tf"],
+            "run garage_sar --set control.localisation=tf",
             "--set: control.localisation: 'tf' is available only in ROS; expected 'ground_truth' or 'odometry'",
         ),
-        (["run", "garage_sar", "--robots", "0"], "--robots: 0 is below 1"),
-        (["run", "garage_sar", "--set", "run.seed=-1"], "--set: run.seed: -1 is below 0"),
-        (["run", "garage_sar", "--set", "control.alfa=1"], "--set: control.alfa: unknown key; did you mean 'alpha'?"),
-        (["run", "garage_sar", "--set", "seed"], "--set: 'seed' is not of the form KEY=VALUE"),
-        (["run", "garage_sa"], "garage_sa: no shipped scenario of this name; did you mean 'garage_sar'?"),
-        (["run", "no/such.yaml"], "no/such.yaml: there is no such file"),
-        (["run", "garage_sar", "--set", "control.algorithm=rdpos"], "control.algorithm: 'rdpos' is not"),
-        (["plan", "import", "no.yaml", "--out", "x.yaml"], "no.yaml: there is no such file"),
+        ("run garage_sar --robots 0", "--robots: 0 is below 1"),
+        ("run garage_sar --set run.seed=-1", "--set: run.seed: -1 is below 0"),
+        ("run garage_sar --set control.alfa=1", "--set: control.alfa: unknown key; did you mean 'alpha'?"),
+        ("run garage_sar --set seed", "--set: 'seed' is not of the form KEY=VALUE"),
+        ("run garage_sa", "garage_sa: no shipped scenario of this name; did you mean 'garage_sar'?"),
+        ("run no/such.yaml", "no/such.yaml: there is no such file"),
+        ("run garage_sar --set control.algorithm=rdpos", "control.algorithm: 'rdpos' is not"),
+        ("plan import no.yaml --out x.yaml", "no.yaml: there is no such file"),
         (
-            ["field", "radio", "garage_sar"],
+            "field radio garage_sar",
             "no output given; use --png FILE for a picture, --out FILE.npz for the values, or both",
         ),
-        (["field", "radio", "garage_sar", "--out", "x.csv"], "--out x.csv: expected a name that ends in .npz"),
+        ("field radio garage_sar --out x.csv", "--out x.csv: expected a name that ends in .npz"),
         (
-            ["field", "voice", "garage_sar", "--range", "wide", "--png", "x.png"],
+            "field voice garage_sar --range wide --png x.png",
             "--range: 'wide' is not valid; expected one of drawn, lowest, highest",
         ),
+        ("field radio garage_sar --resolution 0 --png x.png", "--resolution 0 is outside 0.01 to 10 m"),
         (
-            ["field", "radio", "garage_sar", "--resolution", "0", "--png", "x.png"],
-            "--resolution 0 is outside 0.01 to 10 m",
-        ),
-        (
-            ["field", "radio", "garage_sar", "--compare", "at=4,5", "--png", "x.png"],
+            "field radio garage_sar --compare at=4,5 --png x.png",
             "--compare is given once; expected 2 to 9, one for each map",
         ),
         (
-            ["field", "radio", "garage_sar", "--compare", "at=4,5", "--compare", "at=4", "--png", "x.png"],
+            "field radio garage_sar --compare at=4,5 --compare at=4 --png x.png",
             "--compare: at: '4' does not have the form X,Y",
         ),
         (
-            ["field", "radio", "garage_sar", "--compare", "at=4,5", "--compare", "at=99,4", "--png", "x.png"],
+            "field radio garage_sar --compare at=4,5 --compare at=99,4 --png x.png",
             "--compare: at=99,4 lies outside the plan, [0, 0] .. [60, 40]",
         ),
         (
-            ["field", "voice", "garage_sar", "--compare", "range=lowest", "--compare", "range=low", "--png", "x.png"],
+            "field voice garage_sar --compare range=lowest --compare range=low --png x.png",
             "--compare: range: 'low' is not valid; expected one of drawn, lowest, highest",
         ),
         (
-            ["field", "voice", "garage_sar", "--compare", "lowest", "--compare", "highest", "--png", "x.png"],
+            "field voice garage_sar --compare lowest --compare highest --png x.png",
             "--compare: 'lowest' does not have the form KEY=VALUE, such as voice.noise_db=20 or at=4,5",
         ),
         (
-            [
-                "field",
-                "voice",
-                "garage_sar",
-                "--compare",
-                "voice.noise=1",
-                "--compare",
-                "voice.noise=2",
-                "--png",
-                "x.png",
-            ],
+            "field voice garage_sar --compare voice.noise=1 --compare voice.noise=2 --png x.png",
             "--compare: voice.noise: unknown key; did you mean 'noise_db'?",
         ),
+        ("field radio garage_sar --at 1 --png x.png", "argument --at: '1' does not have the form X,Y"),
+        ("field voice garage_sar --at 99,1 --png x.png", "--at 99,1 lies outside the plan"),
         (
-            ["field", "radio", "garage_sar", "--at", "1", "--png", "x.png"],
-            "argument --at: '1' does not have the form X,Y",
+            "field voice garage_sar --set run.seed=2 --compare range=lowest --compare voice.noise_db=x --png x",
+            "--compare: voice.noise_db: 'x'",
         ),
-        (["field", "voice", "garage_sar", "--at", "99,1", "--png", "x.png"], "--at 99,1 lies outside the plan"),
+        (
+            "field voice garage_sar --set run.seed=2 --compare range=lowest --compare voice..a=1 --png x",
+            "--compare: 'voice..a=1' is not of the form KEY=VALUE",
+        ),
+        (
+            "field voice garage_sar --set voice.noise=1 --compare range=lowest --compare voice.noise_db=20 --png x",
+            "--set: voice.noise: unknown key; did you mean 'noise_db'?",
+        ),
+        ("plan render garage --png no/plan.png", "no/plan.png: cannot be written: No such file or directory"),
+        ("run garage_sar --bag ''", "argument --bag: the name is empty (see `robotteamsim run --help`)"),
+        ("campaign garage_sar --out d --scheduler ''", "argument --scheduler: the address is empty"),
+        ("campaign garage_sar --out ''", "argument --out: the name is empty"),
+        ("run garage_sar --sed 7", "no such option '--sed'; did you mean '--seed'?"),
+        ("campaign garage_sar --out d --worker=2", "no such option '--worker'; did you mean '--workers'"),
+        ("run garage_sar twice", "'twice' is one argument too many"),
+        ("run garage", "garage: this is a floor plan, not a scenario; scenarios: garage_fire, "),
+        ("analyse a.bag b.bag --gif a.gif", "a film shows one bag, got 2; use --join for the parts of one recording"),
+        ("analyse a.bag --gif a.gif --seconds 0.5", "--seconds 0.5 is outside 1 to 600 s"),
+        ("analyse a.bag --gif a.gif --camera 0", "--camera: needs --scenario, and --gif or --mp4"),
+        ("analyse a.bag --scenario garage_sar --camera 0", "--camera: needs --scenario, and --gif or --mp4"),
+        (
+            "analyse 1.bag 2.bag 3.bag 4.bag 5.bag 6.bag 7.bag --png a.png",
+            "--png: 7 bags do not fit side by side; expected at most 6",
+        ),
+        ("analyse no.bag --json no/a.json", "no/a.json: cannot be written: no is not a folder"),
+        ("analyse a.bag ./a.bag", "a.bag is given twice"),
+        ("run garage_sar --mcap mission.bag", "mission.bag: expected a name that ends in .mcap"),
     ],
 )
-def test_mistake_is_reported_in_one_line_with_exit_status_2(refusal, monkeypatch, tmp_path, arguments, line):
+def test_mistake_is_reported_in_one_line_with_exit_status_2(refusal, monkeypatch, tmp_path, command, line):
     monkeypatch.chdir(tmp_path)
-    assert line in refusal(*arguments)
+    assert line in refusal(*shlex.split(command))
     assert os.listdir(tmp_path) == []
 
 
-def test_version_is_printed(capsys):
+@pytest.mark.parametrize("option", ["--version", "-V"])
+def test_version_is_printed(capsys, option):
     with pytest.raises(SystemExit) as left:
-        main(["--version"])
+        main([option])
     assert left.value.code == 0
     assert capsys.readouterr().out == f"robotteamsim {robotteamsim.__version__}\n"
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("common", "own", "line"),
-    [
-        ("voice.wall_loss_db=2", "voice.noise_db=x", "--compare: voice.noise_db: 'x'"),
-        ("voice.wall_loss_db=2", "voice..a=1", "--compare: 'voice..a=1' is not of the form KEY=VALUE"),
-        ("voice.noise=1", "voice.noise_db=20", "--set: voice.noise: unknown key; did you mean 'noise_db'?"),
-    ],
-)
-def test_mistake_of_one_of_several_maps_names_the_option_that_it_came_by(refusal, tmp_path, common, own, line):
-    arguments = ["field", "voice", "garage_sar", "--set", common, "--compare", "range=lowest", "--compare", own]
-    assert line in refusal(*arguments, "--png", str(tmp_path / "x.png"))
 
 
 @pytest.mark.parametrize(
@@ -374,16 +375,10 @@ def test_field_maps_are_compared_in_one_picture_and_written_as_numbers(capsys, t
     picture, archive = tmp_path / "field.png", tmp_path / "field.npz"
     kind, *rest = arguments
     assert main(["field", kind, "tutorial_arena", *rest, "--png", str(picture), "--out", str(archive)]) == 0
-    names = capsys.readouterr().out.splitlines()
-    count = max(1, rest.count("--compare"))
-    stems = ["field"] if count == 1 else ["field_1", "field_2"]
-    assert names == [str(picture), str(archive), *(str(tmp_path / f"{stem}.yaml") for stem in stems)]
+    assert capsys.readouterr().out.splitlines() == [str(picture), str(archive)]
     with np.load(archive) as arrays:
         assert arrays["values"].shape[-2:] == (500, 500)
-        assert arrays["values"].ndim == (2 if count == 1 else 3)
-    for stem in stems:
-        settings = yaml.safe_load((tmp_path / f"{stem}.yaml").read_text())
-        assert (tmp_path / settings["image"]).read_bytes().startswith(b"P5\n500 500\n255\n")
+        assert arrays["values"].ndim == (3 if "--compare" in rest else 2)
 
 
 @pytest.mark.slow
@@ -393,8 +388,3 @@ def test_plan_or_scenario_is_drawn(capsys, tmp_path, arguments):
     assert main([*arguments, "--png", str(picture)]) == 0
     assert capsys.readouterr().out == f"{picture}\n"
     assert picture.read_bytes().startswith(b"\x89PNG")
-
-
-def test_unwritable_picture_is_rejected(refusal, tmp_path):
-    line = refusal("plan", "render", "garage", "--png", str(tmp_path / "no" / "plan.png"))
-    assert line == f"{tmp_path}/no/plan.png: cannot be written: No such file or directory"

@@ -13,7 +13,7 @@ from robotteamsim.recording.idleness import IdlenessLog, patrols
 from robotteamsim.recording.results import ResultWriter
 from robotteamsim.scenario.patrol import Patrol, PatrolGraph, PatrolVertex
 from robotteamsim.scenario.sections import Mission, PlacedRobot
-from robotteamsim.simulation import Simulation
+from robotteamsim.simulation import Observer, Simulation
 
 PLACES = ((3.0, 5.0), (9.0, 5.0), (15.0, 5.0))
 LINE = Patrol(
@@ -35,7 +35,7 @@ def scenario_of(hall_scenario, algorithm: str = "sebs", duration_s: float = 120.
     )
 
 
-class Places:
+class Places(Observer):
     """An observer that keeps the time and the true positions of every step."""
 
     def begin(self, scenario):
@@ -43,12 +43,6 @@ class Places:
 
     def step(self, record):
         self.steps.append((record.mission.time_s, [(r.ground_truth.x_m, r.ground_truth.y_m) for r in record.readings]))
-
-    def end(self, result):
-        pass
-
-    def abandon(self):
-        pass
 
 
 def driven(scenario):

@@ -12,7 +12,7 @@ from robotteamsim.recording import BagWriter
 from robotteamsim.recording.bag_types import bag_typestore
 from robotteamsim.scenario.sections import Mission, PlacedRobot
 from robotteamsim.scenario.sensors import Gps, MountedLaser, Sonar
-from robotteamsim.simulation import Result, Simulation, StepRecord
+from robotteamsim.simulation import Observer, Simulation, StepRecord
 
 STEPS = 10
 REAR = MountedLaser(name="rear", yaw_rad=2.0, beams=9, noise_m=0.01)
@@ -21,7 +21,7 @@ GPS = Gps(datum_lat_deg=40.0, datum_lon_deg=-8.0, noise_m=0.5, rate_hz=5.0)
 SLOW = MountedLaser(name="slow", every_steps=3, beams=5)
 
 
-class Memory:
+class Memory(Observer):
     """Keeps the records of a run."""
 
     def begin(self, scenario: object) -> None:
@@ -29,12 +29,6 @@ class Memory:
 
     def step(self, record: StepRecord) -> None:
         self.records.append(record)
-
-    def end(self, result: Result) -> None:
-        pass
-
-    def abandon(self) -> None:
-        pass
 
 
 @pytest.fixture

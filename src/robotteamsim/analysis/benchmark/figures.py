@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -12,14 +11,12 @@ from matplotlib.figure import Figure
 from robotteamsim import palette
 from robotteamsim.analysis.benchmark.measures import PatrolSample
 from robotteamsim.analysis.benchmark.profile import Profile
-from robotteamsim.analysis.report.figures import styled
+from robotteamsim.analysis.report.figures import DPI, WIDTH_INCHES, share_panels, styled
 from robotteamsim.analysis.report.statistics import bootstrap_mean, generator
 
 CLAIRVOYANT = "clairvoyant"
 """The name of the lower bound among the solvers."""
 
-_COLUMNS = 3
-_DPI = 160
 _WIDEST = 64.0
 """Largest factor shown."""
 
@@ -27,32 +24,24 @@ _WIDEST = 64.0
 @styled
 def draw_profiles(by_building: Mapping[str, Mapping[str, Profile]]) -> Figure:
     """Draw the performance profiles of all controllers, a panel for each building."""
-    columns = min(_COLUMNS, len(by_building))
-    rows = math.ceil(len(by_building) / columns)
-    size = (10.0 * max(columns, 1.6) / _COLUMNS, 1.3 + 2.9 * rows)
-    figure = Figure(figsize=size, dpi=_DPI, layout="constrained")
+    figure, all_axes = share_panels(len(by_building), "missions that save all")
     colours = _colours([name for profiles in by_building.values() for name in profiles])
-    for index, (building, profiles) in enumerate(by_building.items()):
-        axes = figure.add_subplot(rows, columns, index + 1)
+    for axes, (building, profiles) in zip(all_axes, by_building.items(), strict=True):
         for name, profile in profiles.items():
             _draw_profile(axes, profile, colours[name], name)
         axes.set_title(building)
         axes.set_xscale("log", base=2)
-        axes.set(xlim=(1.0, _WIDEST), ylim=(-0.02, 1.04), xlabel="time over the best time")
+        axes.set(xlim=(1.0, _WIDEST), xlabel="time over the best time")
         axes.set_xticks([1, 2, 4, 8, 16, 32, 64], ["1", "2", "4", "8", "16", "32", "64"])
-        axes.set_yticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "", "50 %", "", "100 %"])
-        axes.grid(color=palette.GRID, linewidth=0.7)
-        if index % columns == 0:
-            axes.set_ylabel("missions that save all")
-    handles, labels = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False, fontsize=9)
+        axes.grid(axis="x", color=palette.GRID, linewidth=0.7)
+    _add_legend(figure)
     return figure
 
 
 @styled
 def draw_idleness(samples: Sequence[PatrolSample]) -> Figure:
     """Draw mean and greatest idleness by the number of robots, with 95 % bootstrap intervals."""
-    figure = Figure(figsize=(10.0, 3.8), dpi=_DPI, layout="constrained")
+    figure = Figure(figsize=(WIDTH_INCHES, 3.8), dpi=DPI, layout="constrained")
     names = list(dict.fromkeys(sample.controller for sample in samples))
     colours = _colours(names)
     for place, (key, title) in enumerate((("mean_s", "mean idleness"), ("max_s", "greatest idleness"))):
@@ -70,8 +59,7 @@ def draw_idleness(samples: Sequence[PatrolSample]) -> Figure:
         axes.set_xticks(sorted({sample.robots for sample in samples}))
         axes.set_ylim(bottom=0.0)
         axes.grid(color=palette.GRID, linewidth=0.7)
-    handles, labels = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False, fontsize=9)
+    _add_legend(figure)
     return figure
 
 
@@ -80,6 +68,11 @@ def _draw_profile(axes: Axes, profile: Profile, colour: str, name: str) -> None:
     shares = np.append(profile.shares, profile.shares[-1])
     dashes = "--" if name == CLAIRVOYANT else "-"
     axes.step(ratios, shares, where="post", color=colour, linewidth=1.8, linestyle=dashes, label=name)
+
+
+def _add_legend(figure: Figure) -> None:
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=4, frameon=False, fontsize=9)
 
 
 def _colours(names: Sequence[str]) -> dict[str, str]:

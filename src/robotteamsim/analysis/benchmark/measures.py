@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from robotteamsim.analysis.benchmark.bound import Bound, search_bound
 from robotteamsim.campaign import Design, Outcome
-from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import resolve
 from robotteamsim.wording import counted
 
@@ -64,26 +63,31 @@ class SearchSample:
         return np.asarray(np.minimum(self.last_s, self.limit_s))
 
 
-class Bounds:
-    """The lower bounds of missions, each computed once; they do not depend on the controller or on the noise."""
-
-    def __init__(self, note: Callable[[int], None] | None = None) -> None:
-        """Args: note: receives the number of bounds computed so far."""
-        self._known: dict[tuple[str, int, int], Bound] = {}
-        self._note = note
-
-    def of(self, place: Place, seed: int, scenario: Scenario) -> Bound:
-        """Return the bound of a mission with a seed."""
-        key = place.building, place.robots, seed
-        if key not in self._known:
-            seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": seed})})
-            self._known[key] = search_bound(resolve(seeded))
-            if self._note:
-                self._note(len(self._known))
-        return self._known[key]
+Mission = tuple[str, int, int]
+"""Building, number of robots and seed of a mission: its bound does not depend on the controller or on the noise."""
 
 
-def search_samples(design: Design, outcomes: Sequence[Outcome], bounds: Bounds) -> tuple[SearchSample, ...]:
+def lower_bounds(
+    design: Design, outcomes: Sequence[Outcome], shown: Callable[[Collection[Mission]], Iterable[Mission]] = iter
+) -> dict[Mission, Bound]:
+    """Return the lower bound of each mission of a search. Args: shown: yields the missions, and shows the progress."""
+    scenarios = {}
+    for outcome in outcomes:
+        cell = design.cells[outcome.cell]
+        building, _, robots, _ = cell.values
+        if not outcome.failed:
+            scenarios[building, robots, outcome.seed] = cell.scenario
+    found = {}
+    for mission in shown(scenarios):
+        scenario = scenarios[mission]
+        seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": mission[2]})})
+        found[mission] = search_bound(resolve(seeded))
+    return found
+
+
+def search_samples(
+    design: Design, outcomes: Sequence[Outcome], bounds: Mapping[Mission, Bound]
+) -> tuple[SearchSample, ...]:
     """Return the sample of each cell that has a finished mission, in the design's order. Args: design: a search."""
     samples = []
     for index, cell in enumerate(design.cells):
@@ -101,7 +105,7 @@ def search_samples(design: Design, outcomes: Sequence[Outcome], bounds: Bounds) 
                 areas=np.array([outcome.areas_explored for outcome in own]),
                 last_s=np.array([last_saved_s(outcome) for outcome in own]),
                 end_s=np.array([outcome.time_s for outcome in own]),
-                bound_s=np.array([bounds.of(place, outcome.seed, scenario).time_s for outcome in own]),
+                bound_s=np.array([bounds[building, robots, outcome.seed].time_s for outcome in own]),
                 num_victims=scenario.mission.random_victims + len(scenario.mission.victims),
                 num_areas=len(scenario.mission.areas),
                 limit_s=scenario.mission.time_limit_s,

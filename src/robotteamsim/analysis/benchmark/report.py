@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TypeVar
 
 import numpy as np
 
 import robotteamsim
+from robotteamsim.analysis.benchmark.bound import Bound
 from robotteamsim.analysis.benchmark.figures import CLAIRVOYANT, draw_idleness, draw_profiles
-from robotteamsim.analysis.benchmark.measures import Bounds, PatrolSample, SearchSample, patrol_samples, search_samples
+from robotteamsim.analysis.benchmark.measures import Mission, PatrolSample, SearchSample, patrol_samples, search_samples
 from robotteamsim.analysis.benchmark.profile import Profile, profiles
 from robotteamsim.analysis.benchmark.tables import (
-    difference_table,
     idleness_table,
     mission_table,
     profile_table,
@@ -23,7 +23,7 @@ from robotteamsim.analysis.benchmark.tables import (
 from robotteamsim.analysis.report.contrasts import Pair, compare
 from robotteamsim.analysis.report.page import FOLDER, Report, render, report_files
 from robotteamsim.analysis.report.pictures import Picture, picture
-from robotteamsim.analysis.report.tables import Table
+from robotteamsim.analysis.report.tables import Table, difference_table
 from robotteamsim.campaign import Design, Outcome
 from robotteamsim.errors import CampaignError
 from robotteamsim.wording import counted
@@ -51,7 +51,9 @@ _READING_PATROL = (
 )
 
 
-def make_search_report(design: Design, outcomes: Sequence[Outcome], command: str, bounds: Bounds) -> Report:
+def make_search_report(
+    design: Design, outcomes: Sequence[Outcome], command: str, bounds: Mapping[Mission, Bound]
+) -> Report:
     """Return the report of a search benchmark. Raises: CampaignError: no mission has ended."""
     samples = search_samples(design, outcomes, bounds)
     if not samples:

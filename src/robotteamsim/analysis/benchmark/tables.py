@@ -9,10 +9,9 @@ import numpy as np
 from robotteamsim.analysis.benchmark.figures import CLAIRVOYANT
 from robotteamsim.analysis.benchmark.measures import PatrolSample, SearchSample
 from robotteamsim.analysis.benchmark.profile import Profile
-from robotteamsim.analysis.report.contrasts import Contrast
 from robotteamsim.analysis.report.statistics import bootstrap_mean, clopper_pearson, generator
 from robotteamsim.analysis.report.tables import Table
-from robotteamsim.analysis.report.wording import interval_text, p_text, percents, share_text
+from robotteamsim.analysis.report.wording import interval_text, percents, share_text
 
 FACTORS = (1.5, 2.0, 4.0, 8.0, 16.0)
 """Factors of the best time in the table of profiles."""
@@ -54,29 +53,6 @@ def profile_table(by_building: Mapping[str, Mapping[str, Profile]]) -> Table:
     return Table(
         "profiles", "Missions that save all victims within a factor of the best time of all controllers", head, rows, 2
     )
-
-
-def difference_table(found: Sequence[Contrast]) -> Table:
-    """Return the comparisons with the reference."""
-    rows = []
-    for each in found:
-        digits = each.decimals
-        rows.append(
-            (
-                f"{each.second} ({each.where})",
-                each.quantity,
-                str(each.pairs),
-                f"{each.values[0]:.{digits}f}",
-                f"{each.values[1]:.{digits}f}",
-                interval_text(each.difference, digits),
-                f"{each.superiority:.2f}",
-                p_text(each.p),
-            )
-        )
-    reference = found[0].first if found else "the reference"
-    title = f"Difference from {reference}, with 95 % t interval; Wilcoxon's test of pairs of equal seed, p after Holm"
-    head = ("controller", "", "pairs", reference, "controller", "difference", "P(controller larger)", "p")
-    return Table("differences", title, head, tuple(rows), 2)
 
 
 def idleness_table(samples: Sequence[PatrolSample]) -> Table:

@@ -1,4 +1,4 @@
-"""Radio and voice maps of a scenario as panels, and the styles to draw them."""
+"""Radio and voice maps of a scenario as panels, the styles to draw them, and their values as arrays."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,6 +8,7 @@ import numpy as np
 
 from robotteamsim import palette
 from robotteamsim.analysis.fields.picture import FieldStyle, Level, Panel, Spot
+from robotteamsim.errors import RecordingError
 from robotteamsim.propagation import RadioField, VoiceField, VoiceSource
 from robotteamsim.scenario import FloorPlan, Scenario
 from robotteamsim.scenario.sections import Victim
@@ -112,3 +113,30 @@ def voice_style(scenarios: Sequence[Scenario]) -> FieldStyle:
     return FieldStyle(
         "voice level", "dB", palette.VOICE_MAP, noise_db, max(loudest, noise_db + 1.0), "not heard", marks
     )
+
+
+def map_arrays(panels: Sequence[Panel], style: FieldStyle) -> dict[str, np.ndarray]:
+    """Return maps as the named arrays of an npz archive.
+
+    values:         float64, shape (rows, cols), row 0 at the lowest y; of several maps (maps, rows, cols).
+    origin_m:       lower left corner of cell (0, 0) in `map`; resolution_m: size of a cell.
+    quantity, unit: what the values are; titles: titles of the maps.
+    sources_m:      x, y of every source of every map, shape (n, 2); source_map: index of the map of each source.
+    Raises: RecordingError: the maps have different cells.
+    """
+    first = panels[0].field
+    if len({(panel.field.values.shape, panel.field.origin_m, panel.field.resolution_m) for panel in panels}) > 1:
+        raise RecordingError("maps with different cells do not fit into one file; write one map at a time")
+    stacked = np.stack([panel.field.values for panel in panels])
+    spots = [(index, *spot.position_m) for index, panel in enumerate(panels) for spot in panel.spots]
+    sources = np.array(spots, dtype=np.float64).reshape(-1, 3)
+    return {
+        "values": stacked if len(panels) > 1 else stacked[0],
+        "origin_m": np.array(first.origin_m),
+        "resolution_m": np.array(first.resolution_m),
+        "quantity": np.array(style.quantity),
+        "unit": np.array(style.unit),
+        "titles": np.array([panel.title for panel in panels]),
+        "sources_m": sources[:, 1:],
+        "source_map": sources[:, 0].astype(np.int64),
+    }

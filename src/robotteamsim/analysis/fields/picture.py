@@ -8,23 +8,20 @@ from typing import Literal
 
 import matplotlib
 import numpy as np
-import shapely
 from matplotlib.axes import Axes
 from matplotlib.colorbar import Colorbar
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
-from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from scipy import ndimage
 
 from robotteamsim import palette
-from robotteamsim.analysis import labels
 from robotteamsim.analysis.plan_picture import draw_floor_plan
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario import FloorPlan
 from robotteamsim.scenario.building import building_of
-from robotteamsim.scenario.plan import OCCUPIED, obstacles
+from robotteamsim.scenario.plan import OCCUPIED
 
 _PAGE_INCHES = (12.0, 6.6)
 """The area for maps on a slide, without colour bar and titles."""
@@ -39,18 +36,6 @@ _TITLE_LINE_INCHES = 0.17
 
 _SLIVER_CELLS = 3
 """Size of the median filter: strips narrower than half of it, such as rays between furniture, get no contour."""
-
-_MIN_DRAWN = 0.03
-"""Contours shorter than this share of the plan's longer side are omitted."""
-
-_MIN_LABELLED = 0.15
-"""Contours shorter than this share of the plan's longer side get no label."""
-
-_MAX_LABELS = 3
-"""Most labels per level."""
-
-_LETTER_INCHES = (0.072, 0.15)
-"""Width and height of a letter of names and of levels."""
 
 _HALO = (withStroke(linewidth=2.4, foreground=palette.PAPER),)
 
@@ -120,7 +105,7 @@ def draw_fields(panels: Sequence[Panel], style: FieldStyle, title: str) -> Figur
     for axes in all_axes.flat[len(panels) :]:
         axes.remove()
     used = list(all_axes.flat[: len(panels)])
-    images = [_draw_panel(axes, panel, style, scale) for axes, panel in zip(used, panels, strict=True)]
+    images = [_draw_panel(axes, panel, style) for axes, panel in zip(used, panels, strict=True)]
     for axes, text in zip(used, titles, strict=True):
         axes.set_title(text, loc="left", fontsize=10)
     bar = figure.colorbar(images[0], ax=used, shrink=0.92, pad=0.02, aspect=30)
@@ -160,26 +145,28 @@ def _largest_size(panels: Sequence[Panel]) -> tuple[float, float]:
     return width_m, height_m
 
 
-def _draw_panel(axes: Axes, panel: Panel, style: FieldStyle, scale: float) -> AxesImage:
-    """Draw one map. Args: scale: inches per metre."""
+def extent_m(field: FieldMap) -> tuple[float, float, float, float]:
+    """Return min x, max x, min y, max y of a map [m]."""
+    rows, columns = field.values.shape
+    x0, y0 = field.origin_m
+    return x0, x0 + columns * field.resolution_m, y0, y0 + rows * field.resolution_m
+
+
+def _draw_panel(axes: Axes, panel: Panel, style: FieldStyle) -> AxesImage:
     field = panel.field
     values = np.ma.masked_less(field.values, panel.silent_below)
-    rows, columns = values.shape
-    x0, y0 = field.origin_m
-    extent = (x0, x0 + columns * field.resolution_m, y0, y0 + rows * field.resolution_m)
+    extent = extent_m(field)
     colours = matplotlib.colormaps[style.colours].with_extremes(bad=palette.FLOOR)
     image = axes.imshow(
         values, origin="lower", extent=extent, cmap=colours, vmin=style.low, vmax=style.high, interpolation="nearest"
     )
     lines = _draw_levels(axes, panel, style.levels)
     draw_floor_plan(axes, panel.plan, floor=False)
-    names = _name_places(panel, lines, scale)
-    for spot, name in zip(panel.spots, names, strict=True):
-        _draw_spot(axes, spot, name.middle_m)
+    for spot in panel.spots:
+        _draw_spot(axes, spot)
     if lines is not None:
         texts = {level.value: str(level) for level in style.levels}
-        places = _label_places(lines, panel, names, scale)
-        for label in lines.clabel(fmt=texts, fontsize=8, manual=places):
+        for label in lines.clabel(fmt=texts, fontsize=8):
             label.set(path_effects=_HALO, color=palette.INK)
     axes.set(xlabel="x [m]", ylabel="y [m]")
     return image
@@ -208,56 +195,7 @@ def _draw_levels(axes: Axes, panel: Panel, levels: Sequence[Level]) -> ContourSe
         x, y, values, levels=[level.value for level in present], colors=palette.INK, linewidths=0.9, linestyles="solid"
     )
     lines.set(path_effects=[withStroke(linewidth=1.9, foreground=palette.PAPER)])
-    _remove_short(lines, _MIN_DRAWN * max(np.ptp(x), np.ptp(y)))
     return lines
-
-
-def _remove_short(lines: ContourSet, min_length_m: float) -> None:
-    kept = []
-    for stretches in lines.allsegs:
-        lengths_m = [np.hypot(*np.diff(stretch, axis=0).T).sum() for stretch in stretches]
-        paths = [Path(points) for points, length_m in zip(stretches, lengths_m, strict=True) if length_m > min_length_m]
-        kept.append(Path.make_compound_path(*paths))
-    lines.set_paths(kept)
-
-
-def _half_m(words: str, scale: float) -> tuple[float, float]:
-    """Return half the width and height of a text on the floor. Args: scale: inches per metre."""
-    width, height = _LETTER_INCHES
-    return (0.5 * width * len(words) / scale, 0.5 * height / scale)
-
-
-def _name_places(panel: Panel, lines: ContourSet | None, scale: float) -> list[labels.Spot]:
-    """Return places for the names of the sources, off walls, contours and sources."""
-    mark_m = 0.09 / scale
-    contours = [] if lines is None else [shapely.LineString(line) for level in lines.allsegs for line in level]
-    taken = [obstacles(panel.plan), *(line.buffer(0.03 / scale) for line in contours)]
-    taken += [shapely.Point(spot.position_m).buffer(mark_m) for spot in panel.spots]
-    texts = [labels.Text(spot.position_m, _half_m(spot.name, scale), mark_m) for spot in panel.spots]
-    return labels.place(texts, taken, shapely.box(*panel.plan.bounds.min, *panel.plan.bounds.max))
-
-
-def _label_places(
-    lines: ContourSet, panel: Panel, names: Sequence[labels.Spot], scale: float
-) -> list[tuple[float, float]]:
-    """Return positions of labels: on the longest parts of each contour, far from walls, sources and other texts."""
-    (min_x, min_y), (max_x, max_y) = panel.plan.bounds.min, panel.plan.bounds.max
-    longer_side = max(max_x - min_x, max_y - min_y)
-    walls = shapely.union(obstacles(panel.plan), shapely.box(min_x, min_y, max_x, max_y).boundary)
-    shapely.prepare(walls)
-    taken = [*(shapely.Point(spot.position_m) for spot in panel.spots), *(name.box for name in names)]
-    places = []
-    for stretches in lines.allsegs:
-        long = [line for line in map(shapely.LineString, stretches) if line.length > _MIN_LABELLED * longer_side]
-        for line in sorted(long, key=lambda line: -line.length)[:_MAX_LABELS]:
-            points = shapely.points(shapely.get_coordinates(line)[::5])
-            room = np.minimum(shapely.distance(walls, points), 0.04 * longer_side)
-            if taken:
-                room = np.minimum(room, 0.5 * shapely.distance(shapely.union_all(taken), points))
-            best = points[int(np.argmax(room))]
-            taken.append(best.buffer(_half_m("\N{MINUS SIGN}80", scale)[0]))
-            places.append((best.x, best.y))
-    return places
 
 
 def _mark_levels(bar: Colorbar, style: FieldStyle) -> None:
@@ -277,9 +215,18 @@ def _mark_levels(bar: Colorbar, style: FieldStyle) -> None:
         bar.ax.set_xlabel(f"blank:\n{style.silence}", fontsize=8)
 
 
-def _draw_spot(axes: Axes, spot: Spot, name_m: tuple[float, float]) -> None:
+def _draw_spot(axes: Axes, spot: Spot) -> None:
     marker = {"robot": "o", "victim": "X"}[spot.kind]
     axes.plot(*spot.position_m, marker, color=palette.PAPER, markersize=9, markeredgecolor=palette.INK, zorder=6)
-    style = {"ha": "center", "va": "center", "fontsize": 8, "zorder": 6}
-    words = spot.name.replace("_", " ")
-    axes.text(*name_m, words, color=palette.INK, path_effects=_HALO, **style)  # type: ignore[arg-type]
+    axes.annotate(
+        spot.name.replace("_", " "),
+        spot.position_m,
+        xytext=(0, -7),
+        textcoords="offset points",
+        ha="center",
+        va="top",
+        fontsize=8,
+        color=palette.INK,
+        path_effects=_HALO,
+        zorder=6,
+    )

@@ -53,6 +53,24 @@ def styled(draw: Callable[..., Figure]) -> Callable[..., Figure]:
     return drawn
 
 
+def share_panels(count: int, label: str, shared: bool = False) -> tuple[Figure, list[Axes]]:
+    """Return a figure with panels whose y axis is a share. Args: shared: whether all have the same limits."""
+    columns = min(_PANEL_COLUMNS, count)
+    rows = math.ceil(count / columns)
+    size = (WIDTH_INCHES * max(columns, 1.6) / _PANEL_COLUMNS, 0.7 + 2.7 * rows)
+    figure = Figure(figsize=size, dpi=DPI, layout="constrained")
+    panels: list[Axes] = []
+    for index in range(count):
+        first = panels[0] if shared and panels else None
+        axes = figure.add_subplot(rows, columns, index + 1, sharex=first, sharey=first)
+        axes.set(ylim=(-0.02, 1.04), ylabel="" if index % columns else label)
+        axes.set_yticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "", "50 %", "", "100 %"])
+        axes.grid(axis="y", color=GRID, linewidth=0.7)
+        axes.set_axisbelow(True)
+        panels.append(axes)
+    return figure, panels
+
+
 @styled
 def draw_times(panels: Sequence[Panel]) -> Figure:
     """Draw the times of each series: density, box, dots, and the mean with its 95 % bootstrap interval."""
@@ -91,23 +109,14 @@ def draw_counts(panels: Sequence[Panel], of: Callable[[Sample], np.ndarray], wha
     samples = [each.missions for panel in shown for each in panel.series]
     highest = max(int(of(sample).max()) for sample in samples)
     counts = _bins(min(int(of(sample).min()) for sample in samples), highest if top is None else top)
-    columns = min(_PANEL_COLUMNS, len(shown))
-    rows = math.ceil(len(shown) / columns)
-    size = (WIDTH_INCHES * max(columns, 1.6) / _PANEL_COLUMNS, 0.7 + 2.7 * rows)
-    figure = Figure(figsize=size, dpi=DPI, layout="constrained")
-    for index, panel in enumerate(shown):
-        axes = figure.add_subplot(rows, columns, index + 1)
+    figure, all_axes = share_panels(len(shown), "share of missions")
+    for axes, panel in zip(all_axes, shown, strict=True):
         for place, each in enumerate(panel.series):
             shift = 0.4 * (place - 0.5 * (len(panel.series) - 1))
             _shares(axes, of(each.missions), counts, each.colour, shift, each.missions)
         axes.set_title(panel.name)
         axes.set_xticks(range(len(counts)), [_bin_name(counts, place) for place in range(len(counts))])
         axes.set(ylim=(0.0, 1.04), xlim=(-0.6, len(counts) - 0.4), xlabel=what)
-        axes.set_yticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "", "50 %", "", "100 %"])
-        axes.grid(axis="y", color=GRID, linewidth=0.7)
-        axes.set_axisbelow(True)
-        if index % columns == 0:
-            axes.set_ylabel("share of missions")
     _add_legend(figure, shown, "\N{MULTIPLICATION SIGN}: mean; bars end in 95 % intervals")
     return figure
 
@@ -116,25 +125,17 @@ def draw_counts(panels: Sequence[Panel], of: Callable[[Sample], np.ndarray], wha
 def draw_survival(panels: Sequence[Panel]) -> Figure:
     """Draw the share of missions still running, by time (Kaplan-Meier), with pointwise 95 % intervals."""
     shown = panels[:MAX_PANELS]
-    columns = min(_PANEL_COLUMNS, len(shown))
-    rows = math.ceil(len(shown) / columns)
-    size = (WIDTH_INCHES * max(columns, 1.6) / _PANEL_COLUMNS, 0.7 + 2.6 * rows)
-    figure = Figure(figsize=size, dpi=DPI, layout="constrained")
-    first: Axes | None = None
-    for index, panel in enumerate(shown):
-        axes = figure.add_subplot(rows, columns, index + 1, sharex=first, sharey=first)
-        first = first or axes
+    figure, all_axes = share_panels(len(shown), "still exploring", shared=True)
+    for axes, panel in zip(all_axes, shown, strict=True):
         for each in panel.series:
             _curve(axes, each.missions, each.colour)
         axes.set_title(panel.name)
-        axes.set(xlabel="time [s]", ylim=(-0.02, 1.04), ylabel="still exploring" if index % columns == 0 else "")
-        axes.set_yticks([0.0, 0.25, 0.5, 0.75, 1.0], ["0", "", "50 %", "", "100 %"])
-        axes.grid(color=GRID, linewidth=0.7)
-    assert first is not None
+        axes.set_xlabel("time [s]")
+        axes.grid(axis="x", color=GRID, linewidth=0.7)
     samples = [each.missions for panel in shown for each in panel.series]
     earliest = min(float(sample.restricted_s.min()) for sample in samples)
     latest = max(sample.limit_s for sample in samples)
-    first.set_xlim(max(0.0, earliest - 0.12 * latest), latest * 1.02)
+    all_axes[0].set_xlim(max(0.0, earliest - 0.12 * latest), latest * 1.02)
     _add_legend(figure, shown, "|: cut short (censored at the limit)")
     return figure
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -12,24 +13,24 @@ import numpy as np
 from markupsafe import Markup
 
 from robotteamsim import palette
-from robotteamsim.analysis.fields.maps import VoiceRange
 from robotteamsim.analysis.report import figures, maps
-from robotteamsim.analysis.report.contrasts import contrasts, overall
-from robotteamsim.analysis.report.opening import compared_settings
+from robotteamsim.analysis.report.contrasts import Contrast, contrasts, overall
 from robotteamsim.analysis.report.pictures import Picture, picture
 from robotteamsim.analysis.report.rank_tests import PERMUTATIONS
 from robotteamsim.analysis.report.samples import Campaign, Cell, Panel, Sample, panels_of, pooled
 from robotteamsim.analysis.report.statistics import TABLES
 from robotteamsim.analysis.report.tables import Table, campaign_tables
-from robotteamsim.analysis.report.wording import listed, percents, unbroken
+from robotteamsim.analysis.report.wording import interval_text, listed, p_text
 from robotteamsim.campaign import StoredCampaign
 from robotteamsim.recording.files import atomically, prepare_folder
-from robotteamsim.setup import resolve
 from robotteamsim.wording import counted
 
 PAGE_NAME = "report.html"
 FOLDER = Path(__file__).parent
 """The folder of the templates base.html and campaign.html."""
+
+_MAX_COMPARED = 6
+_MAX_SUMMARISED = 3
 
 READING = (
     (
@@ -118,6 +119,31 @@ def make_report(
     return Report(opening, notes, report_files(page, pictures, tables), tables)
 
 
+def compared_settings(contrasts: Sequence[Contrast]) -> tuple[str, ...]:
+    """Return one paragraph per compared pair of settings; none if there are too many."""
+    grouped = [
+        list(group) for _, group in itertools.groupby(contrasts, key=lambda each: (each.where, each.first, each.second))
+    ]
+    return tuple(map(_paragraph, grouped)) if len(grouped) <= _MAX_COMPARED else ()
+
+
+def _paragraph(contrasts: Sequence[Contrast]) -> str:
+    """Return means, difference with interval, and effect size of the first quantities."""
+    one = contrasts[0]
+    parts = []
+    for c in contrasts[:_MAX_SUMMARISED]:
+        a, b = (f"{value:.{c.decimals}f}" for value in c.values)
+        shift = interval_text(c.difference, c.decimals).replace(" [-, -]", ", no interval")
+        shift = shift.replace("-", "\N{MINUS SIGN}")
+        parts.append(
+            f"{c.quantity} {b} instead of {a} (difference {shift}, larger in {100.0 * c.superiority:.0f} % of "
+            f"comparisons, {p_text(c.p)})"
+        )
+    where = f" at {one.where}" if one.where else ""
+    how = "" if one.pairs is None else f", in {one.pairs} pairs of missions with the same seed"
+    return f"{one.second} compared with {one.first}{where}{how}: {'; '.join(parts)}."
+
+
 def report_files(page: str, pictures: Sequence[Picture], tables: Sequence[Table]) -> dict[str, bytes]:
     """Return the files of a report by path: its figures, its tables as CSV and LaTeX, and last its page."""
     files = {f"figures/{drawn.name}.png": drawn.png for drawn in pictures}
@@ -150,7 +176,6 @@ def campaign_notes(campaign: Campaign, missions: ShownMissions | None) -> tuple[
 
 def campaign_pictures(campaign: Campaign, panels: Sequence[Panel]) -> Iterator[Picture]:
     """Yield the figures of a campaign. Args: panels: the missions to show."""
-    yield from _map_pictures(campaign)
     samples = [each.missions for panel in panels for each in panel.series]
     num_victims = max(sample.num_victims for sample in samples)
     if num_victims > 0:
@@ -199,31 +224,6 @@ def _path_pictures(cells: Sequence[Cell]) -> Iterator[Picture]:
         yield picture("paths", "Paths of the robots", caption, maps.draw_heat(heated))
 
 
-def _map_pictures(campaign: Campaign) -> Iterator[Picture]:
-    """Yield the voice and radio maps of this scenario, which need no mission."""
-    scenario, noises_db = campaign.scenario, maps.noises_db(campaign)
-    if scenario.mission.victims and noises_db:
-        ranges: tuple[VoiceRange, ...] = ("lowest", "highest")
-        for voice_range in ranges:
-            shares = maps.heard_shares(scenario, noises_db, voice_range)
-            heard = listed(
-                [f"{share} of the floor at {db:g} dB" for share, db in zip(percents(*shares), noises_db, strict=True)]
-            )
-            caption = (
-                f"A victim is heard in {heard} if all voices have the {voice_range} range of the voice model "
-                f"({maps.voice_text(scenario, voice_range)})."
-            )
-            drawn = maps.draw_voices(scenario, noises_db, voice_range)
-            yield picture(f"voice_{voice_range}", f"{voice_range.capitalize()} voice detection range", caption, drawn)
-    places_m = maps.widest_moment_m(campaign)
-    when = "at the time in all missions when a robot was farthest from its nearest neighbour"
-    if places_m is None:
-        places_m = np.array([robot.start_pose[:2] for robot in resolve(scenario).robots])
-        when = "with the robots at their start"
-    caption = f"Strongest signal at each place, {when}. Lines are thresholds of the signal for a link."
-    yield picture("network", "Range of the team's network", caption, maps.draw_network(scenario, places_m))
-
-
 def campaign_page(
     campaign: Campaign,
     first: Sequence[str],
@@ -269,5 +269,4 @@ def render(template: str, folders: Sequence[Path], **values: object) -> str:
         lstrip_blocks=True,
         undefined=jinja2.StrictUndefined,
     )
-    environment.filters["unbroken"] = unbroken
     return environment.get_template(template).render(colours=palette.css(), **values)

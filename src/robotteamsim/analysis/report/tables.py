@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import io
-import math
 import re
 import statistics
 from collections.abc import Sequence
@@ -63,27 +62,16 @@ class Table:
         return text.getvalue()
 
     def latex(self) -> str:
-        """Return the table as a LaTeX float, or as a longtable over several pages if it consists of sentences.
-
-        Its first line names the required packages. No table is wider than the text.
-        """
+        """Return the table as a LaTeX float that is not wider than the text; its first line names the packages."""
         head = " & ".join(map(_latex, self.head))
         body = "\n".join(f"    {' & '.join(map(_latex, row))} \\\\" for row in self.rows)
         caption = f"\\caption{{{_latex(self.title)}}}\\label{{tab:{self.name}}}"
-        top = f"    \\toprule\n    {head} \\\\\n    \\midrule\n"
-        if self.left == len(self.head):
-            return (
-                "% \\usepackage{array,booktabs,longtable}\n"
-                f"{{\\small\n\\begin{{longtable}}{{{_text_columns(self.rows)}}}\n  {caption} \\\\\n"
-                f"{top}    \\endfirsthead\n{top}    \\endhead\n"
-                f"{body}\n    \\bottomrule\n\\end{{longtable}}\n}}\n"
-            )
         columns = "l" * self.left + "r" * (len(self.head) - self.left)
         return (
             "% \\usepackage{adjustbox,booktabs}\n"
             f"\\begin{{table}}\n  \\centering\n  {caption}\n"
             "  \\begin{adjustbox}{max width=\\linewidth}\n"
-            f"  \\begin{{tabular}}{{{columns}}}\n{top}"
+            f"  \\begin{{tabular}}{{{columns}}}\n    \\toprule\n    {head} \\\\\n    \\midrule\n"
             f"{body}\n    \\bottomrule\n  \\end{{tabular}}\n  \\end{{adjustbox}}\n\\end{{table}}\n"
         )
 
@@ -92,7 +80,13 @@ def campaign_tables(
     panels: Sequence[Panel], between: Sequence[Contrast], all_cells: Overall | None
 ) -> tuple[Table, ...]:
     """Return the tables of a campaign, without empty ones; the one named "differences" compares the settings."""
-    tables = (_differences(between), _missions(panels), _victims(panels), _given_victims(panels), _overall(all_cells))
+    tables = (
+        difference_table(between),
+        _missions(panels),
+        _victims(panels),
+        _given_victims(panels),
+        _overall(all_cells),
+    )
     return tuple(table for table in tables if table.rows)
 
 
@@ -154,8 +148,8 @@ def _given_victims(panels: Sequence[Panel]) -> Table:
     return Table("durations_by_victims", title, ("", "saved", "missions", "time [s]", "SD"), tuple(rows), 2)
 
 
-def _differences(contrasts: Sequence[Contrast]) -> Table:
-    """Differences between the campaign's cells."""
+def difference_table(contrasts: Sequence[Contrast]) -> Table:
+    """Return differences between settings: the name, the values of both, the difference, effect size and p of each."""
     rows = []
     for c in contrasts:
         means = tuple(f"{value:.{c.decimals}f}" for value in c.values)
@@ -194,18 +188,6 @@ def _parted(name: str, cells: Sequence[str]) -> list[tuple[str, ...]]:
     parts = [match.groups() if match else (cell, "", "") for cell, match in zip(cells, found, strict=True)]
     names = (name, f"{name} low", f"{name} high")
     return [(part, *(each[group] for each in parts)) for group, part in enumerate(names)]
-
-
-def _text_columns(rows: Sequence[Sequence[str]]) -> str:
-    """Return column widths by the square root of the longest cell, at least that of the longest word."""
-    weights = []
-    for column in zip(*rows, strict=True):
-        longest_word = max(len(word) for cell in column for word in cell.split())
-        weights.append(max(math.sqrt(max(map(len, column))), 0.6 * longest_word))
-    inner = f"\\dimexpr\\linewidth-{2 * len(weights)}\\tabcolsep"
-    return "".join(
-        rf">{{\raggedright\arraybackslash}}p{{{weight / sum(weights):.3f}{inner}\relax}}" for weight in weights
-    )
 
 
 def _latex(text: str) -> str:

@@ -3,16 +3,8 @@
 from __future__ import annotations
 
 import math
-import re
 
 from robotteamsim.analysis.report.statistics import Interval
-
-_TOGETHER = re.compile(r"(?:[\d.]+ (?:% )?)?\[[^]]*]|p [<=\u2265] [\d.]+|\d (?:%|dBm|dB|s|m)(?!\w)")
-
-
-def unbroken(text: str) -> str:
-    """Return a text without line breaks inside an interval or between a number and its unit."""
-    return _TOGETHER.sub(lambda found: found[0].replace(" ", "\N{NO-BREAK SPACE}"), text)
 
 
 def percents(*shares: float) -> list[str]:

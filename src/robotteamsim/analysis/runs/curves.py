@@ -11,48 +11,24 @@ from matplotlib.ticker import MaxNLocator
 
 from robotteamsim import palette
 from robotteamsim.analysis.runs.plan_panel import colour_of
-from robotteamsim.analysis.runs.recorded_run import RecordedNetwork, RecordedRun
+from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.analysis.runs.totals import endangered_links, is_split, links, max_hops, onsets, speeds_mps
-from robotteamsim.wording import counted
 
 Curve = Callable[[Axes, RecordedRun], None]
 
 _SMOOTH_S = 10
 
 
-def curves(run: RecordedRun, changing: bool = False) -> list[Curve]:
-    """Return the curves that can be drawn for a run, from top to bottom.
-
-    Args: changing: without those of the network that do not change; `unchanging` states their values.
-    """
+def curves(run: RecordedRun) -> list[Curve]:
+    """Return the curves that can be drawn for a run, from top to bottom."""
     found: list[Curve] = []
     if run.statuses:
         found.append(draw_progress)
     if run.network is not None:
-        flat = set(_flat(run.network)) if changing else set()
-        found += [draw for draw in (draw_links, draw_hops, draw_fiedler) if draw not in flat]
+        found += [draw_links, draw_hops, draw_fiedler]
     if run.robots:
         found += [draw_speeds, draw_distances]
     return found
-
-
-def unchanging(run: RecordedRun) -> str:
-    """Return the values of the network that do not change during a run, or ""."""
-    values = list(_flat(run.network).values()) if run.network is not None else []
-    return f"{', '.join(values)} all the time" if values else ""
-
-
-def _flat(network: RecordedNetwork) -> dict[Curve, str]:
-    """Return the curves of the network that would be horizontal lines, with their values in words."""
-    count, hops = links(network), max_hops(network)
-    flat: dict[Curve, str] = {}
-    if np.ptp(count) == 0 and not endangered_links(network).any():
-        flat[draw_links] = counted(int(count[0]), "link")
-    if np.ptp(hops) == 0:
-        flat[draw_hops] = f"longest path {counted(int(hops[0]), 'hop')}"
-    if np.ptp(network.fiedler_value) < 1e-6 and not is_split(network).any():
-        flat[draw_fiedler] = f"Fiedler value {network.fiedler_value[0]:.3g}"
-    return flat
 
 
 def draw_column(figure: Figure, place: Any, shown: Sequence[Curve], run: RecordedRun) -> list[Axes]:

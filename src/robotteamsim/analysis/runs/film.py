@@ -14,13 +14,13 @@ from matplotlib.image import AxesImage
 from matplotlib.patches import Rectangle
 
 from robotteamsim import palette
-from robotteamsim.analysis.runs.curves import Curve, curves, draw_column, draw_speeds, unchanging
-from robotteamsim.analysis.runs.legend import film_entries
+from robotteamsim.analysis.runs.curves import Curve, curves, draw_column, draw_speeds
 from robotteamsim.analysis.runs.plan_panel import (
     colour_of,
     draw_areas,
     draw_floor,
     drawn_robots,
+    film_entries,
     is_on_map,
     victim_style,
 )
@@ -66,7 +66,7 @@ class RunFilm:
         self._run, self._view = run, view
         self.figure = Figure(figsize=_INCHES, dpi=width_px / _INCHES[0], layout="constrained")
         self._canvas = FigureCanvasAgg(self.figure)
-        shown = [curve for curve in curves(run, changing=True) if curve is not draw_speeds]
+        shown = [curve for curve in curves(run) if curve is not draw_speeds]
         grid = self.figure.add_gridspec(1, 2, width_ratios=(2.0, 1.0))
         floor = self.figure.add_subplot(grid[0])
         draw_floor(floor, run, plan)
@@ -75,8 +75,7 @@ class RunFilm:
         self._add_team(floor)
         self._picture: AxesImage | None = None
         self._covers = self._add_curves(grid[1] if view is None else self._add_view(grid[1], view), shown)
-        title = ", ".join(filter(None, (totals.title, unchanging(run))))
-        self.figure.suptitle(title, x=0.01, ha="left", fontsize=13, weight="bold", color=palette.INK)
+        self.figure.suptitle(totals.title, x=0.01, ha="left", fontsize=13, weight="bold", color=palette.INK)
         entries = film_entries(run)
         self.figure.legend(handles=entries, loc="outside lower left", ncols=_LEGEND_COLUMNS, frameon=False, fontsize=8)
         self._clock = self._text(floor, (0.0, 1.015), "left", 12)

@@ -8,16 +8,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from robotteamsim import palette
-from robotteamsim.analysis.runs.curves import curves, draw_column, draw_speeds, unchanging
-from robotteamsim.analysis.runs.legend import (
+from robotteamsim.analysis.runs.curves import curves, draw_column, draw_speeds
+from robotteamsim.analysis.runs.plan_panel import (
     MAX_NAMED_ROBOTS,
     area_entries,
-    mark,
-    robot_entries,
-    states_at_end,
-    victim_entries,
-)
-from robotteamsim.analysis.runs.plan_panel import (
     draw_areas,
     draw_collisions,
     draw_floor,
@@ -26,6 +20,10 @@ from robotteamsim.analysis.runs.plan_panel import (
     drawn_robots,
     extent_m,
     is_on_map,
+    mark,
+    robot_entries,
+    states_at_end,
+    victim_entries,
 )
 from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.analysis.runs.totals import RunTotals
@@ -66,9 +64,9 @@ def _draw_one(run: RecordedRun, totals: RunTotals, plan: FloorPlan | None) -> Fi
     grid = figure.add_gridspec(1, 2, width_ratios=(0.9, 1.0) if is_tall else (1.75, 1.0))
     floor = figure.add_subplot(grid[0])
     _draw_plan(floor, run, plan)
-    draw_column(figure, grid[1], curves(run, changing=True), run)
+    draw_column(figure, grid[1], curves(run), run)
     figure.suptitle(totals.title, x=0.01, ha="left", fontsize=13, weight="bold", color=palette.INK)
-    floor.set_title("\n".join(filter(None, (outcome(totals), unchanging(run)))), loc="left", fontsize=10)
+    floor.set_title(outcome(totals), loc="left", fontsize=10)
     _add_legend(figure, [run], [totals], with_totals=True)
     # The layout of axes with equal scales converges only after some passes; before, texts may overlap.
     for _ in range(2):

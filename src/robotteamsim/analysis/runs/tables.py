@@ -1,19 +1,48 @@
-"""Tables of recorded runs for a terminal: one run in detail, or one line for each of several runs."""
+"""Tables of missions for a terminal: one that ended now, one recorded run, or one line for each of several runs."""
+
+from __future__ import annotations
 
 import statistics
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from rich import box
 from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from robotteamsim.analysis.runs.recorded_run import RecordedRun
-from robotteamsim.analysis.runs.totals import MissionTotals, NetworkTotals, RobotTotals, RunTotals
 from robotteamsim.mission.status import END_TEXTS
-from robotteamsim.recording.table import delivery_rows, event_table, totals_table
 from robotteamsim.wording import column_groups, counted, printable
 
+if TYPE_CHECKING:
+    from robotteamsim.analysis.runs.recorded_run import RecordedRun
+    from robotteamsim.analysis.runs.totals import MissionTotals, NetworkTotals, RobotTotals, RunTotals
+    from robotteamsim.mission.events import AnyEvent
+    from robotteamsim.recording.idleness import Idleness
+    from robotteamsim.simulation import Result
+
+MAX_EVENTS = 60
+"""Above this number of events, endangered links are only counted; mission.json lists them."""
+
+_STYLES = {
+    "victim_saved": "green",
+    "area_explored": "cyan",
+    "discovery_delivered": "blue",
+    "victim_heard": "yellow",
+    "victim_located": "yellow",
+    "victim_reported": "blue",
+    "victim_safe": "green",
+    "victim_dead": "red",
+    "person_enclosed": "red",
+    "link_endangered": "red",
+    "robot_excluded": "magenta",
+    "controller_failed": "red",
+    "robot_included": "magenta",
+    "swarm_founded": "magenta",
+    "swarm_dissolved": "magenta",
+    "end": "bold",
+}
 _UNKNOWN = "-"
 _RUN_COLUMNS = (
     *("bag", "end", "areas", "victims", "time\n[s]", "endan-\ngered", "driven\n[m]", "colli-\nsions", "Fied-\nler"),
@@ -39,16 +68,54 @@ _SHORT_ENDS = {
 }
 
 
+def print_result(
+    console: Console,
+    result: Result,
+    events: Sequence[AnyEvent],
+    written: Sequence[Path | None],
+    idleness: Idleness | None = None,
+) -> None:
+    """Print the events in order and the totals of a mission; idleness: of a patrol."""
+    console.print(_event_table(_title(result), events))
+    print_totals(console, result, written, idleness)
+
+
+def print_totals(
+    console: Console, result: Result, written: Sequence[Path | None], idleness: Idleness | None = None
+) -> None:
+    """Print the totals of a mission, its hash and the written files."""
+    console.print(_totals_table([*_result_rows(result), *_idleness_rows(idleness)]))
+    console.print(Text(f"  trajectories {result.trajectory_hash}"), soft_wrap=True)
+    for path in filter(None, written):
+        console.print(Text(f"  written      {path}"), soft_wrap=True)
+
+
+def _event_table(title: str, events: Sequence[AnyEvent]) -> Table:
+    """Return the events in order; if there are many, endangered links are only counted."""
+    heading = Text(printable(title), style="bold")
+    table = Table(title=heading, title_justify="left", box=box.SIMPLE_HEAD, caption_justify="left")
+    table.add_column("time", justify="right", no_wrap=True)
+    table.add_column("what happened")
+    shown = events
+    if len(events) > MAX_EVENTS:
+        shown = [event for event in events if event.kind != "link_endangered"]
+        if len(shown) < len(events):
+            table.caption = f"and {counted(len(events) - len(shown), 'endangered link')}"
+    for event in shown:
+        table.add_row(f"{event.time_s:.1f} s", Text(printable(event.detail), style=_STYLES.get(event.kind, "")))
+    return table
+
+
 def print_run(console: Console, run: RecordedRun, totals: RunTotals) -> None:
     """Print the events of one run, its totals, those of its robots, and a line for everything omitted."""
     if run.events:
-        console.print(event_table(totals.title, [event for _, event in run.events]))
+        console.print(_event_table(totals.title, [event for _, event in run.events]))
     else:
         console.print(Text(printable(totals.title), style="bold"))
     rows = [("recorded", f"{totals.duration_s:.1f} s")]
     rows += _mission_rows(totals.mission) if totals.mission else []
     rows += _network_rows(totals.network, totals.mission is None) if totals.network else []
-    console.print(totals_table(rows))
+    console.print(_totals_table(rows))
     if totals.robots:
         cells = [_robot_cells(robot) for robot in totals.robots]
         for table in _fitting_tables(_ROBOT_COLUMNS, cells, None, console.width):
@@ -89,17 +156,6 @@ def _fitting_tables(
             table.add_section()
             table.add_row(Text(last_row[0]), *(Text(last_row[column]) for column in columns))
         yield table
-
-
-def _mission_rows(mission: MissionTotals) -> list[tuple[str, str]]:
-    return [
-        ("end", END_TEXTS.get(mission.end, mission.end or "not in this bag")),
-        ("areas explored", f"{mission.areas_explored} of {mission.num_areas}"),
-        ("victims saved", f"{mission.victims_saved} of {mission.num_victims}"),
-        *delivery_rows(mission.discoveries_delivered, mission.mean_delivery_delay_s, mission.max_delivery_delay_s),
-        ("time", f"{mission.time_s:.1f} s"),
-        ("endangered links", str(mission.endangered_links)),
-    ]
 
 
 def _network_rows(network: NetworkTotals, with_endangered: bool) -> list[tuple[str, str]]:
@@ -191,3 +247,55 @@ def _number(value: float | None, form: str) -> str:
 def _print_omitted(console: Console, totals: RunTotals, prefix: str) -> None:
     for line in totals.omitted:
         console.print(Text(f"  {prefix}omitted: {line}", style="yellow"), soft_wrap=True)
+
+
+def _result_rows(result: Result) -> list[tuple[str, str]]:
+    distances = ", ".join(f"{robot.distance_m:.0f}" for robot in result.robots[:10])
+    more = " .." if len(result.robots) > 10 else ""
+    return [
+        *_mission_rows(result),
+        ("driven", f"{distances}{more} m"),
+        ("speed", f"{result.speed:.0f} x real time ({result.wall_s:.1f} s)"),
+    ]
+
+
+def _mission_rows(mission: Result | MissionTotals) -> list[tuple[str, str]]:
+    return [
+        ("end", END_TEXTS.get(mission.end, mission.end or "not in this bag")),
+        ("areas explored", f"{mission.areas_explored} of {mission.num_areas}"),
+        ("victims saved", f"{mission.victims_saved} of {mission.num_victims}"),
+        *_delivery_rows(mission),
+        ("time", f"{mission.time_s:.1f} s"),
+        ("endangered links", str(mission.endangered_links)),
+    ]
+
+
+def _delivery_rows(mission: Result | MissionTotals) -> list[tuple[str, str]]:
+    """Return the row about discoveries delivered to the base, or nothing if there is no base."""
+    count, mean_s, max_s = mission.discoveries_delivered, mission.mean_delivery_delay_s, mission.max_delivery_delay_s
+    if count is None:
+        return []
+    delay = "" if mean_s is None else f", after {mean_s:.1f} s on average, {max_s:.1f} s at most"
+    return [("reached base", f"{'1 discovery' if count == 1 else f'{count} discoveries'}{delay}")]
+
+
+def _idleness_rows(idleness: Idleness | None) -> list[tuple[str, str]]:
+    if idleness is None:
+        return []
+    over = f"{len(idleness.vertices)} vertices"
+    return [("idleness", f"{idleness.mean_s:.1f} s on average, {idleness.max_s:.1f} s at most, of {over}")]
+
+
+def _totals_table(rows: Iterable[tuple[str, str]]) -> Table:
+    """Return names and values in two columns."""
+    table = Table(box=None, show_header=False, pad_edge=True)
+    table.add_column(style="dim")
+    table.add_column()
+    for name, value in rows:
+        table.add_row(name, value)
+    return table
+
+
+def _title(result: Result) -> str:
+    robots = counted(len(result.robots), "robot")
+    return f"{result.scenario}: {robots}, {result.noise_db:g} dB noise, seed {result.seed}"

@@ -16,9 +16,9 @@ from rich.console import Console
 from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerRequest, TriggerResponse
 
 from robotteamsim import srv
+from robotteamsim.analysis.runs.tables import print_totals
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording import ResultWriter, TumWriter
-from robotteamsim.recording.table import print_totals
 from robotteamsim.recording.topics import Source
 from robotteamsim.recording.topics.radio import HEARD_TOPICS, RADIO_MAP
 from robotteamsim.recording.topics.world import CLOCK, DOORS, MAP

@@ -7,7 +7,7 @@ import math
 
 import pytest
 
-from robotteamsim.analysis.benchmark.measures import Bounds, last_saved_s, search_samples
+from robotteamsim.analysis.benchmark.measures import last_saved_s, lower_bounds, search_samples
 from robotteamsim.analysis.benchmark.report import make_search_report
 from robotteamsim.campaign.protocol import SearchProtocol, search_design
 from robotteamsim.errors import CampaignError
@@ -38,7 +38,7 @@ def table(made, name: str) -> list[dict[str, str]]:
 
 def test_time_to_save_all_is_that_of_the_last_victim(outcomes):
     assert [last_saved_s(outcome) for outcome in outcomes] == [100.0, 150.0, math.inf, 240.0]
-    greedy, walk = search_samples(DESIGN, outcomes, Bounds())
+    greedy, walk = search_samples(DESIGN, outcomes, lower_bounds(DESIGN, outcomes))
     assert greedy.restricted_s.tolist() == [100.0, 150.0]
     assert walk.restricted_s.tolist() == [300.0, 240.0]  # The time limit of the warehouse.
     assert greedy.bound_s.tolist() == walk.bound_s.tolist()
@@ -46,7 +46,7 @@ def test_time_to_save_all_is_that_of_the_last_victim(outcomes):
 
 
 def test_tables_contain_the_means_and_the_bound(outcomes):
-    made = make_search_report(DESIGN, outcomes, "command", Bounds())
+    made = make_search_report(DESIGN, outcomes, "command", lower_bounds(DESIGN, outcomes))
     bound, greedy, walk = table(made, "search")
     assert bound["controller"] == "clairvoyant (lower bound)"
     assert (greedy["victims saved"][:4], walk["victims saved"][:4]) == ("2.00", "1.50")
@@ -59,7 +59,7 @@ def test_tables_contain_the_means_and_the_bound(outcomes):
 
 
 def test_unfinished_benchmark_says_so_and_an_empty_one_is_rejected(outcomes):
-    made = make_search_report(DESIGN, outcomes[:3], "command", Bounds())
+    made = make_search_report(DESIGN, outcomes[:3], "command", lower_bounds(DESIGN, outcomes[:3]))
     assert made.notes[0] == "This benchmark is unfinished: 3 of 4 missions are done."
     with pytest.raises(CampaignError, match="no mission of this benchmark has ended; nothing to report"):
-        make_search_report(DESIGN, (), "command", Bounds())
+        make_search_report(DESIGN, (), "command", {})

@@ -5,13 +5,10 @@ import io
 import re
 
 import pytest
-from matplotlib.text import Text
 from PIL import Image
 
 from robotteamsim.analysis.report import make_report
-from robotteamsim.analysis.report.maps import draw_voices
 from robotteamsim.campaign.factors import Factor
-from robotteamsim.scenario import load
 
 pytestmark = pytest.mark.slow
 
@@ -41,9 +38,6 @@ def text(report):
 def test_report_has_its_figures(garage_report):
     names = [name for name in garage_report.files if name.endswith(".png")]
     assert [re.sub(r"figures/|\.png", "", name) for name in names] == [
-        "voice_lowest",
-        "voice_highest",
-        "network",
         "victims",
         "times",
         "survival",
@@ -114,12 +108,6 @@ def test_latex_tables_escape_special_characters(garage_report):
     assert len({line.count("&") for line in body}) == 1
 
 
-def test_page_breaks_no_line_within_an_interval_or_before_a_unit(garage_report):
-    page = re.sub(r'src="[^"]*"', "", text(garage_report))
-    for unbroken in ("1.00 [−1.26, −0.74]", "−80 dBm"):
-        assert unbroken.replace(" ", "\N{NO-BREAK SPACE}") in page
-
-
 def test_unfinished_campaign_is_reported_as_such(garage):
     stored = garage(10.0, trials=4)
     failed = dataclasses.replace(stored.outcomes[1], error="KeyError: 7", time_s=None)
@@ -175,14 +163,3 @@ def test_tables_fit_a_phone(phone):
     assert len(right_px) > 100
     assert max(right_px) <= PHONE_PX
     assert phone.evaluate("document.documentElement.scrollWidth") <= PHONE_PX
-
-
-@pytest.mark.parametrize("voice_range", ["lowest", "highest"])
-def test_names_on_voice_maps_are_legible_on_a_phone(phone, voice_range):
-    figure = draw_voices(load("garage_sar"), NOISES_DB, voice_range)
-    names = [text for text in figure.findobj(Text) if re.search(r"[a-z]{3}| dB", text.get_text())]
-    assert len(names) > 7
-    image = phone.locator(f"img[alt^='{voice_range.capitalize()} voice']")
-    inches = float(image.evaluate("(image) => image.style.getPropertyValue('--inches')"))
-    px_per_point = image.bounding_box()["width"] / (72.0 * inches)
-    assert min(text.get_fontsize() for text in names) * px_per_point > 9.0

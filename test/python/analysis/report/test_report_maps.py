@@ -3,7 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from robotteamsim.analysis.report.maps import heard_shares, heat, nearest_other_m, noises_db, widest_moment_m
+from robotteamsim.analysis.report.maps import heat
 from robotteamsim.analysis.report.samples import read_campaign
 
 
@@ -19,23 +19,3 @@ def test_heat_adds_up_to_the_time_of_all_robots(garage):
 def test_heat_has_no_gap_on_a_straight_path(garage):
     field = heat(read_campaign(garage(10.0, trials=1), "here").cells[0])
     assert all(field.value_at(x_m, 7.0) > 0.0 for x_m in np.arange(4.5, 33.0, field.resolution_m))
-
-
-def test_nearest_other_robot_of_three_equals_the_hand_calculation():
-    paths_m = np.array([[[0.0, 0.0], [3.0, 4.0], [3.0, 5.0]]])
-    assert nearest_other_m(paths_m).tolist() == [[5.0, 1.0, 1.0]]
-
-
-def test_widest_moment_is_that_of_the_robot_farthest_from_all(garage):
-    campaign = read_campaign(garage(10.0, trials=1), "here")
-    positions_m = widest_moment_m(campaign)
-    assert np.linalg.norm(positions_m[0] - positions_m[1]) == pytest.approx(2.0)
-
-
-def test_voices_reach_less_far_with_noise_and_at_their_lowest_range(garage):
-    campaign = read_campaign(garage(10.0, 20.0, 30.0, trials=1), "here")
-    assert noises_db(campaign) == [10.0, 20.0, 30.0]
-    lowest = heard_shares(campaign.scenario, [10.0, 20.0, 30.0], "lowest")
-    highest = heard_shares(campaign.scenario, [10.0, 20.0, 30.0], "highest")
-    assert lowest[0] > lowest[1] > lowest[2] > 0.0
-    assert all(low < high for low, high in zip(lowest, highest, strict=True))

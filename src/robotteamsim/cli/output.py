@@ -1,10 +1,29 @@
-"""The standard streams of the command line: also closed, full, or in an encoding without the characters to print."""
+"""What commands write: to the standard streams, also closed, full, or in another encoding, and to pictures."""
 
 from __future__ import annotations
 
+import argparse
 import io
 import os
 import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, NoReturn
+
+from rich.console import Console
+
+from robotteamsim.cli.parser import path_of
+from robotteamsim.recording.files import atomically
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+class OutputConsole(Console):
+    """Leaves a closed pipe to `main`, which has a status for it; rich would end with 1."""
+
+    def on_broken_pipe(self) -> NoReturn:
+        """Raises: BrokenPipeError."""
+        raise BrokenPipeError
 
 
 def open_streams() -> None:
@@ -34,3 +53,15 @@ def _open_null(number: int) -> None:
     if null != number:
         os.dup2(null, number)
         os.close(null)
+
+
+def add_png_option(parser: argparse.ArgumentParser) -> None:
+    """Add --png."""
+    parser.add_argument("--png", type=path_of, required=True, metavar="FILE", help="the picture to write")
+
+
+def save(figure: Figure, path: Path) -> None:
+    """Write a picture and print its path. Raises: RecordingError."""
+    with atomically(path) as part:
+        figure.savefig(part, format="png")
+    print(path)
