@@ -12,13 +12,12 @@ from robotteamsim.hazards import HazardField
 from robotteamsim.interface import Discovery, Task
 from robotteamsim.mission import events
 from robotteamsim.mission.base_station import BaseStation
-from robotteamsim.mission.casualties import Casualties
 from robotteamsim.mission.events import Event
 from robotteamsim.mission.input import MissionInput
 from robotteamsim.mission.monitors import LinkMonitor, TeamMonitor, WorldMonitor
 from robotteamsim.mission.rescue import Rescue, VictimNews
 from robotteamsim.mission.status import OUT_OF_DANGER, MissionEnd, MissionState, MissionStatus
-from robotteamsim.mission.victims import Victims
+from robotteamsim.mission.victims import Casualties, Victims
 from robotteamsim.network.messages import Message, Refusal, Traffic
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.sections import Victim

@@ -7,7 +7,7 @@ import itertools
 import msgspec
 import pytest
 
-from robotteamsim.control.search.update import HeardVoice, SearchUpdate, update_of
+from robotteamsim.control.search.team import HeardVoice, SearchUpdate, update_of
 from robotteamsim.network import EVERYBODY, Message
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Wall

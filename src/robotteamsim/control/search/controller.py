@@ -9,19 +9,14 @@ import msgspec
 import numpy as np
 
 from robotteamsim import _core
-from robotteamsim.control.driving.known_map import known_map
-from robotteamsim.control.driving.localisation import Localiser
-from robotteamsim.control.driving.navigation import Navigator
+from robotteamsim.control.driving.driver import Driver
 from robotteamsim.control.rdpso.door_beliefs import DoorBeliefs
-from robotteamsim.control.search.approach import Approach
-from robotteamsim.control.search.areas import Areas, shut_cells
+from robotteamsim.control.search.areas import Areas, EarlyDrive, shut_cells
 from robotteamsim.control.search.cells import NO_CELL, Places, cell_grid, cell_paths, places, reachable_cell
-from robotteamsim.control.search.goals import ListeningGoal
+from robotteamsim.control.search.goals import Approach, ListeningGoal
 from robotteamsim.control.search.hunt import Hunt, Hunted
 from robotteamsim.control.search.knowledge import Knowledge
-from robotteamsim.control.search.last_area import EarlyDrive
-from robotteamsim.control.search.team import Teammates
-from robotteamsim.control.search.update import LONGEST_PATH_M, HeardVoice, SearchUpdate, Work, update_of
+from robotteamsim.control.search.team import LONGEST_PATH_M, HeardVoice, SearchUpdate, Teammates, Work, update_of
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.network.messages import EVERYBODY, Message
@@ -65,12 +60,9 @@ class SearchController:
         self._iteration_ns = round(control.iteration_s * 1e9)
         self._reach_m = body.reach_m
         self._save_distance_m = scenario.mission.save_distance_m
-        self._localiser = Localiser(robot_id, setup)
+        self._driver = Driver(robot_id, setup)
         self._doors = DoorBeliefs(scenario.plan, body.laser, control.doors)
-        self._known_doors = self._doors.changed
-        self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
         self._grid = cell_grid(scenario)
-        self._map = known_map(setup.building, body.reach_m)
         self._areas = Areas(scenario, self._grid)
         self._start_m = setup.start_m(robot_id)
         self._start = self._use_paths(self._start_m)
@@ -127,8 +119,7 @@ class SearchController:
             self._hear(message, observation.sim_time_ns * 1e-9)
 
     def _decide(self, observation: Observation, task: Task) -> Decision:
-        sim_time_ns, robot = observation.sim_time_ns, observation.robot
-        pose = self._localiser.map_T_base_link(robot)
+        sim_time_ns, pose = observation.sim_time_ns, self._driver.pose(observation)
         outbox: tuple[Message, ...] = ()
         belief: FieldMap | None = None
         iteration = sim_time_ns // self._iteration_ns
@@ -140,15 +131,7 @@ class SearchController:
             self._standing = Decision(goal_m=self._shown_goal(), local_best=self._knowledge.remaining, done=self._done)
         if self._target is None:
             return msgspec.structs.replace(self._standing, outbox=outbox, belief=belief)
-        twist = self._navigator.drive(
-            self._map.grid,
-            pose,
-            robot.ranges_m,
-            self._target,
-            self._speed_mps,
-            sim_time_ns,
-            lambda: self._team.positions,
-        )
+        twist = self._driver.drive(observation, pose, self._target, self._speed_mps, lambda: self._team.positions)
         return msgspec.structs.replace(self._standing, twist=twist, outbox=outbox, belief=belief)
 
     def _shown_belief(self, time_s: float) -> FieldMap | None:
@@ -200,11 +183,9 @@ class SearchController:
         self._team.forget_lost(time_s)
         self._doors.look(pose, observation.robot.ranges_m, self._iteration)
         areas_changed = self._areas.follow(task)
-        doors_changed = self._doors.changed != self._known_doors
+        doors_changed = self._driver.update_map(observation.sim_time_ns, self._doors.changed)
         if doors_changed:
-            self._known_doors = self._doors.changed
-            self._map = known_map(self._building, self._reach_m, self._known_doors)
-            self._knowledge.use_doors(self._known_doors)
+            self._knowledge.use_doors(self._doors.changed)
             self._listening.forget_avoided()
         if areas_changed or doors_changed:
             start = self._use_paths(position)
@@ -238,7 +219,7 @@ class SearchController:
 
     def _use_paths(self, position: Vector) -> int:
         """Use the paths with doors and areas as they are now; return the cell of the robot."""
-        shared, key = self._building.shared, (self._reach_m, self._grid, self._known_doors)
+        shared, key = self._building.shared, (self._reach_m, self._grid, self._driver.doors)
         self._all_paths = shared(cell_paths, *key, None)
         self._outside = shared(cell_paths, *key, self._areas.kept_out)
         self._shut = shut_cells(self._all_paths, self._outside, self._start_m, self._grid.size)
@@ -323,7 +304,7 @@ class SearchController:
         """Note a victim whom the robot has reached: a voice beside it that falls silent in a new epoch."""
         if self._was_beside_m is None:
             return
-        pose, voice = self._localiser.map_T_base_link(observation.robot), observation.voice
+        pose, voice = self._driver.pose(observation), observation.voice
         within_m = self._save_distance_m + self._scenario.voice.map_resolution_m
         is_silent = not voice.heard or math.dist(voice.local_best_m, self._was_beside_m) > within_m
         if is_silent and math.dist((pose.x_m, pose.y_m), self._was_beside_m) <= within_m:
@@ -352,7 +333,7 @@ class SearchController:
 
     def _place_beside(self, position: Vector, loudest_m: Vector) -> Vector | None:
         """Return the free place at the loudest place; None if no straight line leads to it, as through a wall."""
-        grid = self._map.grid
+        grid = self._driver.map.grid
         place = grid.nearest_free(self._areas.nearest_outside(loudest_m), _FREE_WITHIN_M)
         if place is None or not grid.is_line_free(position, place) or self._areas.would_end(position, place):
             return None

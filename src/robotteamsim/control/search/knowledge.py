@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import math
+import struct
+from collections import deque
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -14,8 +18,6 @@ from robotteamsim.control.search.cells import (
     unheard,
     voice_losses,
 )
-from robotteamsim.control.search.listening import ListeningLog, entries_in, limited
-from robotteamsim.control.search.noise import NoiseEstimate
 from robotteamsim.scenario.building import Doors
 from robotteamsim.scenario.controllers.search import SearchControl
 from robotteamsim.sensing.readings import VoiceReading
@@ -141,3 +143,125 @@ class Knowledge:
     def mass(self) -> np.ndarray:
         """Return the probability of each cell that an unheard victim is there, float32."""
         return self.belief.mass()
+
+
+_KEPT = 3
+"""A corner of a wall makes a voice appear with a jump; the smallest of so many levels is near the noise."""
+
+
+class NoiseEstimate:
+    """Estimates the noise of a robot's surroundings from the levels at which voices appear and vanish.
+
+    A voice is heard only above the noise. The level at which a voice becomes audible, or the last one before it is no
+    longer audible, is therefore the noise, up to the change within one step. Every level that is heard is an upper
+    limit. Before the first voice appears, the robot uses an assumption.
+    """
+
+    def __init__(self, assumed_db: float) -> None:
+        self._noise_db = assumed_db
+        self._edges_db: deque[float] = deque(maxlen=_KEPT)
+        self._last: VoiceReading | None = None
+        self._epoch = -1
+
+    @property
+    def noise_db(self) -> float:
+        """The estimate [dB]."""
+        return self._noise_db
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether a voice has appeared or vanished; otherwise the estimate is an assumption, or an upper limit."""
+        return bool(self._edges_db)
+
+    def note(self, voice: VoiceReading, epoch: int) -> None:
+        """Note the reading of a step. Args: epoch: of the task; voices that a new epoch brings or ends do not count."""
+        last, self._last = self._last, voice
+        if last is not None and not (voice.heard or last.heard):
+            self._epoch = epoch
+            return
+        if last is None or epoch != self._epoch:
+            self._epoch = epoch
+        elif voice.heard != last.heard:
+            self._edges_db.append((voice if voice.heard else last).local_best_level_db)
+            self._noise_db = min(self._edges_db)
+        if voice.heard and voice.local_best_level_db < self._noise_db:
+            self._noise_db = voice.local_best_level_db
+            if self._edges_db:
+                self._edges_db.append(voice.local_best_level_db)
+
+
+_ENTRY = struct.Struct(">HB")
+"""The cell, and the loudness that would have been noticed; three bytes, as hexadecimal digits in a message."""
+
+_LARGEST = 255
+
+
+class ListeningLog:
+    """The cells at which robots of the team listened, and the faintest voice that they would have noticed there.
+
+    A message contains the sender's own new entries, and some of all that it knows, in turn. Entries may arrive twice,
+    late or not at all: for each cell the smallest value counts, so all robots that know the same entries agree, and
+    robots of a split team agree after they have met for some time.
+    """
+
+    def __init__(self) -> None:
+        self._above: dict[int, int] = {}
+        """Steps over the noise above which a voice would have been noticed, by cell."""
+        self._texts: dict[int, str] = {}
+        self._order: list[int] = []
+        """The cells in the order in which the robot learned of them."""
+        self._unsent: dict[int, None] = {}
+        self._next = 0
+        """Index in `_order` of the next old entry to send."""
+
+    def __len__(self) -> int:
+        return len(self._order)
+
+    def add(self, cell: int, above: int, *, own: bool) -> bool:
+        """Add an entry, of the robot itself or of a teammate; return whether it is news."""
+        known = self._above.get(cell)
+        if known is not None and known <= above:
+            return False
+        if known is None:
+            self._order.append(cell)
+        self._above[cell] = above
+        self._texts[cell] = f"{cell:04x}{above:02x}"
+        if own:
+            self._unsent[cell] = None
+        return True
+
+    def merge(self, entries: Iterable[tuple[int, int]]) -> list[tuple[int, int]]:
+        """Add entries of a teammate; return those that are news."""
+        known = self._above
+        news = [(cell, above) for cell, above in entries if above < known.get(cell, _LARGEST + 1)]
+        return [(cell, above) for cell, above in news if self.add(cell, above, own=False)]
+
+    def to_text(self, most: int, repeated: int) -> str:
+        """Return at most `most` of the robot's own news, and `repeated` of all entries, in turn."""
+        news = list(self._unsent)[-most:]
+        for cell in news:
+            del self._unsent[cell]
+        if self._next >= len(self._order):
+            self._next = 0
+        old = self._order[self._next : self._next + repeated]
+        self._next += repeated
+        return "".join(map(self._texts.__getitem__, dict.fromkeys([*news, *old])))
+
+
+# The robots of one process receive the same messages.
+@functools.lru_cache(maxsize=1024)
+def entries_in(text: str, num_cells: int) -> tuple[tuple[int, int], ...] | None:
+    """Return the entries in a text from `to_text`; None if it does not fit a grid of so many cells."""
+    try:
+        data = bytes.fromhex(text)
+    except ValueError:
+        return None
+    if len(data) % _ENTRY.size:
+        return None
+    entries = tuple(_ENTRY.iter_unpack(data))
+    return entries if max(entries, default=(0, 0))[0] < num_cells else None
+
+
+def limited(above: float) -> int:
+    """Return a number of steps over the noise as an entry holds it: a whole number from 0 to 255, rounded up."""
+    return min(max(-int(-above // 1), 0), _LARGEST)
