@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from itertools import repeat
 
 from robotteamsim.hazards import Doses, HazardField
 from robotteamsim.mission.events import VictimCollapsed, VictimDied
-from robotteamsim.mission.status import OUT_OF_DANGER, SAVED, SILENT, VictimState
+from robotteamsim.mission.status import OUT_OF_DANGER, SILENT, VictimState
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.victims import Victim
@@ -64,15 +63,13 @@ class Victims:
         """Return the index of the victim nearest to a place who may be heard there; None if nobody calls."""
         if not self._calling:
             return None  # the last voice of a victim who was saved in the step before
-        distances_m = list(map(math.dist, self._calling_m, repeat(place_m)))
+        distances_m = [math.dist(place, place_m) for place in self._calling_m]
         return self._calling[distances_m.index(min(distances_m))]
 
     def _note_who_calls(self) -> None:
         named = list(zip(self.all, self.states, strict=True))
         self.silent = tuple([victim.name for victim, state in named if state in SILENT])
         """Names of the victims who call no more."""
-        self.saved = tuple([victim.name for victim, state in named if state in SAVED])
-        """Names of the saved victims."""
         self._calling = [i for i, (victim, state) in enumerate(named) if state not in SILENT and victim.calling]
         self._calling_m = [self.all[index].position for index in self._calling]
 

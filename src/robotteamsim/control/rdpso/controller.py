@@ -59,7 +59,7 @@ class RdpsoController:
         self._membership = self.membership(robot_id, scenario)
         fractional = swarm.memory_coefficients(control.memory, control.alpha, control.memory_terms)
         self._momentum = Momentum(fractional if memory is None else memory, control.memory_of)
-        self._numbers = swarm.uniform_numbers(robot_stream(scenario, "rdpso", robot_id, arrival))
+        self._rng = robot_stream(scenario, "rdpso", robot_id, arrival)
         self._wander = Wander(
             control.wander, robot_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps
         )
@@ -229,7 +229,7 @@ class RdpsoController:
         )
         if c4 != 0.0:
             weights = weights._replace(communication=c4)
-        return swarm.next_velocity(position, self._momentum.term(), attractors, weights, self._numbers)
+        return swarm.next_velocity(position, self._momentum.term(), attractors, weights, self._rng.random(4).tolist())
 
     def _adapt(self, context: SwarmContext) -> swarm.Weights:
         """Adopt the coefficients of a context; return c1 to c3."""
