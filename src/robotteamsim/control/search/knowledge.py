@@ -15,6 +15,7 @@ from robotteamsim.control.search.cells import (
     CellGrid,
     Places,
     loss_step_db,
+    places,
     unheard,
     voice_losses,
 )
@@ -26,6 +27,9 @@ from robotteamsim.swarm import Vector
 
 _NOISE_STEP_DB = 0.25
 """A smaller change of the estimated noise does not change the belief."""
+
+_SPACING = 0.25
+"""Distance of places to listen at, if it is above `place_spacing_m`: this share of the hearing distance."""
 
 MOST_FOUND = 200
 """A message holds at most so many places of found victims."""
@@ -39,10 +43,13 @@ class Knowledge:
     [the posterior mean of a Poisson process with a gamma prior].
     """
 
-    def __init__(self, setup: Setup, grid: CellGrid, places: Places) -> None:
+    def __init__(self, setup: Setup, robot_id: int, grid: CellGrid, start: int) -> None:
+        """Args: start: the cell where the robot starts; NO_CELL for none."""
         scenario = setup.scenario
         search, voice = scenario.control.as_kind(SearchControl), scenario.voice
-        self._voice, self._building, self._grid, self._places = voice, setup.building, grid, places
+        self._voice, self._building, self._grid = voice, setup.building, grid
+        self._reach_m, self._start = setup.robots[robot_id].reach_m, start
+        self._save_distance_m, self._tuning = scenario.mission.save_distance_m, search
         self._mean_victims = search.expected_victims
         self._step_db = loss_step_db(voice)
         self._found_within_m = 2.0 * scenario.mission.save_distance_m + voice.map_resolution_m
@@ -51,7 +58,9 @@ class Knowledge:
         self._noise_db = search.assumed_noise_db
         self.log = ListeningLog()
         self.losses = voice_losses(setup.building, voice, grid, ())
-        self.belief = _core.control.VictimBelief(self.losses, places.prior)
+        self.places = self._spaced_places()
+        """Where victims may be and where to listen."""
+        self.belief = _core.control.VictimBelief(self.losses, self.places.prior)
         self.belief.set_unheard(unheard(voice, self._noise_db))
         self.found: list[Vector] = []
         """Places of victims whom the team has reached, in `map` [m]."""
@@ -83,7 +92,7 @@ class Knowledge:
     @property
     def open_m2(self) -> float:
         """The floor on which victims may be [m^2]."""
-        return self._places.num_open * self._grid.cell_m**2
+        return self.places.num_open * self._grid.cell_m**2
 
     @property
     def hearing_m(self) -> float:
@@ -97,18 +106,24 @@ class Knowledge:
         self.losses = voice_losses(self._building, self._voice, self._grid, doors)
         self.belief.set_losses(self.losses)
 
-    def agree_on_noise(self, of_teammates_db: list[float]) -> bool:
-        """Use the lowest estimate of the robot and its teammates, or the assumption; return whether it has changed."""
+    def agree_on_noise(self, of_teammates_db: list[float]) -> None:
+        """Use the lowest estimate of the robot and its teammates, or the assumption."""
         own_db = self.measured_noise_db
         known = of_teammates_db if own_db is None else [*of_teammates_db, own_db]
         # What is heard is an upper limit even if no voice has appeared or vanished yet.
         noise_db = min([*known, self.noise.noise_db]) if own_db is None and not known else min(known)
         if abs(noise_db - self._noise_db) < _NOISE_STEP_DB:
-            return False
+            return
         self._noise_db = noise_db
         self.belief.set_unheard(unheard(self._voice, noise_db))
         self._remaining = None
-        return True
+        self.places = self._spaced_places()
+
+    def _spaced_places(self) -> Places:
+        """Return the places to listen at: the farther a robot hears, the fewer."""
+        spacing_m = max(self._tuning.place_spacing_m, _SPACING * self.hearing_m)
+        stride = max(1, round(spacing_m / self._grid.cell_m))
+        return self._building.shared(places, self._reach_m, self._grid, self._start, self._save_distance_m, stride)
 
     def listen(self, cell: int, voice: VoiceReading) -> None:
         """Note that the robot hears nothing at a cell, or nothing louder than a voice."""
@@ -139,6 +154,10 @@ class Knowledge:
         is_new = all(math.dist(place, known) > self._found_within_m for known in self.found)
         if is_new and len(self.found) < MOST_FOUND:
             self.found.append(place)
+
+    def has_found_at(self, source_m: Vector, since: int = 0) -> bool:
+        """Whether a found victim is where a voice came from. Args: since: index of the first to consider."""
+        return any(math.dist(place, source_m) <= self._tuning.same_voice_m for place in self.found[since:])
 
     def mass(self) -> np.ndarray:
         """Return the probability of each cell that an unheard victim is there, float32."""
