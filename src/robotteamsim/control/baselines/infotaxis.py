@@ -148,7 +148,7 @@ class InfotaxisController(RouteController):
             raise ScenarioError(
                 f"{scenario.name}: control.spacing_m: {tuning.spacing_m:g} m leaves no two places linked"
             )
-        self._hearing = hearing(setup.building, scenario.voice, self._graph.places)
+        self._hearing = setup.building.shared(Hearing, scenario.voice, self._graph.places)
         self._places_m = np.array(self._graph.places)
         self._save_m = max(scenario.mission.save_distance_m, 0.5 * tuning.spacing_m)
         self._belief = Belief(len(self._graph.places))
@@ -260,8 +260,3 @@ class Hearing:
         heard = np.where((high_db > 0.0) & (over_db > 0.0), np.clip(share, 0.0, 1.0), 0.0)
         heard[index] = 1.0
         return heard
-
-
-def hearing(building: Building, voice: Voice, places: tuple[Vector, ...]) -> Hearing:
-    """Return the hearing model of some places, which robots share."""
-    return building.shared(Hearing, voice, places)

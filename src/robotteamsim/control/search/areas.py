@@ -34,7 +34,8 @@ class Areas:
         """The cell from which the next area can be explored; NO_CELL if there is none."""
         self._later_cells: list[int] = []
         """The cells of the areas after the next one."""
-        self._tour_m = 0.0
+        self.tour_m = 0.0
+        """The length of the path from the next area through all others [m]."""
         self.last_leg_m = 0.0
         """The length of the path from the area before the last one to the last one [m]."""
 
@@ -95,18 +96,13 @@ class Areas:
         self._later_cells = cells[1:]
         reached = [cell for cell in cells if cell != NO_CELL]
         legs_m = [paths.length_m(a, b) for a, b in itertools.pairwise(reached)]
-        self._tour_m = sum(length_m for length_m in legs_m if math.isfinite(length_m))
+        self.tour_m = sum(length_m for length_m in legs_m if math.isfinite(length_m))
         self.last_leg_m = legs_m[-1] if legs_m and math.isfinite(legs_m[-1]) else 0.0
 
     @property
     def last_cell(self) -> int:
         """The cell from which the last area can be explored; NO_CELL if there is none."""
         return self._later_cells[-1] if self._later_cells else self.cell
-
-    @property
-    def tour_m(self) -> float:
-        """The length of the path from the next area through all others [m]."""
-        return self._tour_m
 
     @property
     def is_possible(self) -> bool:

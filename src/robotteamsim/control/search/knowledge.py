@@ -55,21 +55,17 @@ class Knowledge:
         self._found_within_m = 2.0 * scenario.mission.save_distance_m + voice.map_resolution_m
         self.noise = NoiseEstimate(search.assumed_noise_db)
         """The robot's own estimate, from its readings."""
-        self._noise_db = search.assumed_noise_db
+        self.noise_db = search.assumed_noise_db
+        """The noise that the belief assumes [dB]."""
         self.log = ListeningLog()
         self.losses = voice_losses(setup.building, voice, grid, ())
         self.places = self._spaced_places()
         """Where victims may be and where to listen."""
         self.belief = _core.control.VictimBelief(self.losses, self.places.prior)
-        self.belief.set_unheard(unheard(voice, self._noise_db))
+        self.belief.set_unheard(unheard(voice, self.noise_db))
         self.found: list[Vector] = []
         """Places of victims whom the team has reached, in `map` [m]."""
         self._remaining: float | None = None
-
-    @property
-    def noise_db(self) -> float:
-        """The noise that the belief assumes [dB]."""
-        return self._noise_db
 
     @property
     def measured_noise_db(self) -> float | None:
@@ -98,7 +94,7 @@ class Knowledge:
     def hearing_m(self) -> float:
         """The distance at which a middling voice is heard without walls [m]."""
         voice = self._voice
-        over_db = -0.5 * sum(voice.constant_db) - self._noise_db
+        over_db = -0.5 * sum(voice.constant_db) - self.noise_db
         return float(10.0 ** (over_db / (5.0 * sum(voice.exponent)))) + voice.local_best_radius_m
 
     def use_doors(self, doors: Doors) -> None:
@@ -112,9 +108,9 @@ class Knowledge:
         known = of_teammates_db if own_db is None else [*of_teammates_db, own_db]
         # What is heard is an upper limit even if no voice has appeared or vanished yet.
         noise_db = min([*known, self.noise.noise_db]) if own_db is None and not known else min(known)
-        if abs(noise_db - self._noise_db) < _NOISE_STEP_DB:
+        if abs(noise_db - self.noise_db) < _NOISE_STEP_DB:
             return
-        self._noise_db = noise_db
+        self.noise_db = noise_db
         self.belief.set_unheard(unheard(self._voice, noise_db))
         self._remaining = None
         self.places = self._spaced_places()
@@ -127,7 +123,7 @@ class Knowledge:
 
     def listen(self, cell: int, voice: VoiceReading) -> None:
         """Note that the robot hears nothing at a cell, or nothing louder than a voice."""
-        above_db = voice.local_best_level_db - self._noise_db if voice.heard else 0.0
+        above_db = voice.local_best_level_db - self.noise_db if voice.heard else 0.0
         above = limited(above_db / self._step_db)
         if self.log.add(cell, above, own=True):
             self._learn(cell, above)
@@ -177,15 +173,11 @@ class NoiseEstimate:
     """
 
     def __init__(self, assumed_db: float) -> None:
-        self._noise_db = assumed_db
+        self.noise_db = assumed_db
+        """The estimate [dB]."""
         self._edges_db: deque[float] = deque(maxlen=_KEPT)
         self._last: VoiceReading | None = None
         self._epoch = -1
-
-    @property
-    def noise_db(self) -> float:
-        """The estimate [dB]."""
-        return self._noise_db
 
     @property
     def is_measured(self) -> bool:
@@ -202,9 +194,9 @@ class NoiseEstimate:
             self._epoch = epoch
         elif voice.heard != last.heard:
             self._edges_db.append((voice if voice.heard else last).local_best_level_db)
-            self._noise_db = min(self._edges_db)
-        if voice.heard and voice.local_best_level_db < self._noise_db:
-            self._noise_db = voice.local_best_level_db
+            self.noise_db = min(self._edges_db)
+        if voice.heard and voice.local_best_level_db < self.noise_db:
+            self.noise_db = voice.local_best_level_db
             if self._edges_db:
                 self._edges_db.append(voice.local_best_level_db)
 
