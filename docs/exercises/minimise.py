@@ -10,7 +10,6 @@ from robotteamsim.swarm import (
     memory_term,
     next_position,
     next_velocity,
-    uniform_numbers,
 )
 
 PARTICLES, ITERATIONS, MAX_STEP = 40, 200, 2.0
@@ -24,7 +23,7 @@ def rastrigin(x: float, y: float) -> float:
 
 
 generator = np.random.default_rng(1)
-numbers = uniform_numbers(np.random.default_rng(2))
+dice = np.random.default_rng(2)
 positions = [tuple(point) for point in generator.uniform(-5.0, 4.0, (PARTICLES, 2)).tolist()]
 velocities = [[] for _ in positions]
 bests = list(positions)
@@ -32,6 +31,7 @@ for _ in range(ITERATIONS):
     global_best = min(bests, key=lambda point: rastrigin(*point))
     for i, here in enumerate(positions):
         attractors = Attractors(bests[i], global_best, here, here)
+        numbers = dice.random(4).tolist()
         velocity = next_velocity(here, memory_term(MEMORY, velocities[i]), attractors, WEIGHTS, numbers)
         velocities[i] = [limit_speed(velocity, MAX_STEP), *velocities[i]][: len(MEMORY)]
         positions[i] = next_position(here, velocities[i][0])

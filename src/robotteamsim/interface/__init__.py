@@ -1,9 +1,8 @@
 """The inputs and outputs of a controller: observation, messages, task, decision."""
 
-from robotteamsim.interface.controller import Controller
+from robotteamsim.interface.controller import Controller, Observation
 from robotteamsim.interface.decision import OUTSIDE, Decision, SwarmContext
 from robotteamsim.interface.discovery import Discovery
-from robotteamsim.interface.observation import Observation
 from robotteamsim.interface.task import Assistance, Task
 from robotteamsim.network.messages import EVERYBODY, Message
 

@@ -1,6 +1,5 @@
 """Discoveries, and the messages by which robots announce them and the base acknowledges them."""
 
-import functools
 import math
 from typing import Literal
 
@@ -72,8 +71,6 @@ def announcement(discovery: Discovery) -> str:
     return to_payload({"discoveries": [discovery]})
 
 
-# The same payload is sent repeatedly until the base has acknowledged it.
-@functools.lru_cache(maxsize=64)
 def announced_in(payload: str) -> tuple[Announced, ...]:
     """Return the discoveries that a message announces; () if it announces none."""
     if '"discoveries"' not in payload:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, Literal, Protocol
+from typing import Any, ClassVar, Literal, Protocol
 
 import msgspec
 
@@ -19,10 +19,15 @@ Names = Callable[[int], str]
 
 
 class Happening(msgspec.Struct, frozen=True, kw_only=True):
-    """Base class of all events; each has its words, and a subject if it concerns more than the mission itself.
+    """Base class of all events. `template` has the words of most of them; those that depend on a value have `_words`.
+
+    A template may contain the attributes, `subject`, and `member`: the name of the member of the team.
 
     robot_id: of the member of the team that caused it; NOBODY if none did.
     """
+
+    template: ClassVar[str] = ""
+    subject_template: ClassVar[str] = ""
 
     robot_id: int = NOBODY
 
@@ -34,17 +39,15 @@ class Happening(msgspec.Struct, frozen=True, kw_only=True):
     @property
     def subject(self) -> str:
         """What it concerns: the name of an area, victim, door, object, link or swarm; "" for the mission itself."""
-        return self._subject()
+        return self.subject_template.format_map(msgspec.structs.asdict(self))
 
     def words(self, name: Names) -> str:
         """Return a description in one line."""
         return self._words(name)
 
-    def _subject(self) -> str:
-        return ""
-
     def _words(self, name: Names) -> str:
-        raise NotImplementedError
+        values = msgspec.structs.asdict(self)
+        return self.template.format(subject=self.subject, member=name(self.robot_id), **values)
 
 
 class AnyEvent(Protocol):
@@ -118,15 +121,13 @@ class MissionStarted(Happening, frozen=True, tag="start"):
 class MissionPaused(Happening, frozen=True, tag="pause"):
     """Robots and clock stop."""
 
-    def _words(self, name: Names) -> str:
-        return "mission is paused"
+    template = "mission is paused"
 
 
 class MissionResumed(Happening, frozen=True, tag="resume"):
     """The mission goes on."""
 
-    def _words(self, name: Names) -> str:
-        return "mission is resumed"
+    template = "mission is resumed"
 
 
 class MissionEnded(Happening, frozen=True, tag="end"):
@@ -150,8 +151,7 @@ class NoiseChanged(Happening, frozen=True, tag="noise"):
 
     noise_db: float
 
-    def _words(self, name: Names) -> str:
-        return f"background noise is {self.noise_db:g} dB"
+    template = "background noise is {noise_db:g} dB"
 
 
 class AreaExplored(Happening, frozen=True, tag="area_explored"):
@@ -161,11 +161,9 @@ class AreaExplored(Happening, frozen=True, tag="area_explored"):
     count: int
     total: int
 
-    def _subject(self) -> str:
-        return self.area
+    subject_template = "{area}"
 
-    def _words(self, name: Names) -> str:
-        return f"robot {self.robot_id} explores {self.area} ({self.count} of {self.total})"
+    template = "robot {robot_id} explores {area} ({count} of {total})"
 
 
 class DiscoveryDelivered(Happening, frozen=True, tag="discovery_delivered"):
@@ -174,12 +172,9 @@ class DiscoveryDelivered(Happening, frozen=True, tag="discovery_delivered"):
     discovery: str
     delay_s: float
 
-    def _subject(self) -> str:
-        return self.discovery
+    subject_template = "{discovery}"
 
-    def _words(self, name: Names) -> str:
-        delay = f"{self.delay_s:.1f} s after its discovery by robot {self.robot_id}"
-        return f"{self.discovery} is delivered to the base, {delay}"
+    template = "{discovery} is delivered to the base, {delay_s:.1f} s after its discovery by robot {robot_id}"
 
 
 class OfDoor(Happening, frozen=True):
@@ -187,8 +182,7 @@ class OfDoor(Happening, frozen=True):
 
     door: str
 
-    def _subject(self) -> str:
-        return self.door
+    subject_template = "{door}"
 
 
 class DoorChanged(OfDoor, frozen=True, tag="door"):
@@ -218,8 +212,7 @@ class OfVictim(Happening, frozen=True):
 
     victim: str
 
-    def _subject(self) -> str:
-        return self.victim
+    subject_template = "{victim}"
 
 
 class VictimPlaced(OfVictim, frozen=True, tag="victim"):
@@ -227,9 +220,7 @@ class VictimPlaced(OfVictim, frozen=True, tag="victim"):
 
     position_m: tuple[float, float]
 
-    def _words(self, name: Names) -> str:
-        x_m, y_m = self.position_m
-        return f"victim {self.victim} calls at ({x_m:.1f}, {y_m:.1f})"
+    template = "victim {victim} calls at ({position_m[0]:.1f}, {position_m[1]:.1f})"
 
 
 class VictimHeard(OfVictim, frozen=True, tag="victim_heard"):
@@ -237,8 +228,7 @@ class VictimHeard(OfVictim, frozen=True, tag="victim_heard"):
 
     level_db: float
 
-    def _words(self, name: Names) -> str:
-        return f"{name(self.robot_id)} hears {self.victim} at {self.level_db:.1f} dB"
+    template = "{member} hears {victim} at {level_db:.1f} dB"
 
 
 class VictimSaved(OfVictim, frozen=True, tag="victim_saved"):
@@ -247,8 +237,7 @@ class VictimSaved(OfVictim, frozen=True, tag="victim_saved"):
     count: int
     total: int
 
-    def _words(self, name: Names) -> str:
-        return f"robot {self.robot_id} saves {self.victim} ({self.count} of {self.total})"
+    template = "robot {robot_id} saves {victim} ({count} of {total})"
 
 
 class VictimLocated(OfVictim, frozen=True, tag="victim_located"):
@@ -257,22 +246,19 @@ class VictimLocated(OfVictim, frozen=True, tag="victim_located"):
     by: Literal["sight", "voice"]
     error_m: float
 
-    def _words(self, name: Names) -> str:
-        return f"{name(self.robot_id)} locates {self.victim} by {self.by}, {self.error_m:.2f} m off"
+    template = "{member} locates {victim} by {by}, {error_m:.2f} m off"
 
 
 class VictimReported(OfVictim, frozen=True, tag="victim_reported"):
     """The command centre knows where a victim is."""
 
-    def _words(self, name: Names) -> str:
-        return f"the command centre knows where {self.victim} is"
+    template = "the command centre knows where {victim} is"
 
 
 class VictimReached(OfVictim, frozen=True, tag="victim_reached"):
     """A firefighter reaches a victim."""
 
-    def _words(self, name: Names) -> str:
-        return f"{name(self.robot_id)} reaches {self.victim}"
+    template = "{member} reaches {victim}"
 
 
 class VictimCarried(OfVictim, frozen=True, tag="victim_carried"):
@@ -287,15 +273,13 @@ class VictimCarried(OfVictim, frozen=True, tag="victim_carried"):
 class VictimLeft(OfVictim, frozen=True, tag="victim_left"):
     """A victim is alone again, because their firefighter has left the team."""
 
-    def _words(self, name: Names) -> str:
-        return f"{self.victim} is left by {name(self.robot_id)}"
+    template = "{victim} is left by {member}"
 
 
 class VictimSafe(OfVictim, frozen=True, tag="victim_safe"):
     """A victim is in safety."""
 
-    def _words(self, name: Names) -> str:
-        return f"{self.victim} is safe"
+    template = "{victim} is safe"
 
 
 class OfHarm(OfVictim, frozen=True):
@@ -304,29 +288,23 @@ class OfHarm(OfVictim, frozen=True):
     gas: float
     heat: float
 
-    def _harm(self, does: str) -> str:
-        return f"{self.victim} {does}: FED {self.gas:.2f} from gas, {self.heat:.2f} from heat"
-
 
 class VictimCollapsed(OfHarm, frozen=True, tag="victim_collapsed"):
     """A victim collapses."""
 
-    def _words(self, name: Names) -> str:
-        return self._harm("collapses")
+    template = "{victim} collapses: FED {gas:.2f} from gas, {heat:.2f} from heat"
 
 
 class VictimDied(OfHarm, frozen=True, tag="victim_dead"):
     """A victim dies."""
 
-    def _words(self, name: Names) -> str:
-        return self._harm("dies")
+    template = "{victim} dies: FED {gas:.2f} from gas, {heat:.2f} from heat"
 
 
 class PersonEnclosed(OfVictim, frozen=True, tag="person_enclosed"):
     """No path to an exit is open to somebody who flees."""
 
-    def _words(self, name: Names) -> str:
-        return f"{self.victim} waits, because no path to an exit is open"
+    template = "{victim} waits, because no path to an exit is open"
 
 
 class LinkEndangered(Happening, frozen=True, tag="link_endangered"):
@@ -337,8 +315,7 @@ class LinkEndangered(Happening, frozen=True, tag="link_endangered"):
     lost: bool
     rssi_dbm: float
 
-    def _subject(self) -> str:
-        return f"{self.first}-{self.second}"
+    subject_template = "{first}-{second}"
 
     def _words(self, name: Names) -> str:
         at = "" if math.isnan(self.rssi_dbm) else f" at {self.rssi_dbm:.1f} dBm"
@@ -351,8 +328,7 @@ class MessageTooLarge(Happening, frozen=True, tag="message_too_large"):
     num_bytes: int
     limit_bytes: int
 
-    def _words(self, name: Names) -> str:
-        return f"robot {self.robot_id} cannot send {self.num_bytes} bytes, the limit is {self.limit_bytes}"
+    template = "robot {robot_id} cannot send {num_bytes} bytes, the limit is {limit_bytes}"
 
 
 class ControllerFailed(Happening, frozen=True, tag="controller_failed"):
@@ -360,8 +336,7 @@ class ControllerFailed(Happening, frozen=True, tag="controller_failed"):
 
     fault: str
 
-    def _words(self, name: Names) -> str:
-        return f"robot {self.robot_id} is stopped: {self.fault}"
+    template = "robot {robot_id} is stopped: {fault}"
 
 
 class OfSwarm(Happening, frozen=True):
@@ -369,22 +344,19 @@ class OfSwarm(Happening, frozen=True):
 
     swarm: int
 
-    def _subject(self) -> str:
-        return f"swarm {self.swarm}"
+    subject_template = "swarm {swarm}"
 
 
 class RobotExcluded(OfSwarm, frozen=True, tag="robot_excluded"):
     """A robot leaves a swarm."""
 
-    def _words(self, name: Names) -> str:
-        return f"robot {self.robot_id} is excluded from {self.subject}"
+    template = "robot {robot_id} is excluded from {subject}"
 
 
 class RobotIncluded(OfSwarm, frozen=True, tag="robot_included"):
     """A robot joins a swarm."""
 
-    def _words(self, name: Names) -> str:
-        return f"robot {self.robot_id} is included in {self.subject}"
+    template = "robot {robot_id} is included in {subject}"
 
 
 class SwarmFounded(OfSwarm, frozen=True, tag="swarm_founded"):
@@ -400,50 +372,43 @@ class SwarmFounded(OfSwarm, frozen=True, tag="swarm_founded"):
 class SwarmDissolved(OfSwarm, frozen=True, tag="swarm_dissolved"):
     """The last robot has left a swarm."""
 
-    def _words(self, name: Names) -> str:
-        return f"{self.subject} is dissolved"
+    template = "{subject} is dissolved"
 
 
 class RobotRemoved(Happening, frozen=True, tag="robot_removed"):
     """A member of the team has left the world."""
 
-    def _words(self, name: Names) -> str:
-        return f"{name(self.robot_id)} is removed"
+    template = "{member} is removed"
 
 
 class RobotSpawned(Happening, frozen=True, tag="robot_spawned"):
     """A member of the team has arrived."""
 
-    def _words(self, name: Names) -> str:
-        return f"{name(self.robot_id)} is spawned"
+    template = "{member} is spawned"
 
 
 class RobotFailedByHeat(Happening, frozen=True, tag="robot_failed_by_heat"):
     """A robot has failed, and has left the world."""
 
-    def _words(self, name: Names) -> str:
-        return f"{name(self.robot_id)} fails from heat"
+    template = "{member} fails from heat"
 
 
 class FirefighterCollapsed(Happening, frozen=True, tag="firefighter_collapsed"):
     """A firefighter has collapsed, and has left the world."""
 
-    def _words(self, name: Names) -> str:
-        return f"{name(self.robot_id)} collapses"
+    template = "{member} collapses"
 
 
 class RobotTippedOver(Happening, frozen=True, tag="robot_tipped_over"):
     """A robot lies on its side and cannot go on."""
 
-    def _words(self, name: Names) -> str:
-        return f"robot {self.robot_id} tips over"
+    template = "robot {robot_id} tips over"
 
 
 class RobotLeftWorld(Happening, frozen=True, tag="robot_left_world"):
     """A robot has fallen off the floor."""
 
-    def _words(self, name: Names) -> str:
-        return f"robot {self.robot_id} leaves the world"
+    template = "robot {robot_id} leaves the world"
 
 
 class OfObject(Happening, frozen=True):
@@ -451,19 +416,16 @@ class OfObject(Happening, frozen=True):
 
     object_name: str
 
-    def _subject(self) -> str:
-        return self.object_name
+    subject_template = "{object_name}"
 
 
 class ObjectLifted(OfObject, frozen=True, tag="object_lifted"):
     """A robot's gripper holds an object."""
 
-    def _words(self, name: Names) -> str:
-        return f"robot {self.robot_id} lifts {self.object_name}"
+    template = "robot {robot_id} lifts {object_name}"
 
 
 class ObjectDropped(OfObject, frozen=True, tag="object_dropped"):
     """A robot's gripper has let an object go."""
 
-    def _words(self, name: Names) -> str:
-        return f"robot {self.robot_id} drops {self.object_name}"
+    template = "robot {robot_id} drops {object_name}"

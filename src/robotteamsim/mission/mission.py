@@ -12,13 +12,12 @@ from robotteamsim.hazards import HazardField
 from robotteamsim.interface import Discovery, Task
 from robotteamsim.mission import events
 from robotteamsim.mission.base_station import BaseStation
-from robotteamsim.mission.casualties import Casualties
 from robotteamsim.mission.events import Event
 from robotteamsim.mission.input import MissionInput
 from robotteamsim.mission.monitors import LinkMonitor, TeamMonitor, WorldMonitor
 from robotteamsim.mission.rescue import Rescue, VictimNews
-from robotteamsim.mission.status import OUT_OF_DANGER, MissionEnd, MissionState, MissionStatus
-from robotteamsim.mission.victims import Victims
+from robotteamsim.mission.status import OUT_OF_DANGER, SAVED, MissionEnd, MissionState, MissionStatus
+from robotteamsim.mission.victims import Casualties, Victims
 from robotteamsim.network.messages import Message, Refusal, Traffic
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.sections import Victim
@@ -83,11 +82,6 @@ class Mission:
     def silent_victims(self) -> tuple[str, ...]:
         """Names of the victims who call no more."""
         return self._victims.silent
-
-    @property
-    def saved_victims(self) -> tuple[str, ...]:
-        """Names of the saved victims."""
-        return self._victims.saved
 
     def start(self) -> None:
         """Start a waiting mission; no effect in any other state."""
@@ -279,7 +273,7 @@ class Mission:
 
     def _finish(self, end: MissionEnd, why: str = "") -> None:
         self._state, self._end = "ended", end
-        saved = len(self._victims.saved)
+        saved = sum(state in SAVED for state in self._victims.states)
         self._add(events.MissionEnded(end, self._num_explored, len(self._areas), saved, len(self.victims), why))
 
     def _all_places(self) -> _core.base.Places:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
-from operator import attrgetter
 
 import numpy as np
 
@@ -108,9 +107,6 @@ _ABSENT = -2
 """Replaces the swarm of an absent robot."""
 
 
-_STATUS = attrgetter("excluded", "swarm", "fault", "done")
-
-
 class TeamMonitor:
     """Compares the decisions of each step with those of the previous one.
 
@@ -137,7 +133,7 @@ class TeamMonitor:
 
         Args: present: whether each robot is present, bool, shape (n,).
         """
-        statuses, is_there = list(map(_STATUS, decisions)), present.tolist()
+        statuses, is_there = [(d.excluded, d.swarm, d.fault, d.done) for d in decisions], present.tolist()
         if statuses == self._statuses and is_there == self._is_there:
             return []
         self._statuses, self._is_there = statuses, is_there

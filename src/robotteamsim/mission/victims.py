@@ -1,13 +1,15 @@
-"""The victims of a mission: where they are, in which state, and who calls."""
+"""The victims of a mission: where they are, in which state, who calls, and whom smoke and heat harm."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from itertools import repeat
 
-from robotteamsim.mission.status import OUT_OF_DANGER, SAVED, SILENT, VictimState
+from robotteamsim.hazards import Doses, HazardField
+from robotteamsim.mission.events import VictimCollapsed, VictimDied
+from robotteamsim.mission.status import OUT_OF_DANGER, SILENT, VictimState
 from robotteamsim.scenario.base import Point
+from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.victims import Victim
 
 
@@ -61,14 +63,40 @@ class Victims:
         """Return the index of the victim nearest to a place who may be heard there; None if nobody calls."""
         if not self._calling:
             return None  # the last voice of a victim who was saved in the step before
-        distances_m = list(map(math.dist, self._calling_m, repeat(place_m)))
+        distances_m = [math.dist(place, place_m) for place in self._calling_m]
         return self._calling[distances_m.index(min(distances_m))]
 
     def _note_who_calls(self) -> None:
         named = list(zip(self.all, self.states, strict=True))
         self.silent = tuple([victim.name for victim, state in named if state in SILENT])
         """Names of the victims who call no more."""
-        self.saved = tuple([victim.name for victim, state in named if state in SAVED])
-        """Names of the saved victims."""
         self._calling = [i for i, (victim, state) in enumerate(named) if state not in SILENT and victim.calling]
         self._calling_m = [self.all[index].position for index in self._calling]
+
+
+class Casualties:
+    """The doses of the victims who are not yet saved, in a scenario with fire."""
+
+    def __init__(self, fire: Fire) -> None:
+        self._doses = Doses(fire)
+        self._update_s = fire.update_s
+
+    def forget(self, name: str) -> None:
+        """Start with no dose again, for a victim who was moved."""
+        self._doses.forget(name)
+
+    def judge(
+        self, field: HazardField, victims: Victims
+    ) -> list[tuple[int, VictimState, VictimCollapsed | VictimDied]]:
+        """Add the doses of an update of fire and smoke; return index, new state and event of all whom they harm."""
+        named = zip(victims.all, victims.states, strict=True)
+        exposed = [victim for victim, state in named if state not in OUT_OF_DANGER]
+        changed = self._doses.expose(
+            [victim.name for victim in exposed], [victim.position for victim in exposed], field, self._update_s
+        )
+        indices = {victim.name: index for index, victim in enumerate(victims.all)}
+        return [(indices[name], state, self._event(name, state)) for name, state in changed.items() if state != "well"]
+
+    def _event(self, name: str, state: VictimState) -> VictimCollapsed | VictimDied:
+        dose = self._doses.of(name)
+        return (VictimDied if state == "dead" else VictimCollapsed)(name, dose.gas, dose.heat)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
@@ -14,18 +13,6 @@ from robotteamsim.network.messages import EVERYBODY, NO_TRAFFIC, Batch, Inbox, M
 from robotteamsim.scenario.sections import Network as NetworkSection
 
 Inboxes = Sequence[Sequence[Message]]
-
-
-class Links(NamedTuple):
-    """The part of the network of one step that routes messages; shapes (n, n), as in `NetworkState`.
-
-    present: whether each robot is there, bool, shape (n,).
-    """
-
-    rssi_dbm: np.ndarray
-    adjacency: np.ndarray
-    hop_count: np.ndarray
-    present: np.ndarray
 
 
 @dataclass(slots=True, eq=False)
@@ -99,8 +86,7 @@ class Delivery:
         """
         self._step += 1
         if not self._is_instant:
-            links = Links(network.rssi_dbm, network.adjacency, network.hop_count, self._present)
-            return self._carry(links, outboxes, refused)
+            return self._carry(network, outboxes, refused)
         if not outboxes:
             return [()] * self._num_robots, NO_TRAFFIC
         reach_all = self._everybody and network.fiedler_value > 0.0
@@ -121,7 +107,7 @@ class Delivery:
         )
 
     def _carry(
-        self, links: Links, outboxes: Sequence[Sequence[Message]], refused: tuple[Refusal, ...]
+        self, links: NetworkState, outboxes: Sequence[Sequence[Message]], refused: tuple[Refusal, ...]
     ) -> tuple[Inboxes, Traffic]:
         self._generators.clear()
         loss = loss_probability(links.rssi_dbm, self._section)
@@ -157,7 +143,7 @@ class Delivery:
         reached[message.sender] = True
         return _Flight(message, self._step - 1, number, reached, np.array([message.sender]))
 
-    def _advance(self, flight: _Flight, links: Links, loss: np.ndarray, arrivals: list[list[_Flight]]) -> bool:
+    def _advance(self, flight: _Flight, links: NetworkState, loss: np.ndarray, arrivals: list[list[_Flight]]) -> bool:
         """Let a message make the hops that are due and note whom it reaches; return whether it is still under way."""
         time_ns = (self._step - flight.sent_step) * self._step_ns
         due = self._num_robots if self._hop_delay_ns == 0 else time_ns // self._hop_delay_ns
@@ -176,7 +162,7 @@ class Delivery:
                     return False
         return len(flight.holders) > 0
 
-    def _flood(self, flight: _Flight, links: Links, loss: np.ndarray) -> np.ndarray:
+    def _flood(self, flight: _Flight, links: NetworkState, loss: np.ndarray) -> np.ndarray:
         """Let all holders pass a message on; return the ids of those who receive it for the first time."""
         heard = links.adjacency[flight.holders] & ~flight.reached
         for row, holder in enumerate(flight.holders.tolist()):
@@ -185,7 +171,7 @@ class Delivery:
         flight.reached |= fresh
         return np.flatnonzero(fresh)
 
-    def _pass_on(self, flight: _Flight, links: Links, loss: np.ndarray) -> np.ndarray:
+    def _pass_on(self, flight: _Flight, links: NetworkState, loss: np.ndarray) -> np.ndarray:
         """Let the holder pass a message on towards its receiver; return the id of the next holder, or none."""
         holder = int(flight.holders[0])
         robot_id = next_hop(links.hop_count, links.rssi_dbm, holder, flight.message.receiver)
@@ -204,11 +190,11 @@ class Delivery:
             self._generators[transmitter] = generator
         return np.asarray(generator.random(self._num_robots) >= loss[transmitter])
 
-    def _missed(self, flight: _Flight, links: Links) -> tuple[int, int]:
+    def _missed(self, flight: _Flight, links: NetworkState) -> tuple[int, int]:
         """Return how many copies of an ended flight were lost under way, and how many had no path of links."""
         sender, receiver, hops = flight.message.sender, flight.message.receiver, links.hop_count
         if receiver == EVERYBODY:
-            missing = ~flight.reached & links.present
+            missing = ~flight.reached & self._present
             lost = int(np.count_nonzero(missing & (hops[sender] > 0)))
             return lost, int(np.count_nonzero(missing)) - lost
         if flight.reached[receiver]:

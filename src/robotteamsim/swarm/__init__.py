@@ -38,7 +38,6 @@ from robotteamsim.swarm.velocity import (
     next_position,
     next_velocity,
     obstacle_attractor,
-    uniform_numbers,
 )
 
 __all__ = [
@@ -72,5 +71,4 @@ __all__ = [
     "spawn_chance",
     "swarm_activity",
     "swarm_connectivity",
-    "uniform_numbers",
 ]

@@ -6,12 +6,15 @@ are levels weighted by the degrees of their rules; AND and OR are minimum and ma
 """
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+
+from robotteamsim.swarm.velocity import Vector
 
 
 def swarm_activity(velocities: ArrayLike, max_speed: float) -> float:
@@ -28,27 +31,18 @@ def swarm_activity(velocities: ArrayLike, max_speed: float) -> float:
     return math.hypot(*np.mean(v, axis=0).tolist()) / max_speed
 
 
-def robot_socialisation(position: ArrayLike, global_best: ArrayLike, positions: ArrayLike) -> float | np.ndarray:
+def robot_socialisation(position: Vector, global_best: Vector, positions: Iterable[Vector]) -> float:
     """Return S_n of eq. (29): 1 at the global best, 0 for the robot farthest from it.
 
-    If all robots are at the global best, 0/0 counts as 1.
-
-    Args:    position: of one robot, shape (dimensions,), or of several, shape (n, dimensions).
-             positions: of the whole swarm, shape (robots, dimensions).
-    Returns: a number, or float64, shape (n,).
+    If all robots are at the global best, 0/0 counts as 1. Args: positions: of the whole swarm.
     """
-    away_m = _distances(position, global_best)
-    farthest_m = np.max(_distances(positions, global_best))
-    if farthest_m == 0.0:
-        return np.ones_like(away_m)[()]
-    quality: float | np.ndarray = (1.0 - away_m / farthest_m)[()]
-    return quality
+    farthest_m = max(_distance_m(place, global_best) for place in positions)
+    return 1.0 if farthest_m == 0.0 else 1.0 - _distance_m(position, global_best) / farthest_m
 
 
-def _distances(places: ArrayLike, place: ArrayLike) -> np.ndarray:
-    """Return the distances of places, shape (..., dimensions), from one, shape (dimensions,)."""
-    offsets = np.asarray(places, dtype=np.float64) - np.asarray(place, dtype=np.float64)
-    return np.asarray(np.sqrt(np.sum(offsets * offsets, axis=-1)))
+def _distance_m(place: Vector, other: Vector) -> float:
+    d_x, d_y = place[0] - other[0], place[1] - other[1]
+    return math.sqrt(d_x * d_x + d_y * d_y)
 
 
 def robot_avoidance(clearance_m: float, sensing_radius_m: float) -> float:
@@ -91,10 +85,7 @@ def swarm_connectivity(fiedler_value: float, num_robots: int) -> float:
     return max(0.0, fiedler_value) / num_robots
 
 
-Adaptation = Literal["none", "crisp", "fuzzy"]
-
 BELL_WIDTH = 0.25
-BELL_SLOPE = 2
 WEIGHT_SUM = 2.0
 """c1 + c2 + c3 + c4 of eq. (26)."""
 
@@ -132,39 +123,35 @@ PUBLISHED_LEVELS = Levels(alpha_small=0.2, alpha_nominal=0.45, alpha_large=0.6)
 """Levels for the memory `published`, whose coefficients sum to 1 already at alpha = 0.632."""
 
 
-@dataclass(frozen=True, slots=True)
-class Context:
-    """The metrics of one swarm's robots; arrays have shape (robots,).
+class Context(NamedTuple):
+    """The metrics of one robot in its swarm.
 
     activity: A_s (28).  socialisation: S_n (29).  avoidance: O_n (30).  proximity: P_n (31, 32).
     connectivity: C_s (34).
     """
 
     activity: float
-    socialisation: np.ndarray
-    avoidance: np.ndarray
-    proximity: np.ndarray
+    socialisation: float
+    avoidance: float
+    proximity: float
     connectivity: float
 
 
-@dataclass(frozen=True, slots=True)
-class Coefficients:
-    """alpha and c1..c4 of every robot; float64, shape (robots,). c1 + c2 + c3 + c4 = 2."""
+class Coefficients(NamedTuple):
+    """alpha and c1..c4 of one robot; c1 + c2 + c3 + c4 = 2."""
 
-    alpha: np.ndarray
-    c1: np.ndarray
-    c2: np.ndarray
-    c3: np.ndarray
-    c4: np.ndarray
+    alpha: float
+    c1: float
+    c2: float
+    c3: float
+    c4: float
 
 
-def membership(value: float | np.ndarray, centre: float) -> np.ndarray:
+def membership(value: float, centre: float) -> float:
     """Return the membership of a value in the set at `centre`: 1 there, 1/2 at a distance of 0.25, towards 0 beyond."""
-    z = (np.asarray(value, dtype=np.float64) - centre) / BELL_WIDTH
-    power = z * z
-    for _ in range(BELL_SLOPE - 1):
-        power = power * (z * z)
-    return np.asarray(1.0 / (1.0 + power))
+    z = (value - centre) / BELL_WIDTH
+    square = z * z
+    return 1.0 / (1.0 + square * square)
 
 
 def adapted_coefficients(kind: Literal["crisp", "fuzzy"], context: Context, levels: Levels) -> Coefficients:
@@ -173,26 +160,27 @@ def adapted_coefficients(kind: Literal["crisp", "fuzzy"], context: Context, leve
     `fuzzy` weights levels by membership; `crisp` rounds memberships of 1/2 and more to 1, others to 0. If two rules for
     alpha hold, the second refines the first. c3 and c4 are 0 if none of their rules holds.
     """
-    active = membership(context.activity, 1.0)
-    social = membership(context.socialisation, 1.0)
-    close = membership(context.avoidance, 1.0)
-    far = membership(context.proximity, 0.0)
-    not_connected = membership(context.connectivity, 0.0)
+    degrees = [
+        membership(context.activity, 1.0),
+        membership(context.socialisation, 1.0),
+        membership(context.avoidance, 1.0),
+        membership(context.proximity, 0.0),
+        membership(context.connectivity, 0.0),
+    ]
     if kind == "crisp":
-        active, social, close, far, not_connected = (
-            np.where(degree >= 0.5, 1.0, 0.0) for degree in (active, social, close, far, not_connected)
-        )
-    at_risk = np.maximum(far, not_connected)
-    constrained = np.maximum(close, at_risk)
+        degrees = [1.0 if degree >= 0.5 else 0.0 for degree in degrees]
+    active, social, close, far, not_connected = degrees
+    at_risk = max(far, not_connected)
+    constrained = max(close, at_risk)
     alpha = _mix(active, levels.alpha_small, levels.alpha_large)
     alpha = _mix(constrained, levels.alpha_nominal, alpha)
     c3 = _mix(close, levels.c_large, _mix(at_risk, levels.c_small, 0.0))
     c4 = _mix(at_risk, levels.c_large, _mix(close, levels.c_small, 0.0))
     c_t = WEIGHT_SUM - c3 - c4
-    c2 = _mix(np.maximum(social, constrained), levels.c2_share_small, levels.c2_share_large) * c_t
+    c2 = _mix(max(social, constrained), levels.c2_share_small, levels.c2_share_large) * c_t
     return Coefficients(alpha, c_t - c2, c2, c3, c4)
 
 
-def _mix(degree: np.ndarray, holds: float | np.ndarray, otherwise: float | np.ndarray) -> np.ndarray:
+def _mix(degree: float, holds: float, otherwise: float) -> float:
     """Return IF degree THEN holds ELSE otherwise, weighted by the degree."""
     return degree * holds + (1.0 - degree) * otherwise

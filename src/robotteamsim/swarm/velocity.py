@@ -1,8 +1,7 @@
 """The velocity and position update of a robotic swarm [dissertation, eq. 22 to 25], with its memory and attractors."""
 
 import math
-from collections.abc import Iterable, Iterator
-from itertools import islice
+from collections.abc import Iterable, Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -31,34 +30,21 @@ class Attractors(NamedTuple):
     communication: Vector
 
 
-def uniform_numbers(rng: np.random.Generator) -> Iterator[float]:
-    """Return an endless sequence of a generator's numbers in [0, 1).
-
-    They are drawn in blocks, which is faster, so nothing else may draw from the generator.
-    """
-    while True:
-        yield from rng.random(64).tolist()
-
-
 def next_velocity(
     position: Vector,
     inertia: Vector,
     attractors: tuple[Vector, Vector, Vector, Vector],
     weights: tuple[float, float, float, float],
-    numbers: Iterator[float],
+    numbers: Sequence[float],
 ) -> Vector:
     """Return v[t+1] of eq. (22), or (25) if `inertia` is the fractional memory.
 
-    v[t+1] = inertia + sum over the four components of c * r * (attractor - x[t]), with one random number r in [0, 1)
-    per component. Four numbers are always used, so that a weight of 0 does not shift the numbers of other components.
+    v[t+1] = inertia + sum over the four components of c * r * (attractor - x[t]).
 
-    Args:   attractors: `Attractors`, or a tuple in their order.  weights: `Weights`, likewise.
-    Raises: ValueError: fewer than four numbers are left.
+    Args: attractors: `Attractors`, or a tuple in their order.  weights: `Weights`, likewise.
+          numbers: r of each component, random in [0, 1); one also for a component whose weight is 0.
     """
-    drawn = tuple(islice(numbers, 4))
-    if len(drawn) < len(attractors):
-        raise ValueError("there must be a random number for each attractor")
-    return _core.swarm.next_velocity(position, inertia, attractors, weights, drawn)
+    return _core.swarm.next_velocity(position, inertia, attractors, weights, numbers)
 
 
 def limit_speed(velocity: Vector, max_speed: float) -> Vector:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from robotteamsim import rng
-from robotteamsim.control.people.assignment import PRICE_STEP_M, auction, hungarian
+from robotteamsim.control.people.dispatch import PRICE_STEP_M, auction, hungarian
 
 METHODS = pytest.mark.parametrize("method", [auction, hungarian])
 

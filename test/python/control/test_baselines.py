@@ -10,7 +10,7 @@ from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.rdpso.team import Best
 from robotteamsim.control.rdpso.terms import LocalBestFinder, RuledOut
 from robotteamsim.geometry import Pose
-from robotteamsim.interface import Decision, Task
+from robotteamsim.interface import Task
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.sections import Area, Mission
 from robotteamsim.sensing.readings import VoiceReading
@@ -107,23 +107,11 @@ def test_rdpso_of_one_memory_term_is_rpso_of_that_inertia(team, hall_scenario):
     assert poses(of("rdpso", alpha=0.6, memory_terms=1)) == poses(of("rpso", inertia=0.6))
 
 
-@pytest.mark.parametrize("algorithm", ["pso", "rpso"])
-def test_nobody_leaves_a_swarm_without_exclusion(team, hall_scenario, algorithm):
-    mission = Mission(areas=(Area(name="here", center=(3.5, 5.0)),))
-    hall = team(hall_scenario(mission=mission, control=of(algorithm)))
-    hall.run(40.0)
-    assert not any(decision.excluded for decision in hall.decisions)
-
-
-@pytest.mark.parametrize("algorithm", ["greedy", "pso", "sebs"])
-def test_robots_are_still_and_silent_while_the_task_does_not_run(team, hall_scenario, algorithm):
-    hall = team(hall_scenario(control=of(algorithm)))
-    hall.task = Task()
-    assert set(hall.step()) == {Decision()}
-
-
-@pytest.mark.parametrize(("algorithm", "differs"), [("greedy", False), ("pso", True), ("rpso", True)])
-def test_path_of_a_baseline_is_a_function_of_the_seed(team, hall_scenario, algorithm, differs):
+@pytest.mark.parametrize(
+    ("algorithm", "differs"),
+    [("greedy", False), ("pso", True), ("rpso", True), ("rdpso", True), ("random_walk", True)],
+)
+def test_path_of_a_team_is_a_function_of_the_seed(team, hall_scenario, algorithm, differs):
     def poses(seed: int) -> list:
         hall = team(hall_scenario(seed=seed, control=of(algorithm)))
         hall.run(15.0)

@@ -8,7 +8,7 @@ from itertools import pairwise
 import pytest
 
 from robotteamsim.control import make_controller
-from robotteamsim.control.baselines.sweep import shares, sweep
+from robotteamsim.control.baselines.boustrophedon import shares, sweep
 from robotteamsim.errors import ScenarioError
 from robotteamsim.interface import Task
 from robotteamsim.scenario.building import Building

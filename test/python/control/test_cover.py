@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from robotteamsim.control.cover.controller import CoverController
-from robotteamsim.control.cover.update import CoverUpdate, parse_cover_update
+from robotteamsim.control.cover.floor_cover import CoverUpdate, parse_cover_update
 from robotteamsim.errors import ScenarioError
 from robotteamsim.interface import Discovery, Observation, Task
 from robotteamsim.network import EVERYBODY, Message

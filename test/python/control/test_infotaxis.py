@@ -7,9 +7,9 @@ import math
 import numpy as np
 import pytest
 
-from robotteamsim.control.baselines.hearing import Hearing
 from robotteamsim.control.baselines.infotaxis import (
     Belief,
+    Hearing,
     Listening,
     entropy_nats,
     expected_gain_nats,

@@ -12,64 +12,69 @@ from robotteamsim.control.rdpso.terms import LinkKeeper, RuledOut, strongest_tre
 from robotteamsim.scenario.controllers.base import LinkTuning
 from robotteamsim.scenario.controllers.swarms import RdpsoControl
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
-from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Network
 from robotteamsim.setup import resolve
 
 HERE = (10.0, 50.0)
+TREE = {"kept_link": "tree"}
 
 
-def field_scenario(hall_scenario, *walls: Wall, **network: object) -> Scenario:
-    plan = FloorPlan(name="field", bounds=Bounds(max=(400.0, 100.0)), walls=walls)
-    return hall_scenario(plan=plan, control=RdpsoControl(c4=0.4), network=Network(**network))
+@pytest.fixture
+def keeper(hall_scenario):
+    """Make the link keeper of a robot in a field, with these keys of the control."""
+
+    def make(*walls: Wall, control: dict[str, object] | None = None, **network: object) -> LinkKeeper:
+        plan = FloorPlan(name="field", bounds=Bounds(max=(400.0, 100.0)), walls=walls)
+        settings = RdpsoControl(**({"c4": 0.4} | (control or {})))
+        return LinkKeeper(resolve(hall_scenario(plan=plan, control=settings, network=Network(**network))))
+
+    return make
 
 
-def test_safe_link_does_not_pull(hall_scenario):
-    links = LinkKeeper(resolve(field_scenario(hall_scenario)))
+def test_safe_link_does_not_pull(keeper):
+    links = keeper()
     # 25.4 m is where free space has -80 dBm.
     assert links.pull(HERE, {1: (35.0, 50.0)}, {})[1] == 0.0
     assert links.pull(HERE, {1: (11.0, 50.0), 2: (300.0, 50.0)}, {})[1] == 0.0
 
 
-def test_endangered_link_pulls_towards_the_neighbour_and_no_nearer_than_safe(hall_scenario):
-    links = LinkKeeper(resolve(field_scenario(hall_scenario)))
+def test_endangered_link_pulls_towards_the_neighbour_and_no_nearer_than_safe(keeper):
+    links = keeper()
     (x, y), weight = links.pull(HERE, {1: (50.0, 50.0)}, {})
     assert (50.0 - x, y) == pytest.approx((25.4, 50.0), abs=0.1)
     # -84.6 dBm at 40 m: a third of the way from -80 to -94 dBm.
     assert weight == pytest.approx(0.4 * 0.327, abs=0.002)
 
 
-def test_link_without_the_gate_pulls_with_its_whole_weight_and_drives_near_robots_apart(hall_scenario):
-    control = RdpsoControl(c4=0.4, communication=LinkTuning(gated=False))
-    scenario = field_scenario(hall_scenario).model_copy(update={"control": control})
+def test_link_without_the_gate_pulls_with_its_whole_weight_and_drives_near_robots_apart(keeper):
     # As eq. (22) is printed: from the neighbour 1 m away, 25.4 m in the direction of the robot.
-    (x, y), weight = LinkKeeper(resolve(scenario)).pull(HERE, {1: (11.0, 50.0)}, {})
+    (x, y), weight = keeper(control={"communication": LinkTuning(gated=False)}).pull(HERE, {1: (11.0, 50.0)}, {})
     assert weight == 0.4
     assert (x, y) == pytest.approx((11.0 - 25.4, 50.0), abs=0.1)
 
 
-def test_wall_endangers_a_shorter_link_and_still_pulls_together(hall_scenario):
+def test_wall_endangers_a_shorter_link_and_still_pulls_together(keeper):
     walls = [Wall(name=f"w{i}", start=(14.0 + i, 40.0), end=(14.0 + i, 60.0)) for i in range(3)]
-    links = LinkKeeper(resolve(field_scenario(hall_scenario, *walls)))
+    links = keeper(*walls)
     (x, _), weight = links.pull(HERE, {1: (28.0, 50.0)}, {})
     assert weight > 0.0
     assert HERE[0] < x < 28.0
 
 
-def test_member_that_was_not_heard_pulls_with_full_weight(hall_scenario):
-    links = LinkKeeper(resolve(field_scenario(hall_scenario)))
+def test_member_that_was_not_heard_pulls_with_full_weight(keeper):
+    links = keeper()
     (x, y), weight = links.pull(HERE, {1: (11.0, 50.0)}, {2: (210.0, 50.0)})
     assert weight == 0.4
     assert x > HERE[0]
     assert y == 50.0
 
 
-def test_robot_alone_is_not_pulled(hall_scenario):
-    assert LinkKeeper(resolve(field_scenario(hall_scenario))).pull(HERE, {}, {}) == (HERE, 0.0)
+def test_robot_alone_is_not_pulled(keeper):
+    assert keeper().pull(HERE, {}, {}) == (HERE, 0.0)
 
 
-def test_link_by_distance_pulls_from_four_fifths_of_the_range(hall_scenario):
-    links = LinkKeeper(resolve(field_scenario(hall_scenario, link="distance", max_distance_m=10.0)))
+def test_link_by_distance_pulls_from_four_fifths_of_the_range(keeper):
+    links = keeper(link="distance", max_distance_m=10.0)
     assert links.pull(HERE, {1: (17.9, 50.0)}, {})[1] == 0.0
     (x, _), weight = links.pull(HERE, {1: (19.0, 50.0)}, {})
     assert x == pytest.approx(11.0)
@@ -131,43 +136,39 @@ def test_strongest_tree_is_the_spanning_tree_of_networkx():
         assert {tuple(sorted(link)) for link in strongest_tree(strength)} == expected
 
 
-def test_tree_keeps_the_link_that_alone_holds_two_groups_together(hall_scenario):
+def test_tree_keeps_the_link_that_alone_holds_two_groups_together(keeper):
     # Robot 1 is beside this robot; 2 and 3 are far, and their strongest link to the rest is the one to this robot.
     places = {1: (9.0, 50.0), 2: (60.0, 50.0), 3: (61.0, 50.0)}
-    scenario = field_scenario(hall_scenario)
-    tree = scenario.model_copy(update={"control": RdpsoControl(c4=0.4, kept_link="tree")})
-    assert LinkKeeper(resolve(scenario)).pull(HERE, places, {})[1] == 0.0
-    (x, y), weight = LinkKeeper(resolve(tree)).pull(HERE, places, {})
+    assert keeper().pull(HERE, places, {})[1] == 0.0
+    (x, y), weight = keeper(control=TREE).pull(HERE, places, {})
     assert weight > 0.0
     assert (60.0 - x, y) == pytest.approx((25.4, 50.0), abs=0.1)
 
 
-def test_tree_leaves_a_robot_in_peace_whose_own_links_are_safe(hall_scenario):
-    scenario = field_scenario(hall_scenario).model_copy(update={"control": RdpsoControl(c4=0.4, kept_link="tree")})
+def test_tree_leaves_a_robot_in_peace_whose_own_links_are_safe(keeper):
     # Robot 1 holds the far robot 2; this robot has only its link to robot 1 in the tree.
-    assert LinkKeeper(resolve(scenario)).pull(HERE, {1: (12.0, 50.0), 2: (60.0, 50.0)}, {})[1] == 0.0
+    assert keeper(control=TREE).pull(HERE, {1: (12.0, 50.0), 2: (60.0, 50.0)}, {})[1] == 0.0
 
 
-def test_tree_by_distance_is_that_of_the_shortest_links(hall_scenario):
-    scenario = field_scenario(hall_scenario, link="distance", max_distance_m=20.0)
-    scenario = scenario.model_copy(update={"control": RdpsoControl(c4=0.4, kept_link="tree")})
-    (x, _), weight = LinkKeeper(resolve(scenario)).pull(HERE, {1: (9.0, 50.0), 2: (28.0, 50.0)}, {})
+def test_tree_by_distance_is_that_of_the_shortest_links(keeper):
+    links = keeper(control=TREE, link="distance", max_distance_m=20.0)
+    (x, _), weight = links.pull(HERE, {1: (9.0, 50.0), 2: (28.0, 50.0)}, {})
     assert weight > 0.0
     assert x == pytest.approx(28.0 - 16.0)
 
 
-def test_cells_in_reach_are_those_with_a_good_link_to_any_of_the_places(hall_scenario):
-    links = LinkKeeper(resolve(field_scenario(hall_scenario)))
+def test_cells_in_reach_are_those_with_a_good_link_to_any_of_the_places(keeper):
+    links = keeper()
     within = links.in_reach([(10.5, 50.5), (200.5, 50.5)], 1.0)
     assert within.shape == (100, 400)
     # -84.67 dBm, a third of the way from -80 to -94 dBm, is 40.5 m away in the open.
     assert within[50, [49, 52, 161, 240]].tolist() == [True, False, True, True]
     assert links.in_reach([], 1.0) is None
-    by_distance = LinkKeeper(resolve(field_scenario(hall_scenario, link="distance", max_distance_m=10.0)))
+    by_distance = keeper(link="distance", max_distance_m=10.0)
     assert by_distance.in_reach([(10.5, 50.5)], 1.0)[50, [17, 18, 19]].tolist() == [True, True, False]
 
 
-def test_without_the_term_no_link_is_asked_for(hall_scenario):
-    scenario = field_scenario(hall_scenario).model_copy(update={"control": RdpsoControl(c4=0.0, kept_link="tree")})
-    assert LinkKeeper(resolve(scenario)).in_reach([(10.0, 50.0)], 1.0) is None
-    assert LinkKeeper(resolve(scenario)).pull(HERE, {1: (300.0, 50.0)}, {})[1] == 0.0
+def test_without_the_term_no_link_is_asked_for(keeper):
+    links = keeper(control=TREE | {"c4": 0.0})
+    assert links.in_reach([(10.0, 50.0)], 1.0) is None
+    assert links.pull(HERE, {1: (300.0, 50.0)}, {})[1] == 0.0

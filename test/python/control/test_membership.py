@@ -8,8 +8,7 @@ import itertools
 import numpy as np
 import pytest
 
-from robotteamsim.control.rdpso.membership import Membership
-from robotteamsim.control.rdpso.natural_selection import DpsoMembership
+from robotteamsim.control.rdpso.membership import DpsoMembership, Membership
 from robotteamsim.control.rdpso.team import Best, CommonView, RdpsoUpdate, parse_update
 from robotteamsim.interface import OUTSIDE
 from robotteamsim.mission.monitors import TeamMonitor

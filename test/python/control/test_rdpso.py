@@ -84,11 +84,6 @@ def robot(hall_scenario) -> RdpsoController:
     return make_controller(0, resolve(hall_scenario()))
 
 
-def test_robot_is_still_and_silent_while_the_task_does_not_run(robot):
-    (decision,) = drive(robot, (observation(1), [], Task()))
-    assert decision == Decision()
-
-
 def test_robot_sends_an_update_to_everybody_once_per_iteration(robot):
     decisions = drive(robot, *((observation(step), [], RUNNING) for step in range(1, 31)))
     assert [step for step, decision in enumerate(decisions, 1) if decision.outbox] == [1, 10, 20, 30]
@@ -165,13 +160,6 @@ def test_pose_by_odometry_is_the_start_and_the_driven_path(hall_scenario):
     robot = make_controller(0, resolve(scenario))
     (decision,) = drive(robot, (observation(1, 9.0, 9.0, odometry=Pose(2.0, 1.0, 0.0)), [], RUNNING))
     assert sent(decision).position == pytest.approx((2.0, 6.0))
-
-
-def test_algorithm_that_does_not_exist_is_rejected_with_the_choices(hall_scenario):
-    with pytest.raises(
-        ScenarioError, match=r"hall: control.algorithm: 'rdspo' is not known; expected one of: rdpso, r"
-    ):
-        make_controller(0, resolve(hall_scenario(control={"algorithm": "rdspo"})))
 
 
 def test_robot_that_does_not_exist_is_rejected(hall_scenario):
@@ -257,17 +245,6 @@ def test_nobody_is_excluded_when_exclusion_is_off(team, hall_scenario):
     hall = team(three(hall_scenario, mission=mission, control=control))
     hall.run(45.0)
     assert not any(decision.excluded for decision in hall.decisions)
-
-
-@pytest.mark.parametrize("algorithm", ["rdpso", "random_walk"])
-def test_path_of_the_team_is_a_function_of_the_seed(team, hall_scenario, algorithm):
-    def poses(seed: int) -> list[Pose]:
-        hall = team(hall_scenario(seed=seed, control={"algorithm": algorithm}))
-        hall.run(20.0)
-        return hall.world.poses()
-
-    assert poses(5) == poses(5)
-    assert poses(5) != poses(6)
 
 
 @pytest.mark.parametrize("memory", ["published", "grunwald_letnikov"])

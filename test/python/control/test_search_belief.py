@@ -10,8 +10,7 @@ import pytest
 
 from robotteamsim import _core
 from robotteamsim.control.search.cells import cell_grid, cell_paths, places, unheard, voice_losses
-from robotteamsim.control.search.listening import ListeningLog, entries_in
-from robotteamsim.control.search.noise import NoiseEstimate
+from robotteamsim.control.search.knowledge import ListeningLog, NoiseEstimate, entries_in
 from robotteamsim.propagation import VoiceField, VoiceSource
 from robotteamsim.scenario import load
 from robotteamsim.scenario.building import Building

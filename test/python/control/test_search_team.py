@@ -7,11 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from robotteamsim.control.search.areas import Areas
+from robotteamsim.control.search.areas import Areas, EarlyDrive
 from robotteamsim.control.search.cells import NO_CELL, cell_grid, cell_paths, reachable_cell
-from robotteamsim.control.search.last_area import EarlyDrive
-from robotteamsim.control.search.team import Teammates
-from robotteamsim.control.search.update import SearchUpdate
+from robotteamsim.control.search.team import SearchUpdate, Teammates
 from robotteamsim.interface import Task
 from robotteamsim.scenario import load
 from robotteamsim.scenario.building import Building

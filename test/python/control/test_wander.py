@@ -5,8 +5,6 @@ import math
 from robotteamsim import rng
 from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.driving.wander import Wander, free_end
-from robotteamsim.geometry import Twist
-from robotteamsim.interface import Task
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.controllers.driving import WanderTuning
 
@@ -42,9 +40,3 @@ def test_wanderers_get_around_and_send_nothing(team, hall_scenario):
         assert not any(decision.outbox or decision.excluded for decision in decisions)
         cells |= {(int(pose.x_m / 2.0), int(pose.y_m / 2.0)) for pose in hall.world.poses()}
     assert len(cells) > 15
-
-
-def test_wanderers_do_not_move_while_the_task_does_not_run(team, hall_scenario):
-    hall = team(hall_scenario(control={"algorithm": "random_walk"}))
-    hall.task = Task()
-    assert {decision.twist for decision in hall.step()} == {Twist()}

@@ -7,7 +7,7 @@ import json
 import msgspec
 import pytest
 
-from robotteamsim.control.cover.update import CoverUpdate
+from robotteamsim.control.cover.floor_cover import CoverUpdate
 from robotteamsim.interface.discovery import (
     Discovery,
     acknowledged_in,

@@ -3,19 +3,17 @@
 from __future__ import annotations
 
 import msgspec
-import numpy as np
 import pytest
+from mission_course import Course
 
-from robotteamsim.interface import Decision, Discovery
+from robotteamsim.interface import Discovery
 from robotteamsim.interface.discovery import announcement
-from robotteamsim.mission import Mission, MissionInput
+from robotteamsim.mission import Mission
 from robotteamsim.mission.base_station import BaseStation
 from robotteamsim.mission.status import DeliveredDiscoveries
-from robotteamsim.network.messages import Message, NetworkState
-from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.network.messages import Message
 from robotteamsim.setup import resolve
 
-STEP_NS = 100_000_000
 START_M, EAST_M, WEST_M, ANN_M = (3.0, 1.0), (16.0, 5.0), (5.0, 5.0), (9.0, 4.0)
 ANN = Discovery("victim", "ann", 1, ANN_M, 12.5)
 
@@ -25,34 +23,16 @@ def with_base(hall_scenario):
     return scenario.model_copy(update={"mission": scenario.mission.model_copy(update={"base": 0})})
 
 
-class Course:
-    """Steps a mission of two robots, of which the first is the base; nobody hears a voice."""
-
-    def __init__(self, scenario) -> None:
-        self.mission, self.steps = Mission(resolve(scenario)), 0
+class BaseCourse(Course):
+    """Gives the places of the base and of the other robot, and the payloads that the base receives."""
 
     def step(self, *places_m, inbox=()):
-        self.steps += 1
-        zeros = np.zeros((2, 2))
-        network = NetworkState(zeros, zeros, zeros > 0, zeros.astype(np.int32), zeros, 0.0, zeros > 0)
-        silence = [VoiceReading(0.0, False, place, 0.0) for place in places_m]
-        messages = [Message(1, 0, payload) for payload in inbox]
-        return self.mission.step(
-            MissionInput(
-                sim_time_ns=self.steps * STEP_NS,
-                positions_m=np.array(places_m),
-                voices=silence,
-                network=network,
-                decisions=[Decision()] * 2,
-                present=np.ones(2, dtype=bool),
-                base_inbox=messages,
-            )
-        )
+        return super().step(places_m, base_inbox=[Message(1, 0, payload) for payload in inbox])
 
 
 @pytest.fixture
-def course(hall_scenario) -> Course:
-    course = Course(with_base(hall_scenario))
+def course(hall_scenario) -> BaseCourse:
+    course = BaseCourse(Mission(resolve(with_base(hall_scenario))))
     course.step(START_M, START_M)
     return course
 
@@ -95,7 +75,7 @@ def test_mission_continues_until_every_discovery_is_delivered(course):
 
 
 def test_without_a_base_nothing_is_undelivered(hall_scenario):
-    course = Course(hall_scenario())
+    course = BaseCourse(Mission(resolve(hall_scenario())))
     course.step(START_M, START_M)
     events = course.step(START_M, ANN_M, inbox=[announcement(ANN)])
     assert [event.kind for event in events] == ["victim_saved"]

@@ -24,22 +24,37 @@ def test_search_counter_after_an_exclusion_nears_its_maximum(num_killed, search_
     assert punished_search_counter(15, num_killed) == search_counter
 
 
-def test_iteration_without_improvement_raises_the_search_counter():
-    assert judge(SwarmState(3, 1), False, MEMBERS, {}, RULES, never) == Verdict(SwarmState(4, 1))
+OUTSIDE = {3: -9.0, 4: -2.0, 5: -2.0}
+PAIRED = ExclusionRules(15, min_robots=3, max_robots=15)
+FULL = ExclusionRules(15, min_robots=0, max_robots=3)
 
 
-def test_improvement_lowers_the_search_counter_to_zero_at_least():
-    assert judge(SwarmState(3, 0), True, MEMBERS, {}, RULES, never) == Verdict(SwarmState(2, 0))
-    assert judge(SwarmState(0, 0), True, MEMBERS, {}, RULES, never) == Verdict(SwarmState(0, 0))
+@pytest.mark.parametrize(
+    ("before", "improved", "members", "excluded", "rules", "verdict"),
+    [
+        # No improvement raises the counter; at its maximum the worst robot leaves, of equals that with the highest id.
+        (SwarmState(3, 1), False, MEMBERS, {}, RULES, Verdict(SwarmState(4, 1))),
+        (SwarmState(14, 0), False, MEMBERS, {}, RULES, Verdict(SwarmState(7, 1), leaves=(1,))),
+        (SwarmState(14, 0), False, dict.fromkeys(range(3), 1.0), {}, RULES, Verdict(SwarmState(7, 1), leaves=(2,))),
+        # A swarm of the minimum is dissolved.
+        (SwarmState(14, 0), False, MEMBERS, {}, PAIRED, Verdict(SwarmState(0, 3), leaves=(0, 1, 2))),
+        # Improvement lowers the counter to zero at least; nobody is included before, nor into a full swarm.
+        (SwarmState(3, 0), True, MEMBERS, {}, RULES, Verdict(SwarmState(2, 0))),
+        (SwarmState(0, 0), True, MEMBERS, {}, RULES, Verdict(SwarmState(0, 0))),
+        (SwarmState(2, 1), True, MEMBERS, OUTSIDE, RULES, Verdict(SwarmState(1, 1))),
+        (SwarmState(0, 1), True, MEMBERS, OUTSIDE, FULL, Verdict(SwarmState(0, 1))),
+        # Without robots, nothing happens.
+        (SwarmState(3, 3), False, {}, MEMBERS, RULES, Verdict(SwarmState(3, 3))),
+    ],
+)
+def test_verdict_follows_the_rules_of_punishment_and_reward(before, improved, members, excluded, rules, verdict):
+    assert judge(before, improved, members, excluded, rules, never) == verdict
 
 
-def test_worst_robot_leaves_at_the_maximum():
-    assert judge(SwarmState(14, 0), False, MEMBERS, {}, RULES, never) == Verdict(SwarmState(7, 1), leaves=(1,))
-
-
-def test_highest_id_leaves_among_equals():
-    verdict = judge(SwarmState(14, 0), False, {0: 1.0, 1: 1.0, 2: 1.0}, {}, RULES, never)
-    assert verdict.leaves == (2,)
+def test_best_excluded_robot_is_included_when_the_draw_is_low():
+    # One of two robots was excluded: the chance is 1/2.
+    assert judge(SwarmState(1, 1), True, MEMBERS, OUTSIDE, RULES, lambda: 0.49) == Verdict(SwarmState(0, 0), joins=(4,))
+    assert judge(SwarmState(1, 1), True, MEMBERS, OUTSIDE, RULES, lambda: 0.5) == Verdict(SwarmState(0, 1))
 
 
 def test_swarm_without_success_loses_its_last_robot_after_fifteen_eight_and_five_iterations():
@@ -54,39 +69,10 @@ def test_swarm_without_success_loses_its_last_robot_after_fifteen_eight_and_five
     assert members == {}
 
 
-def test_swarm_of_the_minimum_is_dissolved():
-    rules = ExclusionRules(15, min_robots=3, max_robots=15)
-    assert judge(SwarmState(14, 0), False, MEMBERS, {}, rules, never) == Verdict(SwarmState(0, 3), leaves=(0, 1, 2))
-
-
-def test_best_excluded_robot_is_called_in_when_the_draw_is_low():
-    excluded = {3: -9.0, 4: -2.0, 5: -2.0}
-    # One of two robots was excluded: the chance is 1/2.
-    verdict = judge(SwarmState(1, 1), True, MEMBERS, excluded, RULES, lambda: 0.49)
-    assert verdict == Verdict(SwarmState(0, 0), joins=(4,))
-    verdict = judge(SwarmState(1, 1), True, MEMBERS, excluded, RULES, lambda: 0.5)
-    assert verdict == Verdict(SwarmState(0, 1))
-
-
-def test_nobody_is_called_in_while_the_search_counter_is_up():
-    assert judge(SwarmState(2, 1), True, MEMBERS, {3: 0.0}, RULES, never) == Verdict(SwarmState(1, 1))
-
-
-def test_nobody_is_called_into_a_full_swarm():
-    rules = ExclusionRules(15, min_robots=0, max_robots=3)
-    assert judge(SwarmState(0, 1), True, MEMBERS, {3: 0.0}, rules, never) == Verdict(SwarmState(0, 1))
-
-
-def test_swarm_without_robots_does_nothing():
-    assert judge(SwarmState(3, 3), False, {}, MEMBERS, RULES, never) == Verdict(SwarmState(3, 3))
-
-
 def test_success_of_a_dpso_clears_both_counters_and_calls_in_the_best_where_there_is_room():
-    outside = {3: -7.0, 4: -1.0, 5: -1.0}
-    assert natural_selection(SwarmState(9, 2), True, MEMBERS, outside, RULES) == Verdict(SwarmState(), joins=(4,))
+    assert natural_selection(SwarmState(9, 2), True, MEMBERS, OUTSIDE, RULES) == Verdict(SwarmState(), joins=(4,))
     assert natural_selection(SwarmState(9, 2), True, MEMBERS, {}, RULES) == Verdict(SwarmState())
-    full = ExclusionRules(search_counter_max=15, min_robots=0, max_robots=3)
-    assert natural_selection(SwarmState(9, 2), True, MEMBERS, outside, full) == Verdict(SwarmState())
+    assert natural_selection(SwarmState(9, 2), True, MEMBERS, OUTSIDE, FULL) == Verdict(SwarmState())
 
 
 def test_failure_of_a_dpso_is_punished_as_that_of_an_rdpso():

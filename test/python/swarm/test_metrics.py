@@ -1,4 +1,3 @@
-import numpy as np
 import pytest
 
 from robotteamsim.swarm import (
@@ -62,14 +61,6 @@ def test_proximity_by_signal_lies_between_the_weakest_link_and_one_metre(signal_
 def test_proximity_by_signal_needs_room_between_its_ends():
     with pytest.raises(ValueError, match=r"-94.0 dBm, must be above the minimum, -80.0 dBm"):
         robot_proximity_by_signal(-70.0, -80.0, -94.0)
-
-
-def test_metrics_of_a_swarm_hold_in_any_number_of_dimensions_and_for_all_robots_at_once():
-    # centre of mass (0.5, 1, 1): speed 1.5
-    assert swarm_activity(np.array([(1.0, 2.0, 0.0), (0.0, 0.0, 2.0)]), 3.0) == pytest.approx(0.5)
-    positions = np.array([(0.0, 0.0, 0.0), (2.0, 2.0, 1.0), (4.0, 4.0, 2.0)])
-    assert robot_socialisation(positions, positions[0], positions).tolist() == [1.0, 0.5, 0.0]
-    assert robot_socialisation(positions[:1], positions[0], positions[:1]).tolist() == [1.0]
 
 
 def test_connectivity_of_a_complete_graph_is_one_and_of_a_split_one_zero():

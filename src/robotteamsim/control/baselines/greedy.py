@@ -38,5 +38,5 @@ class GreedyController(PathController):
             self._ruled_out.clear()
         voice = now.observation.voice
         self._ruled_out.add(now.position, voice.local_best_m if voice.heard else None)
-        best = self._finder.find(self.map, self._ruled_out, voice, now.task.area_center_m, now.position)
+        best = self._finder.find(self.driver.map, self._ruled_out, voice, now.task.area_center_m, now.position)
         self._goal, self._value = (best.position, best.value) if best else (None, 0.0)

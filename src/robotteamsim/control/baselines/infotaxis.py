@@ -7,14 +7,16 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robotteamsim.control.baselines.hearing import hearing
 from robotteamsim.control.baselines.patrol_graph import Graph, reachable_lattice
 from robotteamsim.control.baselines.searching import RouteController
 from robotteamsim.control.driving.path_controller import Situation
 from robotteamsim.errors import ScenarioError
 from robotteamsim.interface.payload import Index, Update, update_reader
 from robotteamsim.network.messages import EVERYBODY, Message
+from robotteamsim.propagation import VoiceField, VoiceSource
+from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.controllers.routes import InfotaxisControl
+from robotteamsim.scenario.sections import Voice
 from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
@@ -146,7 +148,7 @@ class InfotaxisController(RouteController):
             raise ScenarioError(
                 f"{scenario.name}: control.spacing_m: {tuning.spacing_m:g} m leaves no two places linked"
             )
-        self._hearing = hearing(setup.building, scenario.voice, self._graph.places)
+        self._hearing = setup.building.shared(Hearing, scenario.voice, self._graph.places)
         self._places_m = np.array(self._graph.places)
         self._save_m = max(scenario.mission.save_distance_m, 0.5 * tuning.spacing_m)
         self._belief = Belief(len(self._graph.places))
@@ -206,7 +208,9 @@ class InfotaxisController(RouteController):
     def _likely_place(self, belief: np.ndarray, at: int) -> int:
         """Return another place with the highest probability per length of the path to it."""
         # Paths are the same in both directions: one map of lengths, from the place where the robot is.
-        lengths_m = np.array([self.map.distance_m(self._graph.places[at], place) for place in self._graph.places])
+        lengths_m = np.array(
+            [self.driver.map.distance_m(self._graph.places[at], place) for place in self._graph.places]
+        )
         worth = belief / (lengths_m + self._infotaxis.spacing_m)
         worth[[at, *self._given_up]] = -1.0
         return int(np.argmax(worth))
@@ -219,3 +223,40 @@ class InfotaxisController(RouteController):
         """Return whether a victim at each place would be found at one place, bool."""
         away_m = self._places_m - self._places_m[place]
         return np.asarray(np.hypot(away_m[:, 0], away_m[:, 1]) <= self._save_m)
+
+
+class Hearing:
+    """The probability of hearing a victim at each of some places from each other one, through all walls.
+
+    The constants l_c and gamma of eq. (7) are unknown, within the ranges of `voice`; the level is taken as uniform
+    between those of the quietest and the loudest voice. Losses are the same in both directions, so that a voice map of
+    the robot's own place has the levels that it would hear. Doors have their states at the start.
+    """
+
+    def __init__(self, building: Building, voice: Voice, places: tuple[Vector, ...]) -> None:
+        # Without noise, levels that are not heard are known, too.
+        self._field = VoiceField(building.plan, voice.model_copy(update={"noise_db": 0.0}))
+        self._voice, self._places = voice, places
+        self._places_m = np.array(places)
+        self._rows: dict[int, np.ndarray] = {}
+
+    def probabilities(self, index: int) -> np.ndarray:
+        """Return the probability of hearing a victim at each place from the place `index`, shape (places,)."""
+        row = self._rows.get(index)
+        if row is None:
+            row = self._rows[index] = self._row(index)
+        return row
+
+    def _row(self, index: int) -> np.ndarray:
+        (loud, quiet), (far, near) = self._voice.constant_db, self._voice.exponent
+        loudest = self._field.map_db([VoiceSource(self._places[index], loud, far)])
+        cells = np.floor((self._places_m - loudest.origin_m) / loudest.resolution_m).astype(int)
+        high_db = loudest.values[cells[:, 1], cells[:, 0]].astype(float)
+        away_m = np.maximum(np.hypot(*(self._places_m - self._places_m[index]).T), 1.0)
+        spread_db = quiet - loud + 10.0 * (near - far) * np.log10(away_m)
+        over_db = high_db - self._voice.noise_db
+        # With one possible voice, the spread is 0 and the answer is yes or no.
+        share = np.where(spread_db > 0.0, over_db / np.maximum(spread_db, 1e-9), over_db > 0.0)
+        heard = np.where((high_db > 0.0) & (over_db > 0.0), np.clip(share, 0.0, 1.0), 0.0)
+        heard[index] = 1.0
+        return heard

@@ -63,6 +63,6 @@ class PatrolController(PathController, abc.ABC):
 
     def _go_to(self, vertex: int, now: Situation) -> None:
         self._goal = vertex
-        distance_m = self.map.distance_m(self._graph.places[vertex], now.position)
+        distance_m = self.driver.map.distance_m(self._graph.places[vertex], now.position)
         travel_s = self._timeout_factor * min(distance_m, LONGEST_TIMED_M) / self.speed_mps
         self._until_s = now.time_s + self._timeout_s + travel_s

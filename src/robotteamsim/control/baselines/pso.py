@@ -1,7 +1,7 @@
 """PSO, DPSO and RPSO on robots: RDPSO without fractional memory, communication term and exclusion."""
 
 from robotteamsim.control.rdpso.controller import RdpsoController
-from robotteamsim.control.rdpso.natural_selection import DpsoMembership
+from robotteamsim.control.rdpso.membership import DpsoMembership
 from robotteamsim.scenario.controllers.swarms import (
     DpsoControl,
     PsoControl,

@@ -98,5 +98,5 @@ class RouteController(PathController, abc.ABC):
         return math.dist(now.position, place) < self._tuning.arrived_m or now.time_s > self._until_s
 
     def _travel_s(self, position: Vector, place: Vector) -> float:
-        length_m = self.map.grid.first_stretch(position, place, LONGEST_TIMED_M)[1]
+        length_m = self.driver.map.grid.first_stretch(position, place, LONGEST_TIMED_M)[1]
         return self._tuning.timeout_factor * min(length_m, LONGEST_TIMED_M) / self.speed_mps

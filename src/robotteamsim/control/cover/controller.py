@@ -7,12 +7,9 @@ from collections.abc import Sequence
 
 import msgspec
 
-from robotteamsim.control.cover.floor_cover import CELL_M, FloorCover
-from robotteamsim.control.cover.update import CoverUpdate, parse_cover_update
-from robotteamsim.control.driving.hot_places import HotPlaces
-from robotteamsim.control.driving.known_map import KnownMap, known_map
-from robotteamsim.control.driving.localisation import Localiser
-from robotteamsim.control.driving.navigation import Navigator
+from robotteamsim.control.cover.floor_cover import CELL_M, CoverUpdate, FloorCover, parse_cover_update
+from robotteamsim.control.driving.driver import Driver
+from robotteamsim.control.driving.known_map import KnownMap
 from robotteamsim.control.rdpso.terms import LinkKeeper, RuledOut
 from robotteamsim.geometry import Pose, path_length_m
 from robotteamsim.interface import Decision, Discovery, Observation, Task
@@ -35,7 +32,7 @@ class CoverController:
     announces_victims = True
 
     def __init__(self, robot_id: int, setup: Setup) -> None:
-        scenario, body = setup.scenario, setup.robots[robot_id]
+        scenario = setup.scenario
         control = scenario.control.as_kind(CoverControl)
         self._robot_id = robot_id
         self._is_base = robot_id == scenario.base
@@ -43,12 +40,10 @@ class CoverController:
         self._iteration_ns = round(control.iteration_s * 1e9)
         self._found_within_m = scenario.mission.save_distance_m + scenario.voice.map_resolution_m
         self._level_at_1_m_db = -scenario.voice.constant_db[1]
-        self._localiser = Localiser(robot_id, setup)
-        self._building, self._reach_m = setup.building, body.reach_m
-        self._map = known_map(setup.building, body.reach_m)
-        self._hot = HotPlaces(scenario.plan)
-        self._cover = FloorCover(setup.building, body.reach_m, setup.start_m(robot_id), control.radius_m)
-        self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
+        self._driver = Driver(robot_id, setup)
+        self._cover = FloorCover(
+            setup.building, setup.robots[robot_id].reach_m, setup.start_m(robot_id), control.radius_m
+        )
         self._links = LinkKeeper(setup)
         self._ruled_out = RuledOut(scenario, control.rule_out_places)
 
@@ -89,7 +84,7 @@ class CoverController:
             self._epoch = task.epoch
             self._ruled_out.clear()
             self._note_victim(observation)
-        self._hot.look(observation.robot)
+        self._driver.hot.look(observation.robot)
         voice = observation.voice
         is_beside = voice.heard and voice.local_best_level_db >= self._level_at_1_m_db
         self._loudest = voice.local_best_m if is_beside else None
@@ -99,43 +94,39 @@ class CoverController:
                 continue
             self._team[update.robot_id] = observation.sim_time_ns * 1e-9, update
             self._teammates[update.robot_id] = update.position
-            self._hot.hear(update.hot or ())
+            self._driver.hot.hear(update.hot or ())
             for victim in update.discoveries:
                 self._add_victim(victim)
 
     def _decide(self, observation: Observation) -> Decision:
-        sim_time_ns, robot = observation.sim_time_ns, observation.robot
-        pose = self._localiser.map_T_base_link(robot)
+        sim_time_ns, pose = observation.sim_time_ns, self._driver.pose(observation)
         outbox: tuple[Message, ...] = ()
         iteration = sim_time_ns // self._iteration_ns
         if iteration != self._iteration:
             self._iteration = iteration
-            if self._hot.update(sim_time_ns):
-                self._map = known_map(self._building, self._reach_m, (), self._hot.blocked)
+            self._driver.update_map(sim_time_ns)
             self._choose(pose, observation.voice, sim_time_ns * 1e-9)
             position, covered = (pose.x_m, pose.y_m), self._cover.to_hex()
-            hot = self._hot.in_sight or msgspec.UNSET
+            hot = self._driver.hot.in_sight or msgspec.UNSET
             update = CoverUpdate(self._robot_id, position, self._goal, covered, self.found, hot)
             outbox = (Message(self._robot_id, EVERYBODY, update.to_json()),)
         goal, target, speed_mps = self._goal, self._target, self._speed_mps
         if self._is_base:
             return Decision(outbox=outbox)
-        leave = self._hot.shelter if target is None else self._hot.way_out
-        cold = leave(self._map.grid, (pose.x_m, pose.y_m))
+        leave = self._driver.shelter if target is None else self._driver.way_out
+        cold = leave((pose.x_m, pose.y_m))
         if cold is not None:
             goal, target, speed_mps = cold, cold, self._control.max_step_speed_mps
         if target is None:
             return Decision(outbox=outbox)
-        twist = self._navigator.drive(
-            self._map.grid, pose, robot.ranges_m, target, speed_mps, sim_time_ns, lambda: self._teammates
-        )
+        twist = self._driver.drive(observation, pose, target, speed_mps, lambda: self._teammates)
         return Decision(twist=twist, outbox=outbox, goal_m=goal)
 
     def _note_victim(self, observation: Observation) -> None:
         """Note a victim that the robot has reached: a voice next to it that falls silent."""
         if self._loudest is None:
             return
-        pose, voice = self._localiser.map_T_base_link(observation.robot), observation.voice
+        pose, voice = self._driver.pose(observation), observation.voice
         is_silent = not voice.heard or math.dist(voice.local_best_m, self._loudest) > self._found_within_m
         if is_silent and math.dist((pose.x_m, pose.y_m), self._loudest) <= self._found_within_m:
             time_s = observation.sim_time_ns * 1e-9
@@ -158,7 +149,7 @@ class CoverController:
         if velocity == (0.0, 0.0):
             self._target = None
             return
-        self._target = self._map.grid.reachable_towards(position, next_position(position, velocity))
+        self._target = self._driver.map.grid.reachable_towards(position, next_position(position, velocity))
         self._speed_mps = max(0.1, self._control.speed_factor * math.hypot(*velocity) / self._control.iteration_s)
 
     def _choose_goal(self, position: Vector, voice: VoiceReading, time_s: float) -> None:
@@ -170,11 +161,13 @@ class CoverController:
                 self._goal_m, self._goal_since_s = math.inf, time_s
             self._goal = loudest
         elif self._goal is not None and (
-            self._cover.is_covered(self._goal) or self._hot.is_hot(self._goal) or self._is_taken(self._goal, position)
+            self._cover.is_covered(self._goal)
+            or self._driver.hot.is_hot(self._goal)
+            or self._is_taken(self._goal, position)
         ):
             self._goal = None
         if self._goal is not None:
-            length_m = self._route.first_stretch(self._map, position, self._goal)[1]
+            length_m = self._route.first_stretch(self._driver.map, position, self._goal)[1]
             if length_m < self._goal_m - self._control.progress_m:
                 self._goal_m, self._goal_since_s = length_m, time_s
             elif time_s - self._goal_since_s > self._control.goal_timeout_s:
@@ -199,7 +192,7 @@ class CoverController:
         left_out = [(place, self._control.avoided_m) for place, _ in self._avoided]
         left_out += [(update.goal, self._control.apart_m) for _, update in self._team.values() if update.goal]
         in_reach = self._links.in_reach([update.position for _, update in self._team.values()], CELL_M)
-        hot = self._hot.known
+        hot = self._driver.hot.known
         if in_reach is not None:
             place = self._cover.best_place(position, left_out, self._control.nearness_m, in_reach, hot)
             if place:
@@ -229,7 +222,7 @@ class CoverController:
 
     def _way_to(self, route: _Route, place: Vector, position: Vector, longest_m: float) -> Vector:
         """Return the vector in the direction of the path to a place, with its length, or `longest_m` if shorter."""
-        (x, y), length_m = route.first_stretch(self._map, position, place)
+        (x, y), length_m = route.first_stretch(self._driver.map, position, place)
         stretch_m = math.dist(position, (x, y))
         if stretch_m == 0.0:
             return 0.0, 0.0

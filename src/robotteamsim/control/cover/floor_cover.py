@@ -1,12 +1,15 @@
-"""The floor that the team has covered, as far as one robot knows."""
+"""The floor that the team has covered, as far as one robot knows, and the message about it."""
 
 import math
 from collections.abc import Collection, Sequence
 
+import msgspec
 import numpy as np
 
 from robotteamsim.control.driving.hot_places import BLOCK_M, Block
 from robotteamsim.control.driving.known_map import GRID_RESOLUTION_M, known_map
+from robotteamsim.interface.discovery import Discovery
+from robotteamsim.interface.payload import Index, Point, Update, update_reader
 from robotteamsim.scenario.building import Building
 from robotteamsim.swarm import Vector
 
@@ -151,3 +154,22 @@ class FloorCover:
         row = math.floor((place[1] - self._floor.origin_m[1]) / CELL_M)
         column = math.floor((place[0] - self._floor.origin_m[0]) / CELL_M)
         return min(max(row, 0), rows - 1), min(max(column, 0), columns - 1)
+
+
+class CoverUpdate(Update, frozen=True, tag="cover"):
+    """Sent once per iteration: position and goal, in `map` [m], the cells known to be covered, and the known victims.
+
+    discoveries: of victims, without names; `time_s` is simulated time. The mission reads them, too.
+    hot:         blocks of hot places that the robot sees, sorted; left out by a robot that sees none.
+    """
+
+    robot_id: Index
+    position: Point
+    goal: Point | None
+    covered: str
+    discoveries: tuple[Discovery, ...]
+    hot: tuple[tuple[Index, Index], ...] | msgspec.UnsetType = msgspec.UNSET
+
+
+parse_cover_update = update_reader(CoverUpdate, kept=1024)
+"""Return the update in a message; None if it is another message."""

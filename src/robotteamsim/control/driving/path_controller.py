@@ -4,10 +4,7 @@ import abc
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from robotteamsim.control.driving.hot_places import HotPlaces
-from robotteamsim.control.driving.known_map import known_map
-from robotteamsim.control.driving.localisation import Localiser
-from robotteamsim.control.driving.navigation import Navigator
+from robotteamsim.control.driving.driver import Driver
 from robotteamsim.control.driving.wander import Wander
 from robotteamsim.control.runtime.streams import robot_stream
 from robotteamsim.geometry import Pose
@@ -44,27 +41,20 @@ class PathController(abc.ABC):
     """
 
     def __init__(self, robot_id: int, setup: Setup, arrival: int = 1) -> None:
-        scenario, body = setup.scenario, setup.robots[robot_id]
+        scenario = setup.scenario
         self.robot_id = robot_id
         self.setup, self.scenario = setup, scenario
-        self.map = known_map(setup.building, body.reach_m)
-        self._reach_m = body.reach_m
-        self._hot = HotPlaces(scenario.plan)
+        self.driver = Driver(robot_id, setup)
         self.speed_mps = scenario.control.max_step_speed_mps
-        self._localiser = Localiser(robot_id, setup)
-        control = scenario.control
-        self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
         self._wander = Wander(
             scenario.control.wander, robot_stream(scenario, "wander", robot_id, arrival), self.speed_mps
         )
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """Return the command and the messages of this step; the robot stands still while the mission does not run."""
-        self._hot.look(observation.robot)
-        if self._hot.update(observation.sim_time_ns):
-            self.map = known_map(self.setup.building, self._reach_m, (), self._hot.blocked)
-
-        now = Situation(observation, inbox, task, self._localiser.map_T_base_link(observation.robot))
+        self.driver.hot.look(observation.robot)
+        self.driver.update_map(observation.sim_time_ns)
+        now = Situation(observation, inbox, task, self.driver.pose(observation))
         self._note(now)
         return self._decide(now) if task.running else Decision()
 
@@ -77,7 +67,7 @@ class PathController(abc.ABC):
 
     def stand(self, now: Situation, outbox: tuple[Message, ...] = ()) -> Decision:
         """Return the decision to stand still or, in a hot place, to leave it."""
-        shelter = self._hot.shelter(self.map.grid, now.position)
+        shelter = self.driver.shelter(now.position)
         return Decision(outbox=outbox) if shelter is None else self.drive(now, shelter, outbox)
 
     def drive(
@@ -91,17 +81,9 @@ class PathController(abc.ABC):
     ) -> Decision:
         """Return the decision to drive to a goal in `map` [m] at full speed, or to wander if it is None."""
         if goal is None:
-            goal = self._wander.goal(self.map, now.position, now.time_s)
+            goal = self._wander.goal(self.driver.map, now.position, now.time_s)
         else:
             self._wander.stop()
-        goal = self._hot.way_out(self.map.grid, now.position) or goal
-        twist = self._navigator.drive(
-            self.map.grid,
-            now.pose,
-            now.observation.robot.ranges_m,
-            goal,
-            self.speed_mps,
-            now.observation.sim_time_ns,
-            lambda: teammates or {},
-        )
+        goal = self.driver.way_out(now.position) or goal
+        twist = self.driver.drive(now.observation, now.pose, goal, self.speed_mps, lambda: teammates or {})
         return Decision(twist, outbox, goal_m=goal, local_best=local_best)

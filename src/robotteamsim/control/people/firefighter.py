@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from robotteamsim.control.cover.update import parse_cover_update
+from robotteamsim.control.cover.floor_cover import parse_cover_update
 from robotteamsim.control.driving.path_controller import PathController, Situation
 from robotteamsim.control.people.floor_search import FloorSearch
 from robotteamsim.control.people.messages import FirefighterUpdate, Order, parse_orders
@@ -63,7 +63,7 @@ class FirefighterController(PathController):
             update = parse_cover_update(message.payload)
             if update is not None and update.robot_id == message.sender:
                 self._search.hear(update)
-                self._hot.hear(update.hot or ())
+                self.driver.hot.hear(update.hot or ())
             orders = parse_orders(message.payload) if message.sender == self._centre_id else None
             if orders is not None:
                 self._follow({order.firefighter: order for order in orders.orders}.get(self.robot_id), now)
@@ -114,12 +114,12 @@ class FirefighterController(PathController):
             if math.dist(position, self._contact_place) <= _ARRIVED_M:
                 self._contact_place = self._centre
             return self._contact_place
-        return self._search.choose(position, time_s, self._hot) if self._section.searches else None
+        return self._search.choose(position, time_s, self.driver.hot) if self._section.searches else None
 
     def _target(self, position: Point, time_s: float) -> Point | None:
         """Return the place of the victim to go to: that of the order or, without contact, the nearest one seen."""
         if self._order is None and self._seen and not self._is_in_contact(time_s):
-            lengths = [(self.map.distance_m(place, position), name) for name, place in self._seen.items()]
+            lengths = [(self.driver.map.distance_m(place, position), name) for name, place in self._seen.items()]
             name = min(lengths)[1]
             self._order = Order(self.robot_id, name, self._seen[name], 0.0)
         order = self._order
@@ -136,7 +136,7 @@ class FirefighterController(PathController):
         return place
 
     def _nearest_safe_place(self, position: Point) -> Point:
-        return min(self._safe_places, key=lambda place: self.map.distance_m(place, position))
+        return min(self._safe_places, key=lambda place: self.driver.map.distance_m(place, position))
 
     def _messages(self, now: Situation) -> tuple[Message, ...]:
         """Return the report to the command centre and the update for those who search, once per iteration."""
@@ -148,5 +148,5 @@ class FirefighterController(PathController):
         helped = "" if self._assistance is None else self._assistance.victim
         victim = helped or ("" if self._order is None else self._order.victim)
         report = FirefighterUpdate(self.robot_id, position, victim, helped != "", self._safe, self._missing)
-        updates = report.to_json(), self._search.update(position, self._hot.in_sight).to_json()
+        updates = report.to_json(), self._search.update(position, self.driver.hot.in_sight).to_json()
         return tuple(Message(self.robot_id, EVERYBODY, payload) for payload in updates)

@@ -6,8 +6,7 @@ import math
 
 import msgspec
 
-from robotteamsim.control.cover.floor_cover import FloorCover
-from robotteamsim.control.cover.update import CoverUpdate
+from robotteamsim.control.cover.floor_cover import CoverUpdate, FloorCover
 from robotteamsim.control.driving.hot_places import Block, HotPlaces
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.controllers.cover import FloorSearchTuning

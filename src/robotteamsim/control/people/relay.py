@@ -67,7 +67,7 @@ class RelayController(PathController):
             outbox = (Message(self.robot_id, EVERYBODY, update.to_json()),)
         if self.scenario.base == self.robot_id:
             return Decision(outbox=outbox)
-        if self._goal is None or self._hot.is_hot(self._goal):
+        if self._goal is None or self.driver.hot.is_hot(self._goal):
             return self.stand(now, outbox)
         return self.drive(now, self._goal, outbox)
 

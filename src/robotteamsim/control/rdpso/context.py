@@ -54,25 +54,14 @@ class ContextMeter:
         others = [place for i, place in places.items() if i != robot_id]
         context = Context(
             activity=self._activity(iteration, places),
-            socialisation=np.array([robot_socialisation(position, global_best, list(places.values()))]),
-            avoidance=np.array([robot_avoidance(clearance_m, self._sensing_radius_m)]),
-            proximity=np.array([self._links.proximity(position, others) if others else float(is_complete)]),
+            socialisation=robot_socialisation(position, global_best, places.values()),
+            avoidance=robot_avoidance(clearance_m, self._sensing_radius_m),
+            proximity=self._links.proximity(position, others) if others else float(is_complete),
             connectivity=self._links.connectivity(list(places.values())) if is_complete else 0.0,
         )
         self._places, self._iteration = dict(places), iteration
         found = adapted_coefficients(self._kind, context, self._levels)
-        return SwarmContext(
-            activity=context.activity,
-            socialisation=context.socialisation.item(),
-            avoidance=context.avoidance.item(),
-            proximity=context.proximity.item(),
-            connectivity=context.connectivity,
-            alpha=found.alpha.item(),
-            c1=found.c1.item(),
-            c2=found.c2.item(),
-            c3=found.c3.item(),
-            c4=found.c4.item(),
-        )
+        return SwarmContext(**context._asdict(), **found._asdict())
 
     def _activity(self, iteration: int, places: Mapping[int, Vector]) -> float:
         """Return A_s of the members whose motion since the last iteration is known; 0 if there are none."""

@@ -6,10 +6,7 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from robotteamsim import swarm
-from robotteamsim.control.driving.hot_places import HotPlaces
-from robotteamsim.control.driving.known_map import known_map
-from robotteamsim.control.driving.localisation import Localiser
-from robotteamsim.control.driving.navigation import Navigator
+from robotteamsim.control.driving.driver import Driver
 from robotteamsim.control.driving.wander import Wander
 from robotteamsim.control.rdpso.context import ContextMeter
 from robotteamsim.control.rdpso.door_beliefs import DoorBeliefs
@@ -49,13 +46,8 @@ class RdpsoController:
         """Weights of the terms of eq. (22); that of communication is 0 while no link is endangered."""
         self._iteration_ns = round(control.iteration_s * 1e9)
         self._timeout_ns = round(control.update_timeout_share * control.iteration_s * 1e9)
-        self._building, self._reach_m = setup.building, body.reach_m
-        self._localiser = Localiser(robot_id, setup)
+        self._driver = Driver(robot_id, setup)
         self._doors = DoorBeliefs(scenario.plan, body.laser, control.doors)
-        self._map = known_map(setup.building, body.reach_m)
-        self._map_doors = self._doors.changed
-        self._hot = HotPlaces(scenario.plan)
-        self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
         self._surroundings = Surroundings(body.laser, control.sensing_radius_m)
         self._links = LinkKeeper(setup)
         self._meter = None
@@ -67,7 +59,7 @@ class RdpsoController:
         self._membership = self.membership(robot_id, scenario)
         fractional = swarm.memory_coefficients(control.memory, control.alpha, control.memory_terms)
         self._momentum = Momentum(fractional if memory is None else memory, control.memory_of)
-        self._numbers = swarm.uniform_numbers(robot_stream(scenario, "rdpso", robot_id, arrival))
+        self._rng = robot_stream(scenario, "rdpso", robot_id, arrival)
         self._wander = Wander(
             control.wander, robot_stream(scenario, "wander", robot_id, arrival), control.max_step_speed_mps
         )
@@ -89,13 +81,13 @@ class RdpsoController:
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """Return the command and, once per iteration, the message of this step."""
-        self._hot.look(observation.robot)
+        self._driver.hot.look(observation.robot)
         if inbox:
             self._team = self._team.after(batch_of(inbox))
         if not task.running:
             return self._standing
-        sim_time_ns, ranges_m = observation.sim_time_ns, observation.robot.ranges_m
-        pose = self._localiser.map_T_base_link(observation.robot)
+        sim_time_ns = observation.sim_time_ns
+        pose = self._driver.pose(observation)
         outbox: tuple[Message, ...] = ()
         if self._own is not None and self._has_waited_enough(sim_time_ns):
             self._choose_next_point(pose, observation, self._own)
@@ -110,12 +102,12 @@ class RdpsoController:
         # Drive: towards the next point, or along the legs of a wandering robot.
         goal, speed_mps = self._goal, self._speed_mps
         if goal is None:
-            goal = self._wander.goal(self._map, (pose.x_m, pose.y_m), sim_time_ns * 1e-9)
+            goal = self._wander.goal(self._driver.map, (pose.x_m, pose.y_m), sim_time_ns * 1e-9)
             speed_mps = self._control.max_step_speed_mps
-        way_out = self._hot.way_out(self._map.grid, (pose.x_m, pose.y_m))
+        way_out = self._driver.way_out((pose.x_m, pose.y_m))
         if way_out is not None:
             goal, speed_mps = way_out, self._control.max_step_speed_mps
-        twist = self._navigator.drive(self._map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, self._teammates)
+        twist = self._driver.drive(observation, pose, goal, speed_mps, self._teammates)
         return msgspec.structs.replace(self._standing, twist=twist, outbox=outbox, goal_m=goal)
 
     def _teammates(self) -> Mapping[int, Vector]:
@@ -138,7 +130,7 @@ class RdpsoController:
             self._ruled_out.clear()
         loudest = voice.local_best_m if voice.heard else None
         self._ruled_out.add(position, loudest)
-        self._local_best = self._finder.find(self._map, self._ruled_out, voice, task.area_center_m, position)
+        self._local_best = self._finder.find(self._driver.map, self._ruled_out, voice, task.area_center_m, position)
         return RdpsoUpdate(
             robot_id=self._robot_id,
             iteration=self._iteration,
@@ -150,7 +142,7 @@ class RdpsoController:
             swarm_id=self._membership.swarm_id,
             swarm=self._membership.state,
             doors=self._doors.sightings,
-            hot=self._hot.in_sight or msgspec.UNSET,
+            hot=self._driver.hot.in_sight or msgspec.UNSET,
         )
 
     def _choose_next_point(self, pose: Pose, observation: Observation, own: RdpsoUpdate) -> None:
@@ -166,7 +158,7 @@ class RdpsoController:
         self._doors.hear(view.doors)
         for update in view.updates:
             if update.hot:
-                self._hot.hear(update.hot)
+                self._driver.hot.hear(update.hot)
         self._update_map(observation.sim_time_ns)
         if self._membership.excluded or self._known_best is None or self._local_best is None:
             self._goal = self._context = None
@@ -180,7 +172,7 @@ class RdpsoController:
         self._goal = swarm.next_position(position, velocity)
         if self._control.navigation == "path":
             # A step ends at a wall. The paths around walls are in the attractors.
-            self._goal = self._map.grid.reachable_towards(position, self._goal)
+            self._goal = self._driver.map.grid.reachable_towards(position, self._goal)
         self._speed_mps = max(0.1, self._control.speed_factor * math.hypot(*velocity) / self._control.iteration_s)
 
     def _share_bests(self, own: RdpsoUpdate, view: CommonView) -> tuple[dict[int, Best | None], list[int]]:
@@ -237,7 +229,7 @@ class RdpsoController:
         )
         if c4 != 0.0:
             weights = weights._replace(communication=c4)
-        return swarm.next_velocity(position, self._momentum.term(), attractors, weights, self._numbers)
+        return swarm.next_velocity(position, self._momentum.term(), attractors, weights, self._rng.random(4).tolist())
 
     def _adapt(self, context: SwarmContext) -> swarm.Weights:
         """Adopt the coefficients of a context; return c1 to c3."""
@@ -266,13 +258,11 @@ class RdpsoController:
         """Return the point in the direction of the first segment of the path to a place, at the path's length."""
         if self._control.navigation != "path":
             return place
-        return self._map.grid.along_path(position, place, self._control.longest_detour_m)
+        return self._driver.map.grid.along_path(position, place, self._control.longest_detour_m)
 
     def _update_map(self, sim_time_ns: int) -> None:
         """Use the map with doors and hot places as believed now, and discard bests, whose paths may have changed."""
-        if self._hot.update(sim_time_ns) or self._doors.changed != self._map_doors:
-            self._map_doors = self._doors.changed
-            self._map = known_map(self._building, self._reach_m, self._map_doors, self._hot.blocked)
+        if self._driver.update_map(sim_time_ns, self._doors.changed):
             self._known_best = None
 
     def _decide_to_stand(self) -> Decision:

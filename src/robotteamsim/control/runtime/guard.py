@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 import logging
 import re
 import traceback
@@ -23,9 +22,17 @@ _LARGEST = 2**31 - 1
 """ROS messages and bags hold numbers of swarms and search counters in 32 bits."""
 
 _ORIGIN = (0.0, 0.0)
-_TRUTHS = (bool, np.bool_)
 _WHOLE = (int, np.integer)
-_NUMBERS = (float, int, np.number)
+
+_STATUS: tuple[tuple[str, Any, int | None, str], ...] = (
+    ("excluded", (bool, np.bool_), None, "True or False"),
+    ("swarm", _WHOLE, OUTSIDE, f"a number from 0 on, or {OUTSIDE} for none"),
+    ("search_counter", _WHOLE, 0, "a number from 0 on"),
+    ("local_best", (float, int, np.number), None, "a number"),
+    ("fault", (str,), None, "text"),
+    ("done", (str,), None, "text"),
+)
+"""The status in a decision, which ROS messages and bags hold as it is: attribute, types, lowest value, description."""
 
 _ADDRESS = re.compile(" at 0x[0-9a-f]+")
 
@@ -91,37 +98,10 @@ def problem_of(decision: Any, robot_id: int, num_robots: int) -> str:
         problem = _problem_of_message(message, robot_id, num_robots)
         if problem:
             return problem
-    try:
-        return _problem_of_status(
-            decision.excluded,
-            decision.swarm,
-            decision.search_counter,
-            decision.local_best,
-            decision.fault,
-            decision.done,
-        )
-    except TypeError:  # not hashable
-        return f"step returned {_shown(decision)}; expected a status of numbers and text"
-
-
-# A robot's status changes once per iteration, at most.
-@functools.lru_cache(maxsize=4096, typed=True)
-def _problem_of_status(
-    excluded: object, swarm: object, search_counter: object, local_best: object, fault: object, done: object
-) -> str:
-    """Return what is wrong with the status in a decision, which ROS messages and bags hold as it is."""
-    if not isinstance(excluded, _TRUTHS):
-        return f"step returned excluded = {excluded!r:.60}; expected True or False"
-    if not isinstance(swarm, _WHOLE) or not OUTSIDE <= swarm <= _LARGEST:
-        return f"step returned swarm = {swarm!r:.60}; expected a number from 0 on, or {OUTSIDE} for none"
-    if not isinstance(search_counter, _WHOLE) or not 0 <= search_counter <= _LARGEST:
-        return f"step returned search_counter = {search_counter!r:.60}; expected a number from 0 on"
-    if not isinstance(local_best, _NUMBERS):
-        return f"step returned local_best = {local_best!r:.60}; expected a number"
-    if not isinstance(fault, str):
-        return f"step returned fault = {fault!r:.60}; expected text"
-    if not isinstance(done, str):
-        return f"step returned done = {done!r:.60}; expected text"
+    for name, kinds, lowest, expected in _STATUS:
+        value = getattr(decision, name)
+        if not isinstance(value, kinds) or (lowest is not None and not lowest <= value <= _LARGEST):
+            return f"step returned {name} = {value!r:.60}; expected {expected}"
     return ""
 
 

@@ -1,12 +1,12 @@
-"""Functions of the library for controllers equal straightforward ones, bit by bit."""
+"""Functions of the library for controllers against straightforward calculations."""
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
 import pytest
-from plain import PlainRuledOut, PlainSurroundings, plain_along_path, plain_first_stretch
 from scipy import ndimage
 
 from robotteamsim import _core
@@ -54,17 +54,27 @@ def test_nearest_place_is_the_first_of_the_nearest():
         _core.base.nearest_point((0.0, 0.0), [])
 
 
-@pytest.mark.parametrize("beams", [5, 61, 181, 360])
-def test_surroundings_equal_straightforward_ones(beams):
-    rng = np.random.default_rng(beams)
+@pytest.mark.parametrize("beams", [5, 61])
+def test_clearest_place_is_half_or_a_whole_radius_away_and_no_nearer_to_the_hits_than_the_robot(beams):
+    rng, radius_m, found = np.random.default_rng(beams), 1.2, 0
     laser = Laser(beams=beams, forward_m=0.1)
-    surroundings, plain = Surroundings(laser, 1.2), PlainSurroundings(laser, 1.2)
-    found = 0
+    surroundings, angles_rad = (
+        Surroundings(laser, radius_m),
+        np.linspace(laser.angle_min_rad, laser.angle_max_rad, beams),
+    )
     for _ in range(200):
         pose, ranges_m = Pose(*rng.uniform(-3.0, 3.0, 3).tolist()), scan(rng, beams)
-        expected = plain.attractor(pose, ranges_m)
-        assert surroundings.clearest_place(pose, ranges_m) == expected
-        found += expected is not None
+        hits_m = np.stack((0.1 + ranges_m * np.cos(angles_rad), ranges_m * np.sin(angles_rad)), axis=1)
+        hits_m = hits_m[ranges_m < laser.range_max_m]
+        place_m = surroundings.clearest_place(pose, ranges_m)
+        is_near = np.hypot(*hits_m.T).min(initial=np.inf) < radius_m
+        assert (place_m is not None) == is_near
+        if place_m is None:
+            continue
+        found += 1
+        x_m, y_m = (pose.inverse() @ Pose(*place_m, 0.0)).x_m, (pose.inverse() @ Pose(*place_m, 0.0)).y_m
+        assert math.hypot(x_m, y_m) == pytest.approx(radius_m * round(2.0 * math.hypot(x_m, y_m) / radius_m) / 2.0)
+        assert np.hypot(*(hits_m - (x_m, y_m)).T).min() >= np.hypot(*hits_m.T).min() - 1e-6
     assert found > 50
 
 
@@ -82,20 +92,29 @@ def test_scans_are_read_equally_from_any_array():
 def test_ruled_out_cells_equal_those_of_a_straightforward_search(together):
     rng = np.random.default_rng(5)
     ruled_out = _core.control.RuledOut(radius_m=1.5, cell_m=0.25, next_to_m=0.75)
-    plain = PlainRuledOut(1.5, 0.25, 0.75)
-    answers = []
+    notes, answers = {}, []
+
+    def is_covered(x: float, y: float) -> bool:
+        for position, loudest in notes.values():
+            away_m = math.dist((x, y), position)
+            is_loudest = loudest is not None and math.dist((x, y), loudest) < 0.125
+            if away_m < 0.75 or (away_m < 1.5 and not is_loudest):
+                return True
+        return False
+
     for _ in range(15):
         cells = (np.floor(rng.uniform(-8.0, 8.0, (20, 2)) / 0.25) * 0.25 + 0.125).tolist()
         # Some are near those of earlier rounds, some hear nothing.
         heard = [((x + float(rng.normal(0.0, 0.05)), y), (x, y) if rng.random() < 0.6 else None) for x, y in cells]
         for position, loudest in heard:
-            plain.add(position, loudest)
+            # Of robots that hear the same close together, only the first counts.
+            notes.setdefault((round(position[0] / 0.25), round(position[1] / 0.25), loudest), (position, loudest))
             if not together:
                 ruled_out.add(position, loudest)
         if together:
             ruled_out.add_all(_core.control.HeardNotes(heard))
         for x, y in cells + rng.uniform(-9.0, 9.0, (20, 2)).tolist():
-            answers.append(plain.covers((x, y)))
+            answers.append(is_covered(x, y))
             assert ruled_out.covers((x, y)) == answers[-1]
     assert 0.2 < np.mean(answers) < 0.95
     ruled_out.clear()
@@ -103,15 +122,26 @@ def test_ruled_out_cells_equal_those_of_a_straightforward_search(together):
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_first_steps_of_paths_equal_those_of_a_straightforward_search(seed):
+def test_first_stretch_of_a_path_ends_at_its_first_waypoint_and_has_its_whole_length(seed):
     rng = np.random.default_rng(seed)
-    known, bends = cluttered_map(rng), 0
+    grid, bends = cluttered_map(rng).grid, 0
     for _ in range(100):
         start, goal = place(rng), place(rng)
-        expected = plain_first_stretch(known.grid, start, goal, 14.0)
-        assert known.grid.first_stretch(start, goal, 14.0) == expected
-        assert known.grid.along_path(start, goal, 14.0) == plain_along_path(known.grid, start, goal, 14.0)
-        bends += expected[0] != goal
+        ends = grid.nearest_free(start, 1.0), grid.nearest_free(goal, 1.0)
+        corners = [] if None in ends or grid.is_line_free(start, goal) else grid.waypoints(*ends, 14.0)
+        bend, length_m = goal, math.dist(start, goal)
+        if len(corners) > 1:
+            bend, length_m = corners[1], sum(math.dist(a, b) for a, b in itertools.pairwise(corners))
+        first, path_m = grid.first_stretch(start, goal, 14.0)
+        assert (first, path_m) == (bend, pytest.approx(length_m, rel=1e-12))
+        along = grid.along_path(start, goal, 14.0)
+        if bend in (goal, start):
+            assert along == goal
+            continue
+        # As far away as the goal by the path, in the direction of its first waypoint.
+        stretch = path_m / math.dist(start, bend)
+        assert along == pytest.approx(np.add(start, stretch * np.subtract(bend, start)))
+        bends += 1
     assert bends > 20
 
 

@@ -1,4 +1,4 @@
-"""SEBS: the gain and posterior by hand, the graph, and a patrol."""
+"""Patrols: the gain and posterior of SEBS by hand, the graph, and robots that patrol with and without messages."""
 
 from __future__ import annotations
 
@@ -19,16 +19,19 @@ from robotteamsim.scenario.sections import Area, Mission, PlacedRobot
 from robotteamsim.setup import resolve
 
 KEYS = SebsControl(algorithm="sebs")
-SEBS = {"algorithm": "sebs"}
+SEBS, REACTIVE = {"algorithm": "sebs"}, {"algorithm": "conscientious_reactive"}
+CORNERS = ((4.0, 3.0), (8.0, 3.0), (8.0, 7.0), (4.0, 7.0))
 
 
 def square(**keys: object) -> Patrol:
     """A square of 4 m with one diagonal, 0-2."""
-    corners = ((4.0, 3.0), (8.0, 3.0), (8.0, 7.0), (4.0, 7.0))
-    neighbours = ((1, 3, 2), (0, 2), (1, 3, 0), (0, 2))
+    return patrol_of(((1, 3, 2), (0, 2), (1, 3, 0), (0, 2)), **keys)
+
+
+def patrol_of(neighbours: tuple[tuple[int, ...], ...], **keys: object) -> Patrol:
     vertices = tuple(
-        PatrolVertex(position=place, neighbours=others, lengths_m=tuple(math.dist(place, corners[i]) for i in others))
-        for place, others in zip(corners, neighbours, strict=True)
+        PatrolVertex(position=place, neighbours=others, lengths_m=tuple(math.dist(place, CORNERS[i]) for i in others))
+        for place, others in zip(CORNERS, neighbours, strict=True)
     )
     return Patrol(graph=PatrolGraph(vertices=vertices), **keys)
 
@@ -133,3 +136,43 @@ def test_plan_without_room_for_two_places_is_rejected(hall_scenario):
     scenario = hall_scenario(plan=closet, robots=robots, mission=Mission(), control=SEBS)
     with pytest.raises(ScenarioError, match=r"hall: mission.patrol.spacing_m: 6 m leaves no two places of the plan"):
         make_controller(0, resolve(scenario))
+
+
+RING = patrol_of(((1, 3), (2, 0), (3, 1), (0, 2)))
+
+
+def test_reactive_robot_drives_around_a_ring_in_one_direction_and_sends_nothing(team, hall_scenario):
+    hall = team(
+        hall_scenario(
+            robots=(PlacedRobot(start_pose=(4.5, 3.0, 0.0)),),
+            control=REACTIVE,
+            mission=mission_of(patrol_of(((1, 3), (2, 0), (3, 1), (0, 2)))),
+        )
+    )
+    goals: list[tuple[float, float]] = []
+    for _ in range(900):
+        (decision,) = hall.step()
+        assert decision.outbox == ()
+        if not goals or decision.goal_m != goals[-1]:
+            goals.append(decision.goal_m)
+    corners = [CORNERS.index(goal) for goal in goals]
+    assert len(corners) >= 8
+    # Of the two neighbours, the one that it did not come from has always been unvisited for longer.
+    turns = {(after - before) % 4 for before, after in pairwise(corners)}
+    assert len(turns) == 1
+    assert turns <= {1, 3}
+
+
+def test_messages_of_teammates_have_no_influence_on_a_reactive_robot(team, hall_scenario):
+    goals = []
+    for messages in ([], [Message(1, -1, Visit(1, 1, 3).to_json())]):
+        hall = team(
+            hall_scenario(
+                robots=(PlacedRobot(start_pose=(4.0, 3.0, 0.0)),),
+                control=REACTIVE,
+                mission=mission_of(patrol_of(((1, 3), (2, 0), (3, 1), (0, 2)))),
+            )
+        )
+        hall.hear_messages = messages
+        goals.append([hall.step()[0].goal_m for _ in range(300)])
+    assert goals[0] == goals[1]

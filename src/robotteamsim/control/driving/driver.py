@@ -1,0 +1,63 @@
+"""What a robot needs in order to drive: its pose, the map that it knows, and the way to a point."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from robotteamsim.control.driving.hot_places import HotPlaces
+from robotteamsim.control.driving.known_map import known_map
+from robotteamsim.control.driving.localisation import Localiser
+from robotteamsim.control.driving.navigation import Navigator
+from robotteamsim.geometry import Pose, Twist
+from robotteamsim.interface import Observation
+from robotteamsim.scenario.building import Doors
+from robotteamsim.setup import Setup
+from robotteamsim.swarm import Vector
+
+
+class Driver:
+    """Drives one robot over the map that it knows; places in `map` [m]."""
+
+    def __init__(self, robot_id: int, setup: Setup) -> None:
+        body, control = setup.robots[robot_id], setup.scenario.control
+        self._building, self._reach_m = setup.building, body.reach_m
+        self._localiser = Localiser(robot_id, setup)
+        self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
+        self.hot = HotPlaces(setup.scenario.plan)
+        """The hot places that it knows."""
+        self.doors: Doors = ()
+        """The doors that differ from the plan in `map`."""
+        self.map = known_map(setup.building, body.reach_m)
+        """Free space, with doors and hot places as believed at the last update."""
+
+    def update_map(self, sim_time_ns: int, doors: Doors = ()) -> bool:
+        """Use the map with hot places and doors as believed now; return whether it has changed."""
+        if not self.hot.update(sim_time_ns) and doors == self.doors:
+            return False
+        self.doors = doors
+        self.map = known_map(self._building, self._reach_m, doors, self.hot.blocked)
+        return True
+
+    def pose(self, observation: Observation) -> Pose:
+        """Return the pose that the robot uses as its own, in `map`."""
+        return self._localiser.map_T_base_link(observation.robot)
+
+    def way_out(self, position: Vector) -> Vector | None:
+        """Return where a robot that heat surrounds leaves to; None if it does not."""
+        return self.hot.way_out(self.map.grid, position)
+
+    def shelter(self, position: Vector) -> Vector | None:
+        """Return where a robot that stands in a hot place leaves to; None if it does not."""
+        return self.hot.shelter(self.map.grid, position)
+
+    def drive(
+        self,
+        observation: Observation,
+        pose: Pose,
+        goal: Vector,
+        speed_mps: float,
+        teammates: Callable[[], Mapping[int, Vector]],
+    ) -> Twist:
+        """Return the command of a step; `Navigator` describes the arguments."""
+        ranges_m, sim_time_ns = observation.robot.ranges_m, observation.sim_time_ns
+        return self._navigator.drive(self.map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, teammates)
