@@ -6,6 +6,7 @@
 #include <random>
 #include <vector>
 
+#include "../../test/cpp/network/graphs.hpp"
 #include "../../test/cpp/propagation/scenes.hpp"
 #include "robotteamsim/base/large_pages.hpp"
 #include "robotteamsim/network/fiedler.hpp"
@@ -85,14 +86,7 @@ void Hops(benchmark::State& state, double weakest_dbm) {
 
 void HopsPlain(benchmark::State& state, double weakest_dbm) {
   const network::Adjacency adjacency = LinksOf(static_cast<int>(state.range(0)), weakest_dbm);
-  for (auto _ : state) {
-    const network::Neighbors neighbors{network::LinkBits(adjacency)};
-    for (Eigen::Index first = 0; first < adjacency.rows(); ++first) {
-      std::vector<std::int32_t> hops(adjacency.rows(), -1);
-      network::SearchFrom(neighbors, static_cast<int>(first), &hops);
-      benchmark::DoNotOptimize(hops.data());
-    }
-  }
+  for (auto _ : state) benchmark::DoNotOptimize(network::graphs::HopsOneByOne(adjacency));
 }
 
 void Fiedler(benchmark::State& state, double weakest_dbm) {

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
-#include "robotteamsim/base/simd.hpp"
 
 namespace robotteamsim::control {
 
@@ -33,12 +32,6 @@ struct Direction {
   double heading_rad, cos, sin;
 };
 
-/// Returns how far a disc of `radius_m` can move from (0, 0) in a direction before it touches a hit, at most
-/// `max_distance_m`. A hit inside the disc counts only if the motion leads towards it (within 60 degrees), so that a
-/// robot can always slide along a wall or leave it. The result does not depend on `simd`.
-double FreeDistanceAmong(const std::vector<base::Point>& hits, const Direction& direction, double radius_m,
-                         double max_distance_m, base::Simd simd);
-
 /// Free space around a robot, from its laser scans.
 class ScanClearance {
  public:
@@ -50,7 +43,9 @@ class ScanClearance {
   /// The same, replacing the contents of `hits`.
   void FindHits(const Ranges& ranges, double max_distance_m, std::vector<base::Point>* hits) const;
 
-  /// Returns the FreeDistanceAmong all hits from base_link towards `heading_rad` [rad, base_link].
+  /// Returns how far a disc of `radius_m` can move from base_link towards `heading_rad` [rad, base_link] before it
+  /// touches a hit, at most `max_distance_m`. A hit inside the disc counts only if the motion leads towards it (within
+  /// 60 degrees), so that a robot can always slide along a wall or leave it.
   double FreeDistance(const Ranges& ranges, double heading_rad, double radius_m, double max_distance_m) const;
 
   /// The same for several directions.

@@ -13,8 +13,7 @@ using HopCount = Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic, Eig
 
 /// Returns the smallest number of links between all pairs of robots: 0 on the diagonal, -1 where no path exists.
 ///
-/// These are the numbers C of eq. (18-20), by breadth-first search from 256 robots at once [then2014]: a robot keeps
-/// one bit per source that has reached it, and a hop is an OR over its neighbours.
+/// These are the numbers C of eq. (18-20), by breadth-first search from each robot over rows of bits.
 /// Throws std::invalid_argument if the matrix is not square, or not symmetric, or its diagonal is not zero.
 HopCount CountHops(const Eigen::Ref<const Adjacency>& adjacency);
 

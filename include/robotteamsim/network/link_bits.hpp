@@ -16,14 +16,13 @@ static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "bits are collected fro
 class LinkBits {
  public:
   static constexpr int kBitsPerWord = 64;
-  static constexpr int kWordsPerBlock = 4;  ///< 256 bits: four of the narrowest registers, one or two of the others
 
   /// Throws std::invalid_argument if the matrix is not square, or not symmetric, or its diagonal is not zero.
   explicit LinkBits(const Eigen::Ref<const Adjacency>& adjacency);
 
   int NumRobots() const { return num_robots_; }
 
-  /// Number of words in a row: whole blocks.
+  /// Number of words in a row.
   int NumWords() const { return num_words_; }
 
   /// Number of links of a robot.
@@ -53,9 +52,5 @@ struct Neighbors {
   std::vector<std::int32_t> start;
   std::vector<std::int32_t> robots;
 };
-
-/// Sets the smallest number of links from one robot to each robot that it has a path to, by breadth-first search. The
-/// others keep their number, which must be negative.
-void SearchFrom(const Neighbors& neighbors, int first, std::vector<std::int32_t>* hops);
 
 }  // namespace robotteamsim::network

@@ -8,14 +8,14 @@
 
 namespace robotteamsim::world {
 
-/// The parameters of the collision-free speed model [tordeux2016]; the scenario's `people` has the defaults.
+/// The parameters of the collision-free speed model [tordeux2016]: `people` of a scenario, which has the defaults.
 struct CrowdParameters {
-  double time_gap_s = 1.0;          ///< T: people keep this time to the one ahead
-  double neighbour_strength = 8.0;  ///< a: how far a neighbour turns the direction aside
-  double neighbour_range_m = 0.1;   ///< D: over which this effect fades
-  double wall_strength = 5.0;       ///< the same of a wall
-  double wall_range_m = 0.02;
-  double longest_substep_s = 0.05;  ///< a step is divided into equal substeps that are not longer
+  double time_gap_s = 0.0;          ///< T: people keep this time to the one ahead
+  double neighbour_strength = 0.0;  ///< a: how far a neighbour turns the direction aside
+  double neighbour_range_m = 0.0;   ///< D: over which this effect fades
+  double wall_strength = 0.0;       ///< the same of a wall
+  double wall_range_m = 0.0;
+  double longest_substep_s = 0.0;  ///< a step is divided into equal substeps that are not longer
 };
 
 /// Someone who walks to a target in a straight line, around others and along walls.

@@ -1,11 +1,8 @@
 #include "robotteamsim/control/clearance.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 
@@ -14,93 +11,35 @@
 namespace robotteamsim::control {
 namespace {
 
-/// Number of beams or hits that are tested together. They are ordered by direction: most blocks contain many relevant
-/// ones, or none.
-constexpr std::size_t kBlock = 16;
-
 constexpr int kMostBeams = 1'000'000;
 
 /// Within 60 degrees of a hit inside the disc, motion leads towards it.
 constexpr double kCosSquaredOf60Degrees = 0.25;
 
-/// Returns whether some hits of a block are ahead, within the width of the disc and nearer than the free distance so
-/// far.
-ROBOTTEAMSIM_INLINE bool SomeCount(const base::Point* hits, const Direction& direction, double radius_m, double free) {
-  std::int64_t some = 0;
-  for (std::size_t i = 0; i < kBlock; ++i) {
-    const double along = hits[i].x * direction.cos + hits[i].y * direction.sin;
-    const double across = hits[i].y * direction.cos - hits[i].x * direction.sin;
-    const bool counts = (along > 0.0) & (radius_m * radius_m - across * across > 0.0) & (along - radius_m < free);
-    some |= counts ? 1 : 0;
-  }
-  return some != 0;
-}
-
-/// Returns how far the disc can move before one hit; infinity if the hit does not count. It has no branch, so that it
-/// can be vectorised.
-ROBOTTEAMSIM_INLINE double FreeBefore(const base::Point& hit, const Direction& direction, double radius_m) {
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const double along = hit.x * direction.cos + hit.y * direction.sin;
-  const double across = hit.y * direction.cos - hit.x * direction.sin;
-  const double half_chord_squared = radius_m * radius_m - across * across;
-  const double touch = along - std::sqrt(half_chord_squared > 0.0 ? half_chord_squared : 0.0);
-  const bool is_ahead = along * along > kCosSquaredOf60Degrees * (along * along + across * across);
-  const double free_inside = is_ahead ? 0.0 : kInfinity;
-  const double free = touch >= 0.0 ? touch : free_inside;
-  const bool counts = (along > 0.0) & (half_chord_squared > 0.0);
-  return counts ? free : kInfinity;  // NOLINT(bugprone-narrowing-conversions): both are double
-}
-
-ROBOTTEAMSIM_INLINE double FreeAmong(const base::Point* hits, std::size_t count, const Direction& direction,
-                                     double radius_m, double max_distance_m) {
+/// Returns how far a disc of `radius_m` can move from (0, 0) in a direction before it touches a hit, at most
+/// `max_distance_m`. A hit inside the disc counts only if the motion leads towards it, so that a robot can always slide
+/// along a wall or leave it.
+double FreeAmong(const std::vector<base::Point>& hits, const Direction& direction, double radius_m,
+                 double max_distance_m) {
   double free = max_distance_m;
-  for (std::size_t first = 0; first < count; first += kBlock) {
-    if (count - first < kBlock) {
-      for (std::size_t i = first; i < count; ++i) free = std::min(free, FreeBefore(hits[i], direction, radius_m));
-    } else if (SomeCount(hits + first, direction, radius_m, free)) {
-      std::array<double, kBlock> before;
-      for (std::size_t i = 0; i < kBlock; ++i) before[i] = FreeBefore(hits[first + i], direction, radius_m);
-      for (const double one : before) free = std::min(free, one);
+  for (const base::Point& hit : hits) {
+    const double along = hit.x * direction.cos + hit.y * direction.sin;
+    const double across = hit.y * direction.cos - hit.x * direction.sin;
+    const double half_chord_squared = radius_m * radius_m - across * across;
+    if (!(along > 0.0) || !(half_chord_squared > 0.0) || along - radius_m >= free) continue;
+    const double touch = along - std::sqrt(half_chord_squared);
+    if (touch >= 0.0) {
+      free = std::min(free, touch);
+    } else if (along * along > kCosSquaredOf60Degrees * (along * along + across * across)) {
+      free = std::min(free, 0.0);
     }
   }
   return free;
 }
 
-using FreeAmongFunction = double (*)(const base::Point*, std::size_t, const Direction&, double, double);
-
-#define ROBOTTEAMSIM_FREE_AMONG(Name, attributes)                                                           \
-  attributes double Name##FreeAmong(const base::Point* hits, std::size_t count, const Direction& direction, \
-                                    double radius_m, double max_distance_m) {                               \
-    return FreeAmong(hits, count, direction, radius_m, max_distance_m);                                     \
-  }
-// Wider registers than those of AVX2 do not make it faster.
-ROBOTTEAMSIM_FREE_AMONG(Portable, )
-ROBOTTEAMSIM_FREE_AMONG(Avx2, ROBOTTEAMSIM_AVX2)
-
-FreeAmongFunction FreeAmongFor(base::Simd simd) {
-  return base::SimdVersion<FreeAmongFunction>(simd, PortableFreeAmong, Avx2FreeAmong, Avx2FreeAmong);
-}
-
-double FreeAmongHits(const std::vector<base::Point>& hits, const Direction& direction, double radius_m,
-                     double max_distance_m) {
-  static const FreeAmongFunction free_among = FreeAmongFor(base::BestSimd());
-  return free_among(hits.data(), hits.size(), direction, radius_m, max_distance_m);
-}
-
-bool SomeAreBelow(const float* ranges, double longest) {
-  std::int64_t some = 0;
-  for (std::size_t i = 0; i < kBlock; ++i) some |= ranges[i] < longest ? 1 : 0;
-  return some != 0;
-}
-
 }  // namespace
 
 Direction::Direction(double angle_rad) : heading_rad(angle_rad), cos(std::cos(angle_rad)), sin(std::sin(angle_rad)) {}
-
-double FreeDistanceAmong(const std::vector<base::Point>& hits, const Direction& direction, double radius_m,
-                         double max_distance_m, base::Simd simd) {
-  return FreeAmongFor(simd)(hits.data(), hits.size(), direction, radius_m, max_distance_m);
-}
 
 ScanClearance::ScanClearance(const LaserLayout& layout) : layout_(layout) {
   if (layout.beams < 1) throw std::invalid_argument("a laser must have at least one beam");
@@ -129,20 +68,17 @@ void ScanClearance::FindHits(const Ranges& ranges, double max_distance_m, std::v
       std::min(layout_.range_max_m * (1.0 - 1e-6), max_distance_m + std::abs(layout_.forward_m) + 1e-3);
   hits->clear();
   hits->reserve(ranges.size);
-  for (std::size_t first = 0; first < ranges.size; first += kBlock) {
-    if (ranges.size - first >= kBlock && !SomeAreBelow(ranges.data + first, longest)) continue;
-    for (std::size_t beam = first; beam < std::min(ranges.size, first + kBlock); ++beam) {
-      const double range = ranges.data[beam];
-      if (!(range < longest)) continue;
-      const base::Point hit{layout_.forward_m + range * directions_[beam].x, range * directions_[beam].y};
-      if (hit.x * hit.x + hit.y * hit.y < max_distance_m * max_distance_m) hits->push_back(hit);
-    }
+  for (std::size_t beam = 0; beam < ranges.size; ++beam) {
+    const double range = ranges.data[beam];
+    if (!(range < longest)) continue;
+    const base::Point hit{layout_.forward_m + range * directions_[beam].x, range * directions_[beam].y};
+    if (hit.x * hit.x + hit.y * hit.y < max_distance_m * max_distance_m) hits->push_back(hit);
   }
 }
 
 double ScanClearance::FreeDistance(const Ranges& ranges, double heading_rad, double radius_m,
                                    double max_distance_m) const {
-  return FreeAmongHits(Hits(ranges, max_distance_m + radius_m), Direction(heading_rad), radius_m, max_distance_m);
+  return FreeAmong(Hits(ranges, max_distance_m + radius_m), Direction(heading_rad), radius_m, max_distance_m);
 }
 
 std::vector<double> ScanClearance::FreeDistances(const Ranges& ranges, const std::vector<Direction>& directions,
@@ -150,8 +86,7 @@ std::vector<double> ScanClearance::FreeDistances(const Ranges& ranges, const std
   const std::vector<base::Point> hits = Hits(ranges, max_distance_m + radius_m);
   std::vector<double> free;
   free.reserve(directions.size());
-  for (const Direction& direction : directions)
-    free.push_back(FreeAmongHits(hits, direction, radius_m, max_distance_m));
+  for (const Direction& direction : directions) free.push_back(FreeAmong(hits, direction, radius_m, max_distance_m));
   return free;
 }
 
@@ -163,7 +98,7 @@ Sidestepper::Sidestepper(ScanClearance clearance, const std::vector<double>& hea
 
 Sidestepper::FreeHeading Sidestepper::Find(const Ranges& ranges, double wanted_rad, double radius_m, double needed_m) {
   clearance_.FindHits(ranges, needed_m + radius_m, &hits_);
-  const FreeHeading straight{wanted_rad, FreeAmongHits(hits_, Direction(wanted_rad), radius_m, needed_m)};
+  const FreeHeading straight{wanted_rad, FreeAmong(hits_, Direction(wanted_rad), radius_m, needed_m)};
   if (straight.free_m >= needed_m || std::abs(wanted_rad) >= parameters_.ahead_rad) {
     passing_side_ = 0;
     return straight;
@@ -178,7 +113,7 @@ Sidestepper::FreeHeading Sidestepper::Find(const Ranges& ranges, double wanted_r
   std::sort(by_cost.begin(), by_cost.end());
   std::vector<FreeHeading> tried;
   for (const auto& [_, direction] : by_cost) {
-    tried.push_back({direction->heading_rad, FreeAmongHits(hits_, *direction, radius_m, needed_m)});
+    tried.push_back({direction->heading_rad, FreeAmong(hits_, *direction, radius_m, needed_m)});
     if (tried.back().free_m < needed_m) continue;
     passing_side_ = direction->heading_rad > wanted_rad ? 1 : -1;
     return tried.back();

@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "robotteamsim/base/checks.hpp"
-#include "robotteamsim/base/simd.hpp"
 
 namespace robotteamsim::hazards {
 namespace {
@@ -36,9 +35,8 @@ AirModel Checked(const AirModel& model) {
 
 /// One row of soot and heat, which share the links, after exchange with the cells to the east and to the west. Each
 /// flow leaves one cell and enters the next, so the sum over all cells is conserved.
-ROBOTTEAMSIM_INLINE void SpreadAlongRow(const float* __restrict east, int cols, double share,
-                                        const double* __restrict soot, double* __restrict soot_after,
-                                        const float* __restrict heat, float* __restrict heat_after) {
+void SpreadAlongRow(const float* __restrict east, int cols, double share, const double* __restrict soot,
+                    double* __restrict soot_after, const float* __restrict heat, float* __restrict heat_after) {
   const auto heat_share = static_cast<float>(share);
   for (int i = 1; i <= cols; ++i) {
     const float e = east[i], w = east[i - 1];
@@ -49,10 +47,9 @@ ROBOTTEAMSIM_INLINE void SpreadAlongRow(const float* __restrict east, int cols, 
 
 /// The same with the rows to the north and to the south. `from_south` is what flows in from the southern row, and
 /// becomes what flows from this row to the next.
-ROBOTTEAMSIM_INLINE void SpreadAcrossRow(const float* __restrict north, int stride, int cols, double share,
-                                         const double* __restrict soot, double* __restrict soot_after,
-                                         double* __restrict soot_from_south, const float* __restrict heat,
-                                         float* __restrict heat_after, float* __restrict heat_from_south) {
+void SpreadAcrossRow(const float* __restrict north, int stride, int cols, double share, const double* __restrict soot,
+                     double* __restrict soot_after, double* __restrict soot_from_south, const float* __restrict heat,
+                     float* __restrict heat_after, float* __restrict heat_from_south) {
   const auto heat_share = static_cast<float>(share);
   for (int i = 1; i <= cols; ++i) {
     const double soot_flow = north[i] * (soot[i + stride] - soot[i]);
@@ -65,7 +62,7 @@ ROBOTTEAMSIM_INLINE void SpreadAcrossRow(const float* __restrict north, int stri
 }
 
 /// Newton's law of cooling with a rate that grows with the temperature; stable for any duration.
-ROBOTTEAMSIM_INLINE void CoolCells(float convection, float radiation, float ambient, int count, float* __restrict x) {
+void CoolCells(float convection, float radiation, float ambient, int count, float* __restrict x) {
   const float linear = 6.0F * ambient * ambient, constant = 4.0F * ambient * ambient * ambient;
   for (int i = 0; i < count; ++i) {
     // ((ambient + x)^4 - ambient^4) / x
@@ -74,36 +71,6 @@ ROBOTTEAMSIM_INLINE void CoolCells(float convection, float radiation, float ambi
     // Far from a fire, excess temperatures would become subnormal numbers, with which processors are slow.
     x[i] = cooled < kNothing ? 0.0F : cooled;
   }
-}
-
-/// The loops for one instruction set.
-struct Loops {
-  void (*along)(const float* east, int cols, double share, const double* soot, double* soot_after, const float* heat,
-                float* heat_after);
-  void (*across)(const float* north, int stride, int cols, double share, const double* soot, double* soot_after,
-                 double* soot_from_south, const float* heat, float* heat_after, float* heat_from_south);
-  void (*cool)(float convection, float radiation, float ambient, int count, float* x);
-};
-
-#define ROBOTTEAMSIM_AIR_LOOPS(Name, attributes)                                                                 \
-  attributes void Name##Along(const float* east, int cols, double share, const double* soot, double* to_soot,    \
-                              const float* heat, float* to_heat) {                                               \
-    SpreadAlongRow(east, cols, share, soot, to_soot, heat, to_heat);                                             \
-  }                                                                                                              \
-  attributes void Name##Across(const float* north, int stride, int cols, double share, const double* soot,       \
-                               double* to_soot, double* soot_from_south, const float* heat, float* to_heat,      \
-                               float* heat_from_south) {                                                         \
-    SpreadAcrossRow(north, stride, cols, share, soot, to_soot, soot_from_south, heat, to_heat, heat_from_south); \
-  }                                                                                                              \
-  attributes void Name##Cool(float convection, float radiation, float ambient, int count, float* x) {            \
-    CoolCells(convection, radiation, ambient, count, x);                                                         \
-  }                                                                                                              \
-  constexpr Loops k##Name##Loops = {Name##Along, Name##Across, Name##Cool};
-ROBOTTEAMSIM_FOR_EACH_SIMD(ROBOTTEAMSIM_AIR_LOOPS)
-
-const Loops& BestLoops() {
-  static const Loops* const loops = base::SimdVersion(base::BestSimd(), &kPortableLoops, &kAvx2Loops, &kAvx2Loops);
-  return *loops;
 }
 
 }  // namespace
@@ -140,7 +107,6 @@ void Air::Advance(const Links& links, double seconds) {
 }
 
 void Air::Spread(const Links& links, double share, int passes) {
-  const Loops& loops = BestLoops();
   first_ = std::max(1, first_ - passes);
   last_ = std::min(rows_, last_ + passes);
   const int stride = links.stride();
@@ -151,14 +117,14 @@ void Air::Spread(const Links& links, double share, int passes) {
     for (int row = first_; row <= last_ + 1; ++row) {
       const int here = row * stride, south = here - stride;
       if (row <= last_) {
-        loops.along(links.east().data() + here, links.cols(), share, soot_.data() + here, soot_after_.data() + here,
-                    excess_.data() + here, excess_after_.data() + here);
+        SpreadAlongRow(links.east().data() + here, links.cols(), share, soot_.data() + here, soot_after_.data() + here,
+                       excess_.data() + here, excess_after_.data() + here);
       }
       if (row == first_) continue;
       // One row behind, so that rows are still in the cache.
-      loops.across(links.north().data() + south, stride, links.cols(), share, soot_after_.data() + south,
-                   soot_.data() + south, soot_from_south_.data(), excess_after_.data() + south, excess_.data() + south,
-                   excess_from_south_.data());
+      SpreadAcrossRow(links.north().data() + south, stride, links.cols(), share, soot_after_.data() + south,
+                      soot_.data() + south, soot_from_south_.data(), excess_after_.data() + south,
+                      excess_.data() + south, excess_from_south_.data());
     }
   }
 }
@@ -167,9 +133,9 @@ void Air::Cool(int stride, double seconds) {
   // To the floor and to the ceiling.
   const double rate = 2.0 * seconds / model_.heat_capacity_kj_m2_k;
   const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(first_) * stride;
-  BestLoops().cool(static_cast<float>(rate * model_.convection_kw_m2_k),
-                   static_cast<float>(rate * model_.emissivity * kStefanBoltzmann),
-                   static_cast<float>(model_.ambient_k), (last_ - first_ + 1) * stride, excess_.data() + first);
+  CoolCells(static_cast<float>(rate * model_.convection_kw_m2_k),
+            static_cast<float>(rate * model_.emissivity * kStefanBoltzmann), static_cast<float>(model_.ambient_k),
+            (last_ - first_ + 1) * stride, excess_.data() + first);
 }
 
 }  // namespace robotteamsim::hazards

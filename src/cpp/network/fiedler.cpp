@@ -79,8 +79,7 @@ class DenseLaplacian {
 
   explicit DenseLaplacian(const LinkBits& links) : n_(links.NumRobots()), degree_(n_) {
     const int n = n_;
-    const int num_words = (n + LinkBits::kBitsPerWord - 1) / LinkBits::kBitsPerWord;
-    for (int w = 0; w < num_words; ++w) {
+    for (int w = 0; w < links.NumWords(); ++w) {
       for (int i = 0; i < n; ++i) words_.push_back(links.Row(i)[w]);
     }
     for (int i = 0; i < n; ++i) degree_[i] = links.Degree(i);

@@ -34,8 +34,7 @@ LinkBits::LinkBits(const Eigen::Ref<const Adjacency>& adjacency) : num_robots_(s
     throw std::invalid_argument("adjacency must be square, got shape " +
                                 Pair(num_robots_, static_cast<int>(adjacency.cols())));
   }
-  constexpr int kBitsPerBlock = kWordBits * kWordsPerBlock;
-  num_words_ = (num_robots_ + kBitsPerBlock - 1) / kBitsPerBlock * kWordsPerBlock;
+  num_words_ = (num_robots_ + kWordBits - 1) / kWordBits;
   words_.assign(static_cast<std::size_t>(num_robots_) * num_words_, 0);
   for (int i = 0; i < num_robots_; ++i) SetRow(i, adjacency.data() + i * adjacency.outerStride());
   CheckDiagonal();
@@ -117,20 +116,6 @@ Neighbors::Neighbors(const LinkBits& links) {
       for (std::uint64_t bits = links.Row(i)[w]; bits != 0; bits &= bits - 1) {
         *next++ = w * kWordBits + __builtin_ctzll(bits);
       }
-    }
-  }
-}
-
-void SearchFrom(const Neighbors& neighbors, int first, std::vector<std::int32_t>* hops) {
-  (*hops)[first] = 0;
-  std::vector<int> reached{first};  // nearest first
-  for (std::size_t k = 0; k < reached.size(); ++k) {
-    const int robot = reached[k];
-    for (std::int32_t e = neighbors.start[robot]; e < neighbors.start[robot + 1]; ++e) {
-      const int neighbor = neighbors.robots[e];
-      if ((*hops)[neighbor] >= 0) continue;
-      (*hops)[neighbor] = (*hops)[robot] + 1;
-      reached.push_back(neighbor);
     }
   }
 }

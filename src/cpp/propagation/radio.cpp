@@ -10,7 +10,6 @@
 #include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/base/large_pages.hpp"
 #include "robotteamsim/base/log10.hpp"
-#include "robotteamsim/base/mirror.hpp"
 #include "robotteamsim/propagation/links/link_weights.hpp"
 
 namespace robotteamsim::propagation {
@@ -53,6 +52,24 @@ void WriteFewSignals(const FaceSet& faces, const RadioModel& model, const std::v
     for (Eigen::Index j = i + 1; j < n; ++j) {
       rssi_dbm(i, j) = rssi_dbm(j, i) = model.tx_power_dbm - PathLossDb(faces, model, points[i], points[j]);
     }
+  }
+}
+
+/// Number of rows of a large matrix that are mirrored together: enough that writes fill whole cache lines.
+constexpr Eigen::Index kMirroredRows = 32;
+
+/// Copies the part above the diagonal of rows top .. end - 1 of a square matrix below the diagonal.
+void MirrorRows(Eigen::Index top, Eigen::Index end, Eigen::Ref<CellValues> matrix) {
+  constexpr Eigen::Index kAhead = 8;  // rows; they are a whole row apart, which processors do not prefetch themselves
+  constexpr Eigen::Index kPerLine = 64 / sizeof(double);
+  const Eigen::Index size = matrix.rows();
+  for (Eigen::Index row = top + 1; row < size; ++row) {
+    if (row + kAhead < size) {
+      for (Eigen::Index col = top; col < end + kPerLine - 1; col += kPerLine) {
+        __builtin_prefetch(&matrix(row + kAhead, std::min(col, end - 1)), 1);
+      }
+    }
+    for (Eigen::Index col = top; col < std::min(end, row); ++col) matrix(row, col) = matrix(col, row);
   }
 }
 
@@ -115,14 +132,14 @@ void WriteRssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eig
   LinkWeights links(faces, std::move(points), simd);
   const Signals write_signals = base::SimdVersion<Signals>(simd, PortableSignals, Avx2Signals, Avx512Signals);
   std::vector<double> signals_dbm(n + kLinkLanes);
-  for (Eigen::Index top = 0; top < n; top += base::kMirroredRows) {
-    const Eigen::Index end = std::min(top + base::kMirroredRows, n);
+  for (Eigen::Index top = 0; top < n; top += kMirroredRows) {
+    const Eigen::Index end = std::min(top + kMirroredRows, n);
     for (Eigen::Index i = top; i < end; ++i) {
       double* const diagonal = &rssi_dbm(i, i);
       *diagonal = 0.0;
       write_signals(model, links.After(i), signals_dbm.data(), diagonal + 1);
     }
-    base::MirrorRows(top, end, &rssi_dbm);
+    MirrorRows(top, end, rssi_dbm);
   }
 }
 

@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "robotteamsim/base/checks.hpp"
-#include "robotteamsim/base/simd.hpp"
 
 namespace robotteamsim::sensing {
 namespace {
@@ -21,8 +20,8 @@ void Check(const RangeLimits& limits) {
   }
 }
 
-ROBOTTEAMSIM_INLINE void WriteReport(const RangeLimits& limits, const double* __restrict ranges_m,
-                                     const double* __restrict noise_m, std::size_t count, float* __restrict report) {
+void WriteReport(const RangeLimits& limits, const double* __restrict ranges_m, const double* __restrict noise_m,
+                 std::size_t count, float* __restrict report) {
   const double least = limits.range_min_m, most = limits.range_max_m, no_return_m = limits.no_return_m,
                near = limits.too_near_m;
   const auto reported = [=](double range) {
@@ -34,15 +33,6 @@ ROBOTTEAMSIM_INLINE void WriteReport(const RangeLimits& limits, const double* __
     for (std::size_t i = 0; i < count; ++i) report[i] = reported(ranges_m[i] + noise_m[i]);
   }
 }
-
-#define ROBOTTEAMSIM_REPORT(Name, attributes)                                                            \
-  attributes void Name##Report(const RangeLimits& limits, const double* ranges_m, const double* noise_m, \
-                               std::size_t count, float* report) {                                       \
-    WriteReport(limits, ranges_m, noise_m, count, report);                                               \
-  }
-// Wider registers than those of AVX2 do not make it faster.
-ROBOTTEAMSIM_REPORT(Portable, )
-ROBOTTEAMSIM_REPORT(Avx2, ROBOTTEAMSIM_AVX2)
 
 /// Args: origin, yaw: of the fan, in `map`.  beams: the reported ranges of one robot.
 void DimOne(const world::Fan& fan, const base::Point& origin, double yaw, const hazards::Haze& haze, double no_return_m,
@@ -73,9 +63,8 @@ void Report(const RangeLimits& limits, const base::Table<const double>& ranges_m
   if (!reported_m.HasShape(ranges_m.rows, ranges_m.cols)) {
     throw std::invalid_argument("reported ranges must have one value per range");
   }
-  static const auto write = base::SimdVersion(base::BestSimd(), PortableReport, Avx2Report, Avx2Report);
-  write(limits, ranges_m.data, noise_m.IsEmpty() ? nullptr : noise_m.data, ranges_m.rows * ranges_m.cols,
-        reported_m.data);
+  WriteReport(limits, ranges_m.data, noise_m.IsEmpty() ? nullptr : noise_m.data, ranges_m.rows * ranges_m.cols,
+              reported_m.data);
 }
 
 void Dim(const world::Fan& fan, const std::vector<base::Pose>& robots, const hazards::Haze& haze, double no_return_m,

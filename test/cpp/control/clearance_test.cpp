@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <limits>
-#include <random>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -29,41 +28,6 @@ TEST(ScanClearance, HitsLeaveOutBeamsWithoutReturn) {
   EXPECT_NEAR(hits[0].x, 1.1, 1e-12);
   EXPECT_NEAR(hits[0].y, 0.0, 1e-12);
   EXPECT_TRUE(ThreeBeams().Hits(std::vector<float>{2.0F, 2.0F, 2.0F}, 1.9).empty());
-}
-
-/// What FreeDistanceAmong says, one hit after the other and from all of them.
-double PlainFreeDistance(const std::vector<base::Point>& hits, double heading_rad, double radius_m,
-                         double max_distance_m) {
-  double free = max_distance_m;
-  for (const base::Point& hit : hits) {
-    const double along = hit.x * std::cos(heading_rad) + hit.y * std::sin(heading_rad);
-    const double across = hit.y * std::cos(heading_rad) - hit.x * std::sin(heading_rad);
-    if (along <= 0.0 || radius_m * radius_m - across * across <= 0.0) continue;
-    const double touch = along - std::sqrt(radius_m * radius_m - across * across);
-    if (touch < 0.0 && along * along > 0.25 * (along * along + across * across)) return 0.0;
-    if (touch >= 0.0 && touch < free) free = touch;
-  }
-  return free;
-}
-
-TEST(FreeDistanceAmong, IsThatOfThePlainWayWithEachInstructionSet) {
-  std::mt19937 random(5);  // NOLINT(bugprone-random-generator-seed): the same hits in each run
-  std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  for (int count = 0; count < 150; ++count) {
-    std::vector<base::Point> hits;
-    const double nearest = 0.15 + 0.5 * uniform(random);
-    for (int i = 0; i < count; ++i) {
-      const double angle = -kPi / 2 + kPi * i / count, range = nearest + uniform(random);
-      hits.push_back({range * std::cos(angle), range * std::sin(angle)});
-    }
-    for (int i = 0; i < 20; ++i) {
-      const double heading_rad = 2.0 * kPi * (uniform(random) - 0.5);
-      const double plain = PlainFreeDistance(hits, heading_rad, 0.25, 0.7);
-      for (const base::Simd simd : {base::Simd::kPortable, base::Simd::kAvx2, base::Simd::kAvx512}) {
-        if (base::IsSupported(simd)) EXPECT_EQ(FreeDistanceAmong(hits, Direction(heading_rad), 0.25, 0.7, simd), plain);
-      }
-    }
-  }
 }
 
 TEST(ScanClearance, DiscStopsWhereItTouchesTheHit) {

@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <random>
+#include <vector>
 
+#include "robotteamsim/network/hop_count.hpp"
 #include "robotteamsim/network/link_bits.hpp"
 
 namespace robotteamsim::network::graphs {
@@ -53,6 +55,27 @@ inline Adjacency Scattered(int n, double reach, std::uint32_t seed) {
     }
   }
   return adjacency;
+}
+
+/// The hops between all pairs by one search per robot through lists of neighbours; -1 where no path exists.
+inline HopCount HopsOneByOne(const Adjacency& adjacency) {
+  const int n = static_cast<int>(adjacency.rows());
+  const Neighbors neighbors{LinkBits(adjacency)};
+  HopCount hops = HopCount::Constant(n, n, -1);
+  for (int first = 0; first < n; ++first) {
+    hops(first, first) = 0;
+    std::vector<int> reached{first};  // nearest first
+    for (std::size_t k = 0; k < reached.size(); ++k) {
+      const int robot = reached[k];
+      for (std::int32_t e = neighbors.start[robot]; e < neighbors.start[robot + 1]; ++e) {
+        const int neighbor = neighbors.robots[e];
+        if (hops(first, neighbor) >= 0) continue;
+        hops(first, neighbor) = hops(first, robot) + 1;
+        reached.push_back(neighbor);
+      }
+    }
+  }
+  return hops;
 }
 
 }  // namespace robotteamsim::network::graphs

@@ -89,16 +89,5 @@ TEST(Neighbors, AreTheLinksInAscendingOrder) {
   }
 }
 
-TEST(SearchFrom, KeepsTheNumberOfRobotsOutOfReach) {
-  const Neighbors neighbors{LinkBits(graphs::Path(3))};
-  std::vector<std::int32_t> hops(3, -7);
-  SearchFrom(neighbors, 2, &hops);
-  EXPECT_EQ(hops, (std::vector<std::int32_t>{2, 1, 0}));
-  const Neighbors none{LinkBits(graphs::Empty(2))};
-  hops.assign(2, -7);
-  SearchFrom(none, 1, &hops);
-  EXPECT_EQ(hops, (std::vector<std::int32_t>{-7, 0}));
-}
-
 }  // namespace
 }  // namespace robotteamsim::network

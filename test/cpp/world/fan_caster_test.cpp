@@ -175,7 +175,8 @@ TEST(FanCaster, EachBeamIsAnExactRayAmongWallsAndAHundredRobots) {
   }
   const World world = WorldOf(solids, robots);
   int differing = 0, returned = 0;
-  for (const auto& [low, high] : {std::pair{-0.5 * kPi, 0.5 * kPi}, std::pair{-kPi, kPi}, std::pair{2.5, -1.0}}) {
+  for (const auto& [low, high] :
+       {std::pair{-0.5 * kPi, 0.5 * kPi}, std::pair{-kPi, kPi}, std::pair{2.5, -1.0}, std::pair{-6.0, 6.0}}) {
     const FanCaster caster(FanOf(181, low, high, 0.1), world);
     for (int robot = 0; robot < 100; ++robot) {
       const base::Pose& pose = world.poses()[robot];

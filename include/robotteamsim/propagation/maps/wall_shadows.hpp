@@ -29,8 +29,7 @@ class WallShadows {
 
   /// A line in columns [first, last), with the change of weight in the first row beyond it.
   struct Change {
-    SteppedLine rows;        // in steps_
-    std::size_t listed = 0;  // in lists_: index of the first row in listed_rows_
+    SteppedLine rows;
     int first = 0;
     int last = 0;
     std::int32_t weight = 0;
@@ -45,9 +44,7 @@ class WallShadows {
   void AddLine(const GridLine& line, const CellCentersMm& cells, IndexRange columns, std::int32_t weight);
 
   std::vector<std::int32_t> lowest_row_;
-  std::vector<Change> steps_;
-  std::vector<Change> lists_;  // lines that fixed-point steps do not follow exactly
-  std::vector<int> listed_rows_;
+  std::vector<Change> changes_;  // one per column of a line that fixed-point steps do not follow exactly
 };
 
 /// Sweeps up some columns of a map and writes the changes of the weights.
@@ -73,22 +70,9 @@ class ShadowSweep {
     int direction = 0;
     std::int32_t weight = 0;
   };
-  /// The same for listed rows: those at row, row + direction, ..., before row == end.
-  struct ListedLine {
-    const int* row = nullptr;
-    const int* end = nullptr;
-    int col = 0;
-    int direction = 0;
-    std::int32_t weight = 0;
-  };
-
-  void AddStepped(const WallShadows::Change& change, IndexRange columns);
-  void AddListed(const WallShadows::Change& change, const std::vector<int>& listed_rows, IndexRange columns);
-
   const std::int32_t* lowest_row_;
   int width_;
   std::vector<Line> lines_;
-  std::vector<ListedLine> listed_lines_;
 };
 
 }  // namespace robotteamsim::propagation

@@ -12,9 +12,6 @@ namespace {
 /// Products of coordinates up to this limit, and their sums, are whole numbers below 2^53.
 constexpr std::int64_t kExactCoordinateMm = 1 << 22;
 
-/// For so few points preparing the faces does not pay off.
-constexpr std::size_t kFewPoints = 8;
-
 /// As many bins of directions as targets, within these limits.
 constexpr int kMinBins = 128;
 constexpr int kMaxBins = 8192;
@@ -61,7 +58,7 @@ LinkWeights::LinkWeights(const FaceSet& faces, std::vector<PointMm> points, base
     point_y_.push_back(static_cast<double>(point.y));
   }
   for (const PointMm& corner : faces.Vertices()) exact_in_doubles_ = exact_in_doubles_ && IsExactInDoubles(corner);
-  if (points_.size() > kFewPoints && exact_in_doubles_) AddFaces();
+  if (exact_in_doubles_) AddFaces();
 }
 
 void LinkWeights::AddFaces() {
@@ -113,7 +110,7 @@ LinkTargets LinkWeights::After(std::size_t source) {
   order_.resize(count);
   places_.resize(count);
   blocks_.resize(count / kLinkLanes + 1);
-  if (points_.size() <= kFewPoints || !exact_in_doubles_) {
+  if (!exact_in_doubles_) {
     CountOneByOne(source);
   } else {
     SortTargets(source);

@@ -3,13 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robotteamsim/base/whole_numbers.hpp"
-
 namespace robotteamsim::propagation {
+namespace {
+
+std::int64_t FloorDivide(std::int64_t numerator, std::int64_t positive) {
+  return numerator / positive - (numerator % positive < 0 ? 1 : 0);
+}
+
+}  // namespace
 
 int FirstBeyond(const GridLine& line, std::int64_t place_along, const CentersMm& across) {
   const std::int64_t rise = (place_along - line.along) * line.d_across - (line.centers_on_it_are_beyond ? 1 : 0);
-  return across.FirstFrom(line.across + base::FloorDivide(rise, line.d_along) + 1);
+  return across.FirstFrom(line.across + FloorDivide(rise, line.d_along) + 1);
 }
 
 std::optional<SteppedLine> StepsOf(const GridLine& line, const CentersMm& along, const CentersMm& across, int first,

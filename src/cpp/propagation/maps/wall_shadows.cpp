@@ -82,7 +82,7 @@ WallShadows::WallShadows(const FaceSet& faces, PointMm source, const CellCenters
                                 std::to_string(faces.TotalWeight()));
   }
   const std::vector<std::int32_t> turns = TurnsAtVertices(faces, source);
-  steps_.reserve(faces.Size() + turns.size());
+  changes_.reserve(faces.Size() + turns.size());
   FillLowestRow(faces, source, cells, turns);
   AddRays(faces, source, cells, turns);
   AddFaces(faces, source, cells);
@@ -140,57 +140,40 @@ void WallShadows::AddFaces(const FaceSet& faces, PointMm source, const CellCente
 void WallShadows::AddLine(const GridLine& line, const CellCentersMm& cells, IndexRange columns, std::int32_t weight) {
   columns = InsideGrid(line, cells.x, cells.y, columns);
   if (columns.first >= columns.last) return;
-  const int rows = cells.y.Count();
-  Change change{{}, listed_rows_.size(), columns.first, columns.last, weight};
   // Below and above the grid the line is crossed before the lowest row, or not at all.
-  const auto is_inside = [&](int row) { return row > 0 && row < rows; };
-  if (const auto steps = StepsOf(line, cells.x, cells.y, columns.first, columns.last - columns.first)) {
-    const auto row_at = [&](int col) { return steps->At(col - columns.first); };
-    while (change.first < change.last && !is_inside(row_at(change.first))) ++change.first;
-    while (change.first < change.last && !is_inside(row_at(change.last - 1))) --change.last;
-    change.rows = {steps->position + (change.first - columns.first) * steps->step, steps->step};
-    if (change.first < change.last) steps_.push_back(change);
+  const auto is_inside = [&](int row) { return row > 0 && row < cells.y.Count(); };
+  const auto steps = StepsOf(line, cells.x, cells.y, columns.first, columns.last - columns.first);
+  if (!steps) {
+    for (int col = columns.first; col < columns.last; ++col) {
+      const int row = FirstBeyond(line, cells.x.at[col], cells.y);
+      const SteppedLine in_column{static_cast<std::int64_t>(row) << SteppedLine::kFractionBits, 1};
+      if (is_inside(row)) changes_.push_back({in_column, col, col + 1, weight});
+    }
     return;
   }
-  const auto row_at = [&](int col) { return FirstBeyond(line, cells.x.at[col], cells.y); };
-  while (change.first < change.last && !is_inside(row_at(change.first))) ++change.first;
-  while (change.first < change.last && !is_inside(row_at(change.last - 1))) --change.last;
-  for (int col = change.first; col < change.last; ++col) listed_rows_.push_back(row_at(col));
-  if (change.first < change.last) lists_.push_back(change);
+  const int first = columns.first;
+  while (columns.first < columns.last && !is_inside(steps->At(columns.first - first))) ++columns.first;
+  while (columns.first < columns.last && !is_inside(steps->At(columns.last - 1 - first))) --columns.last;
+  if (columns.first >= columns.last) return;
+  const std::int64_t position = steps->position + (columns.first - first) * steps->step;
+  changes_.push_back({{position, steps->step}, columns.first, columns.last, weight});
 }
 
 ShadowSweep::ShadowSweep(const WallShadows& shadows, IndexRange columns)
     : lowest_row_(shadows.lowest_row_.data() + columns.first), width_(columns.last - columns.first) {
-  lines_.reserve(shadows.steps_.size());
-  for (const WallShadows::Change& change : shadows.steps_) AddStepped(change, columns);
-  for (const WallShadows::Change& change : shadows.lists_) AddListed(change, shadows.listed_rows_, columns);
-}
-
-void ShadowSweep::AddStepped(const WallShadows::Change& change, IndexRange columns) {
-  const int first = std::max(change.first, columns.first);
-  const int count = std::min(change.last, columns.last) - first;
-  if (count <= 0) return;
-  const std::int64_t step = change.rows.step;
-  const std::int64_t at_first = change.rows.position + (first - change.first) * step;
-  const std::int64_t at_last = at_first + (count - 1) * step;
-  if (step >= 0) {
-    lines_.push_back({at_first, step, at_last + step, first - columns.first, 1, change.weight});
-  } else {
-    lines_.push_back({at_last, -step, at_first - step, first + count - 1 - columns.first, -1, change.weight});
-  }
-}
-
-void ShadowSweep::AddListed(const WallShadows::Change& change, const std::vector<int>& listed_rows,
-                            IndexRange columns) {
-  const int first = std::max(change.first, columns.first);
-  const int count = std::min(change.last, columns.last) - first;
-  if (count <= 0) return;
-  const int* const at_first = &listed_rows[change.listed + first - change.first];
-  const int* const at_last = at_first + count - 1;
-  if (*at_first <= *at_last) {
-    listed_lines_.push_back({at_first, at_last + 1, first - columns.first, 1, change.weight});
-  } else {
-    listed_lines_.push_back({at_last, at_first - 1, first + count - 1 - columns.first, -1, change.weight});
+  lines_.reserve(shadows.changes_.size());
+  for (const WallShadows::Change& change : shadows.changes_) {
+    const int first = std::max(change.first, columns.first);
+    const int count = std::min(change.last, columns.last) - first;
+    if (count <= 0) continue;
+    const std::int64_t step = change.rows.step;
+    const std::int64_t at_first = change.rows.position + (first - change.first) * step;
+    const std::int64_t at_last = at_first + (count - 1) * step;
+    if (step >= 0) {
+      lines_.push_back({at_first, step, at_last + step, first - columns.first, 1, change.weight});
+    } else {
+      lines_.push_back({at_last, -step, at_first - step, first + count - 1 - columns.first, -1, change.weight});
+    }
   }
 }
 
@@ -211,11 +194,6 @@ void ShadowSweep::AddChanges(IndexRange rows, Weight* block, std::ptrdiff_t stri
     }
     line.position = position + first_position;
     line.col = static_cast<int>(col);
-  }
-  for (ListedLine& line : listed_lines_) {
-    for (; line.row != line.end && *line.row < rows.last; line.row += line.direction, line.col += line.direction) {
-      add(block + (*line.row - rows.first) * stride + line.col, line.weight);
-    }
   }
 }
 
