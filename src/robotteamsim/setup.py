@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
+from robotteamsim.errors import ScenarioError
 from robotteamsim.hazards.hazards import make_hazards
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.building import Building, building_of
@@ -53,3 +54,11 @@ def resolve(scenario: Scenario) -> Setup:
     if scenario.fire is not None:
         make_hazards(scenario, building)  # checks fuel and ignitions
     return Setup(scenario, placed_robots(scenario, building), building)
+
+
+def check_headless(scenario: Scenario) -> None:
+    """Raises: ScenarioError: the robots' poses come from tf, which only nodes of ROS can read."""
+    if scenario.control.localisation == "tf":
+        key = "control.localisation"
+        text = f"{key}: 'tf' is available only in ROS; expected 'ground_truth' or 'odometry'"
+        raise ScenarioError(scenario.origin.line(text, key))

@@ -11,11 +11,10 @@ from typing import Any
 from robotteamsim import rng, scenario
 from robotteamsim.campaign.factors import MAX_TRIALS, Factor
 from robotteamsim.control import foreign_code, make_controller
-from robotteamsim.control.driving.localisation import check_headless
 from robotteamsim.errors import CampaignError, RobotTeamSimError, ScenarioError
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.yaml_text import shown
-from robotteamsim.setup import resolve
+from robotteamsim.setup import check_headless, resolve
 
 _NUM_SEEDS = 2**53
 

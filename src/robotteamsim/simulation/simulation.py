@@ -8,7 +8,6 @@ from typing import NamedTuple
 import msgspec
 import numpy as np
 
-from robotteamsim.control.driving.localisation import check_headless
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.interface import Decision, Task
@@ -22,7 +21,7 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Mission as MissionSection
 from robotteamsim.scenario.sections import Victim, Voice
 from robotteamsim.sensing.robots import RobotSensors, Sensors
-from robotteamsim.setup import Setup, resolve
+from robotteamsim.setup import Setup, check_headless, resolve
 from robotteamsim.simulation.controllers import Controllers, TeamControllers, TeamInputs
 from robotteamsim.simulation.record import Observer, Result, StepRecord
 from robotteamsim.simulation.stages import (
