@@ -247,8 +247,7 @@ _RECORD_FOREVER = textwrap.dedent("""
     from conftest import Trial
     from robotteamsim import scenario
     from robotteamsim.errors import RecordingError
-    from robotteamsim.recording import BagWriter, McapWriter
-from robotteamsim.recording.bag_reader import BagReader
+    from robotteamsim.recording import BagWriter
 
     trial = Trial(scenario.Scenario.model_validate_json(Path(sys.argv[3]).read_text()))
     writer = BagWriter(Path(sys.argv[1]))

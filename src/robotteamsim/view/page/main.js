@@ -15,8 +15,11 @@ export async function start() {
     if (window.innerWidth < 500) document.body.classList.add("narrow");
     if (!document.createElement("canvas").getContext("webgl2")) return fail(NO_WEBGL);
     const data = element("missions");
-    await (data ? startRecorded(data) : startLive());
-    for (let i = 0; i < 3; i++) await new Promise((done) => requestAnimationFrame(done)); // drawn, put into the page, shown
+    const player = await (data ? startRecorded(data) : startLive());
+    for (let i = 0; i < 3; i++) { // drawn, put into the page, shown
+      await new Promise((done) => requestAnimationFrame(done));
+      player.views.forEach((view) => view.finish());
+    }
     document.body.dataset.ready = "true";
   } catch (error) {
     fail(`This page cannot be shown: ${error.message}`);
@@ -55,6 +58,7 @@ async function startRecorded(data) {
   player = new Player(views);
   if (!compare && missions.length > 1) chooseAmong(missions, player);
   applyOptions(player, new URLSearchParams(location.hash.slice(1)));
+  return player;
 }
 
 /** The address may end with #t=120&layers=voice,laser&theme=light&play=1. */
@@ -106,4 +110,5 @@ async function startLive() {
     view.rebuild();
   };
   mission.onclose = () => fail("The simulation has ended, or its program was closed.");
+  return player;
 }

@@ -161,6 +161,12 @@ export class View {
     return point.z > 1 ? null : [(point.x + 1) / 2, (1 - point.y) / 2];
   }
 
+  /** Wait until everything is drawn: reading a pixel does. What is compiled for the first picture would delay the first seek. */
+  finish() {
+    const context = this.renderer.getContext();
+    context.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, new Uint8Array(4));
+  }
+
   /** Keep the selected robot in the middle of the view. */
   _follow(frame) {
     const pose = this.selected === null ? null : frame.poses[this.selected];
