@@ -25,6 +25,9 @@ SAVED: frozenset[VictimState] = frozenset(("saved", "safe"))
 OUT_OF_DANGER: frozenset[VictimState] = SAVED | {"dead"}
 """States that do not change any more."""
 
+COMPLETED: frozenset[MissionEnd] = frozenset(("areas_explored", "victims_safe", "search_over"))
+"""Ends of missions that were not cut short."""
+
 END_TEXTS: Mapping[str, str] = {
     "areas_explored": "all areas are explored",
     "victims_safe": "all victims are safe or dead",

@@ -84,7 +84,7 @@ def draw_times(panels: Sequence[Panel]) -> Figure:
     if any(not sample.finished.all() for _, sample, _ in rows):
         for limit_s in limits:
             axes.axvline(limit_s, color=INK, linewidth=0.9, linestyle=":")
-    axes.set(xlabel="time to explore all areas [s]", ylim=(-len(rows) + 0.35, 0.85))
+    axes.set(xlabel="time to the end of the mission [s]", ylim=(-len(rows) + 0.35, 0.85))
     axes.grid(axis="x", color=GRID, linewidth=0.7)
     axes.set_axisbelow(True)
     axes.tick_params(axis="y", length=0)

@@ -35,8 +35,8 @@ _MAX_SUMMARISED = 3
 READING = (
     (
         "durations",
-        "Time to explore all areas. A mission that was cut short counts as the time limit. Means are therefore "
-        "restricted means: the areas under the survival curves.",
+        "Time until all areas are explored, all victims are safe or dead, or the search is over. A mission that was "
+        "cut short counts as the time limit. Means are therefore restricted means: the areas under the survival curves.",
     ),
     (
         "differences between settings",

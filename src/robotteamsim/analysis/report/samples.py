@@ -13,6 +13,7 @@ import numpy as np
 from robotteamsim.campaign import Outcome, StoredCampaign, decode_paths
 from robotteamsim.campaign.design import settings_difference
 from robotteamsim.errors import CampaignError, RobotTeamSimError
+from robotteamsim.mission.status import COMPLETED
 from robotteamsim.palette import OURS
 from robotteamsim.scenario import Scenario
 from robotteamsim.scenario.yaml_text import shown
@@ -49,7 +50,7 @@ class Sample:
 
     @property
     def restricted_s(self) -> np.ndarray:
-        """Time to finish; a mission that was cut short counts as the limit."""
+        """Time to the end; a mission that was cut short counts as the limit."""
         return np.where(self.finished, self.time_s, self.limit_s)
 
     def time_given_s(self, victims_saved: int) -> np.ndarray:
@@ -243,7 +244,7 @@ def _sample(outcomes: Sequence[Outcome], limit_s: float) -> Sample:
 
     return Sample(
         time_s=column("time_s").astype(float),
-        finished=column("end") == "areas_explored",
+        finished=np.isin(column("end"), list(COMPLETED)),
         victims_saved=column("victims_saved"),
         areas_explored=column("areas_explored"),
         endangered=column("endangered_links"),

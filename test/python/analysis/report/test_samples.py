@@ -17,6 +17,14 @@ def test_missions_that_are_cut_short_count_with_the_limit(garage):
     assert campaign.cells[0].missions.restricted_s.tolist() == [600.0, 438.0, 447.0]
 
 
+@pytest.mark.parametrize("end", ["victims_safe", "search_over"])
+def test_missions_without_areas_count_with_their_time_when_they_are_over(garage, end):
+    stored = garage(10.0, trials=2)
+    first = dataclasses.replace(stored.outcomes[0], end=end, time_s=307.0)
+    campaign = read_campaign(dataclasses.replace(stored, outcomes=(first, *stored.outcomes[1:])), "here")
+    assert campaign.cells[0].missions.restricted_s.tolist() == [307.0, 438.0]
+
+
 def test_cells_are_named_by_their_settings(garage, arena):
     assert [cell.name for cell in read_campaign(garage(10.0, 15.0, trials=1), "here").cells] == ["10 dB", "15 dB"]
     assert [cell.name for cell in read_campaign(garage(trials=1), "here").cells] == ["garage_sar"]
