@@ -104,18 +104,21 @@ class RobotsElsewhere:
     def wait(self, is_present: Callable[[int], bool]) -> int | None:
         """Wait for the other world's next step and return its stamp [ns]; None if closed.
 
-        Args: is_present: whether a robot is present; each step needs a message of all that are.
+        Args: is_present: whether a robot is present; each step needs a message of all that are. Without robots, steps
+              follow each other in wall time.
         """
         begin_s, reported = time.monotonic(), False
         while True:
             with self._changed:
                 robots = [robot for robot_id, robot in self._robots.items() if is_present(robot_id)]
                 while not self._is_due(robots) and not self._closed:
-                    self._changed.wait(CHECK_PERIOD_S)
+                    is_news = self._changed.wait(CHECK_PERIOD_S if robots else self._step_ns / 1e9)
                     robots = [robot for robot_id, robot in self._robots.items() if is_present(robot_id)]
+                    if not robots and not is_news:
+                        break
                 if self._closed:
                     return None
-                stamp_ns = max(robot.pace_ns for robot in robots)
+                stamp_ns = max((robot.pace_ns for robot in robots), default=self._due_ns)
                 self._due_ns = max(self._due_ns, stamp_ns - self._step_ns) + self._step_ns
                 located = [robot.locate(stamp_ns) for robot in robots]
                 if all(located):
@@ -187,14 +190,16 @@ def _unlocated(robots: Sequence[_Robot]) -> str:
 class SensorsElsewhere:
     """The sensors of a team of which some robots are in another world."""
 
-    def __init__(self, sensors: Sensors, robots: RobotsElsewhere) -> None:
-        """Args: sensors: of the robots in this world."""
+    def __init__(self, sensors: Sensors, robots: RobotsElsewhere, world: AnyWorld) -> None:
+        """Args: sensors: of the robots in this world.  world: says who is present."""
         self._sensors = sensors
         self._robots = robots
+        self._world = world
 
     def read(self) -> TeamReadings:
-        """As for all sensors."""
+        """As for all sensors: the pose of an absent robot is NaN, wherever it lies in the other world."""
         team = list(self._sensors.read())
         for robot_id, reading in self._robots.readings().items():
-            team[robot_id] = reading
+            if self._world.present[robot_id]:
+                team[robot_id] = reading
         return TeamReadings.of(team)

@@ -212,6 +212,9 @@ class Simulation:
         Raises: ValueError: no such robot, or it is absent.
         """
         self.world.remove_robot(robot_id)
+        decisions = list(self._before.decisions)
+        decisions[robot_id] = Decision()
+        self._before = self._before._replace(decisions=tuple(decisions))
 
     def spawn_robot(self, robot_id: int, pose: Pose | None = None) -> None:
         """Spawn an absent robot, see `World.spawn_robot`; it starts with a new controller.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import threading
 import time
 from collections.abc import Callable
@@ -17,6 +18,8 @@ from robotteamsim.view.frame import Frame, ShownEvent, fallen_of, frame_of, show
 from robotteamsim.view.layers import LayerMap, field_layer, hazard_layers
 from robotteamsim.view.recorder import RadioCoverage, Recording
 from robotteamsim.view.scene import scene_of
+
+logger = logging.getLogger(__name__)
 
 _FRAME_WALL_S = 1.0 / 15.0
 """Least time between frames that are sent [s]."""
@@ -245,7 +248,8 @@ class LiveMission:
                     due_s += self._simulation.scenario.run.step_s / self._speed
                     try:
                         self._step()
-                    except Exception as error:  # a mistake of the user, which concerns all robots
+                    except Exception as error:  # its viewers see one line, the log has all
+                        logger.debug("the mission is paused", exc_info=True)
                         self._playing, self._error = False, f"{type(error).__name__}: {error}"
                 due_s = max(due_s, begin_s)  # a machine that is too slow does not catch up
                 self._publish()

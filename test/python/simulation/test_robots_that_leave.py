@@ -151,3 +151,15 @@ def test_every_controller_goes_on_without_a_teammate_and_with_a_new_one(algorith
     assert records[-1].present.all()
     if algorithm != "relay":  # a team of relays alone has nobody to connect, and stands still
         assert records[-1].readings[1].ground_truth != records[61].readings[1].ground_truth
+
+
+def test_robot_that_leaves_and_comes_back_at_once_has_lost_its_messages():
+    simulation = garage()
+    records = steps(simulation, 100)
+    sent = next(i for i, record in enumerate(records) if record.decisions[1].outbox)
+    again = garage()
+    record = steps(again, sent + 1)[-1]
+    assert record.decisions[1].outbox
+    again.remove_robot(1)
+    again.spawn_robot(1)
+    assert not [message for inbox in again.step().inboxes for message in inbox if message.sender == 1]

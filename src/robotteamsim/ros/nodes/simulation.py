@@ -238,7 +238,7 @@ class SimulationNode:
         setup, scenario = self._settings.setup, self._settings.scenario
         world, sensors = make_world(scenario, self._robots), None
         if self._elsewhere is not None:
-            sensors = SensorsElsewhere(RobotSensors(world, self._robots, scenario.run.seed), self._elsewhere)
+            sensors = SensorsElsewhere(RobotSensors(world, self._robots, scenario.run.seed), self._elsewhere, world)
         return Simulation(setup, world=world, sensors=sensors, controllers=self._controllers)
 
     def _begin(self) -> None:
