@@ -36,7 +36,8 @@ READING = (
     (
         "durations",
         "Time until all areas are explored, all victims are safe or dead, or the search is over. A mission that was "
-        "cut short counts as the time limit. Means are therefore restricted means: the areas under the survival curves.",
+        "cut short counts as the time limit. Means are therefore restricted means: the areas under the survival "
+        "curves.",
     ),
     (
         "differences between settings",
