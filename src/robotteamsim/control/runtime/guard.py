@@ -23,16 +23,8 @@ _LARGEST = 2**31 - 1
 
 _ORIGIN = (0.0, 0.0)
 _WHOLE = (int, np.integer)
-
-_STATUS: tuple[tuple[str, Any, int | None, str], ...] = (
-    ("excluded", (bool, np.bool_), None, "True or False"),
-    ("swarm", _WHOLE, OUTSIDE, f"a number from 0 on, or {OUTSIDE} for none"),
-    ("search_counter", _WHOLE, 0, "a number from 0 on"),
-    ("local_best", (float, int, np.number), None, "a number"),
-    ("fault", (str,), None, "text"),
-    ("done", (str,), None, "text"),
-)
-"""The status in a decision, which ROS messages and bags hold as it is: attribute, types, lowest value, description."""
+_TRUTHS = (bool, np.bool_)
+_NUMBERS = (float, int, np.number)
 
 _ADDRESS = re.compile(" at 0x[0-9a-f]+")
 
@@ -98,10 +90,22 @@ def problem_of(decision: Any, robot_id: int, num_robots: int) -> str:
         problem = _problem_of_message(message, robot_id, num_robots)
         if problem:
             return problem
-    for name, kinds, lowest, expected in _STATUS:
-        value = getattr(decision, name)
-        if not isinstance(value, kinds) or (lowest is not None and not lowest <= value <= _LARGEST):
-            return f"step returned {name} = {value!r:.60}; expected {expected}"
+    return _problem_of_status(decision)
+
+
+def _problem_of_status(decision: Decision) -> str:
+    """Return what is wrong with the status in a decision, which ROS messages and bags hold as it is."""
+    if not isinstance(decision.excluded, _TRUTHS):
+        return f"step returned excluded = {decision.excluded!r:.60}; expected True or False"
+    if not isinstance(decision.swarm, _WHOLE) or not OUTSIDE <= decision.swarm <= _LARGEST:
+        return f"step returned swarm = {decision.swarm!r:.60}; expected a number from 0 on, or {OUTSIDE} for none"
+    if not isinstance(decision.search_counter, _WHOLE) or not 0 <= decision.search_counter <= _LARGEST:
+        return f"step returned search_counter = {decision.search_counter!r:.60}; expected a number from 0 on"
+    if not isinstance(decision.local_best, _NUMBERS):
+        return f"step returned local_best = {decision.local_best!r:.60}; expected a number"
+    for name, text in (("fault", decision.fault), ("done", decision.done)):
+        if not isinstance(text, str):
+            return f"step returned {name} = {text!r:.60}; expected text"
     return ""
 
 
