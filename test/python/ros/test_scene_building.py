@@ -68,6 +68,18 @@ def test_tops_of_walls_cover_each_spot_once_where_walls_cross():
     assert shapely.union_all(tops).area == pytest.approx(2 * 10 * 0.2 + (6 - 2 * 0.2) * 0.2 + 3.0 + 0.25)
 
 
+def test_sides_are_brighter_toward_the_sun_in_the_north_west():
+    item = only(building_markers(PLAN, 1.0), "walls")
+    light = {}
+    for i in range(0, len(item.points), 3):
+        (a, b, c), tint = item.points[i : i + 3], item.colors[i]
+        if {point.x for point in (a, b, c)} == {8.0}:
+            light["west"] = tint.r
+        if {point.x for point in (a, b, c)} == {8.5}:
+            light["east"] = tint.r
+    assert light["west"] > light["east"]
+
+
 def test_plan_without_walls_is_a_bare_floor():
     bare = FloorPlan(name="field", bounds=Bounds(max=(3.0, 3.0)))
     assert {item.ns for item in building_markers(bare, 1.0)} == {"floor"}
