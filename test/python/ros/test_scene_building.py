@@ -72,12 +72,13 @@ def test_sides_are_brighter_toward_the_sun_in_the_north_west():
     item = only(building_markers(PLAN, 1.0), "walls")
     light = {}
     for i in range(0, len(item.points), 3):
-        (a, b, c), tint = item.points[i : i + 3], item.colors[i]
-        if {point.x for point in (a, b, c)} == {8.0}:
-            light["west"] = tint.r
-        if {point.x for point in (a, b, c)} == {8.5}:
-            light["east"] = tint.r
-    assert light["west"] > light["east"]
+        corners, tint = item.points[i : i + 3], item.colors[i]
+        light[frozenset(point.x for point in corners), "x"] = tint.r
+        light[frozenset(point.y for point in corners), "y"] = tint.r
+    west, east, south, north = (
+        light[frozenset({place}), axis] for place, axis in ((8.0, "x"), (8.5, "x"), (2.0, "y"), (2.5, "y"))
+    )
+    assert min(west, north) > max(east, south)
 
 
 def test_plan_without_walls_is_a_bare_floor():
