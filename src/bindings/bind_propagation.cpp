@@ -63,11 +63,6 @@ void BindRadio(nb::module_& m) {
         return propagation::RssiMatrixDbm(faces, model, positions_m);
       },
       "faces"_a, "model"_a, "positions_m"_a);
-  m.def(
-      "write_rssi_matrix_dbm",
-      [](const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions_m,
-         Eigen::Ref<propagation::CellValues> out) { propagation::WriteRssiMatrixDbm(faces, model, positions_m, out); },
-      "faces"_a, "model"_a, "positions_m"_a, "out"_a);
   m.def("write_best_rssi_map_dbm", &WriteBestMap, "faces"_a, "model"_a, "transmitters_m"_a, "floors_crossed"_a,
         "origin_m"_a, "resolution_m"_a, "out"_a, "threads"_a, OtherThreadsRun());
   m.def("write_rssi_maps_dbm", &WriteMaps, "faces"_a, "model"_a, "transmitters_m"_a, "floors_crossed"_a, "origin_m"_a,

@@ -255,7 +255,6 @@ def _signals() -> Iterator[Call]:
     yield new("propagation.path_loss_db", _FACES, _RADIO, (0.0, 1.0), (3.0, 1.0), 2)
     yield new("propagation.rssi_matrix_dbm", _FACES, _RADIO, _TEAM)
     yield new("propagation.rssi_matrix_dbm", _FACES, _RADIO, np.tile(_TEAM, (4, 1)))
-    yield new("propagation.write_rssi_matrix_dbm", _FACES, _RADIO, _TEAM, Output((3, 3), np.float64))
     radio = (_FACES, _RADIO, [(0.2, 0.3), (3.0, 2.0)], 1, _ORIGIN, _RESOLUTION_M)
     yield new("propagation.write_best_rssi_map_dbm", *radio, _CELLS_OUT, 1)
     yield new("propagation.write_rssi_maps_dbm", *radio, Output((12, 8)), 1)

@@ -97,6 +97,21 @@ def test_node_of_the_tutorial_drives_the_robot(folder):
     assert result_of(folder)["robots"][0]["distance_m"] > 1.0
 
 
+def test_garbage_on_topics_neither_ends_nor_hangs_a_node(folder):
+    command = (*ROSLAUNCH, "robotteamsim", "garage_sar.launch", "controllers:=team", "rviz:=false", "out:=out")
+    (folder / "garbage.py").write_text((Path(__file__).parent / "publish_garbage.py").read_text())
+    with running((*command, "set:=mission.time_limit_s=30", "speed:=3"), folder) as program:
+        program.wait_for(lambda line: "process[simulation" in line, "the mission's start")
+        with with_master(program.port, folder, "garbage.py"):
+            assert program.wait() == 0, program.output
+    assert "time limit reached" in program.output
+    assert "Traceback" not in program.output
+    assert "ignoring messages that cannot be read" in program.output
+    result = result_of(folder)
+    assert result["time_s"] == pytest.approx(30.0, abs=0.2)
+    assert min(robot["distance_m"] for robot in result["robots"]) > 1.0
+
+
 def test_invalid_place_for_controllers_ends_the_launch_with_one_line(folder):
     command = (*ROSLAUNCH, "robotteamsim", "garage_sar.launch", "controllers:=tema", "rviz:=false")
     with running(command, folder) as program:

@@ -14,12 +14,16 @@ TESTS = Path(__file__).parents[1]
 TIMEOUT_S = 900.0
 
 
-def output_of(name: str, *arguments: str) -> str:
-    """Return what a tool prints; it must find no faults."""
+def run_tool(name: str, *arguments: str) -> subprocess.CompletedProcess[str]:
     path = os.pathsep.join((str(TESTS / "ros"), str(TESTS / "fuzz"), os.environ["PYTHONPATH"]))
     command = (sys.executable, str(TESTS / "faults" / f"{name}.py"), *arguments)
     environment = os.environ | {"PYTHONPATH": path}
-    result = subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIMEOUT_S, env=environment)
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=TIMEOUT_S, env=environment)
+
+
+def output_of(name: str, *arguments: str) -> str:
+    """Return what a tool prints; it must find no faults."""
+    result = run_tool(name, *arguments)
     assert result.returncode == 0, result.stdout + result.stderr
     return result.stdout
 
@@ -39,3 +43,10 @@ def test_garbage_messages_end_and_hang_no_node(launch):
     output = output_of("garbage", "--messages=4000", "--silence=60", launch)
     assert output.startswith(f"{launch}: 4000 messages on ")
     assert output.endswith("\n0 faults\n")
+
+
+@pytest.mark.parametrize(("name", "what"), [("kill_nodes", "node"), ("garbage", "launch")])
+def test_tool_rejects_an_unknown_name(name, what):
+    result = run_tool(name, "nothing")
+    assert result.returncode == 2
+    assert re.search(rf"error: no {what} 'nothing'; expected (some|one) of", result.stderr)

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <limits>
+#include <random>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -28,6 +29,45 @@ TEST(ScanClearance, HitsLeaveOutBeamsWithoutReturn) {
   EXPECT_NEAR(hits[0].x, 1.1, 1e-12);
   EXPECT_NEAR(hits[0].y, 0.0, 1e-12);
   EXPECT_TRUE(ThreeBeams().Hits(std::vector<float>{2.0F, 2.0F, 2.0F}, 1.9).empty());
+}
+
+/// What FreeDistance returns, one hit after the other, for a laser at base_link.
+double PlainFreeDistance(const std::vector<base::Point>& hits, double heading_rad, double radius_m,
+                         double max_distance_m) {
+  double free = max_distance_m;
+  for (const base::Point& hit : hits) {
+    const double along = hit.x * std::cos(heading_rad) + hit.y * std::sin(heading_rad);
+    const double across = hit.y * std::cos(heading_rad) - hit.x * std::sin(heading_rad);
+    if (along <= 0.0 || radius_m * radius_m - across * across <= 0.0) continue;
+    const double touch = along - std::sqrt(radius_m * radius_m - across * across);
+    if (touch < 0.0 && along * along > 0.25 * (along * along + across * across)) return 0.0;
+    if (touch >= 0.0 && touch < free) free = touch;
+  }
+  return free;
+}
+
+TEST(ScanClearance, FreeDistanceOfRandomScansIsThatOfThePlainFormula) {
+  std::mt19937 random(5);  // NOLINT(bugprone-random-generator-seed): the same scans in each run
+  std::uniform_real_distribution<double> uniform(0.0, 1.0);
+  int blocked = 0, partly_free = 0;
+  for (int beams = 1; beams < 150; ++beams) {
+    const ScanClearance clearance({beams, -kPi / 2, kPi / 2, 0.0, 5.0});
+    const double nearest = 0.15 + 0.5 * uniform(random);
+    std::vector<float> ranges;
+    for (int i = 0; i < beams; ++i) ranges.push_back(static_cast<float>(nearest + uniform(random)));
+    const std::vector<base::Point> hits = clearance.Hits(ranges, 5.0);
+    ASSERT_EQ(static_cast<int>(hits.size()), beams);
+    for (int i = 0; i < 20; ++i) {
+      const double heading_rad = 2.0 * kPi * (uniform(random) - 0.5);
+      const double plain = PlainFreeDistance(hits, heading_rad, 0.25, 0.7);
+      EXPECT_EQ(clearance.FreeDistance(ranges, heading_rad, 0.25, 0.7), plain);
+      EXPECT_EQ(clearance.FreeDistances(ranges, {Direction(heading_rad)}, 0.25, 0.7).front(), plain);
+      blocked += plain == 0.0;
+      partly_free += plain > 0.0 && plain < 0.7;
+    }
+  }
+  EXPECT_GT(blocked, 50);
+  EXPECT_GT(partly_free, 500);
 }
 
 TEST(ScanClearance, DiscStopsWhereItTouchesTheHit) {

@@ -7,7 +7,6 @@
 #include <limits>
 #include <random>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 namespace robotteamsim::world {
@@ -175,15 +174,25 @@ TEST(FanCaster, EachBeamIsAnExactRayAmongWallsAndAHundredRobots) {
   }
   const World world = WorldOf(solids, robots);
   int differing = 0, returned = 0;
-  for (const auto& [low, high] :
-       {std::pair{-0.5 * kPi, 0.5 * kPi}, std::pair{-kPi, kPi}, std::pair{2.5, -1.0}, std::pair{-6.0, 6.0}}) {
-    const FanCaster caster(FanOf(181, low, high, 0.1), world);
+  const Fan fans[] = {
+      FanOf(181, -0.5 * kPi, 0.5 * kPi, 0.1),
+      FanOf(360, -kPi, kPi, 0.1),  // the last beam is the first one again
+      FanOf(181, 2.5, -1.0, 0.1),  // clockwise
+      FanOf(181, -6.0, 6.0, 0.1),  // nearly two turns
+      FanOf(1081, -2.3562, 2.3562, 0.1),
+      FanOf(2, 0.0, kPi, 0.1),
+      FanOf(1, 0.7, 0.7, 0.1),
+  };
+  for (const Fan& fan : fans) {
+    const FanCaster caster(fan, world);
     for (int robot = 0; robot < 100; ++robot) {
       const base::Pose& pose = world.poses()[robot];
       const base::Point origin{pose.x + 0.1 * std::cos(pose.yaw), pose.y + 0.1 * std::sin(pose.yaw)};
       const std::vector<double> ranges_m = caster.Cast(world, robot);
-      for (int beam = 0; beam < 181; ++beam) {
-        const double exact = RangeOf(world, robot, origin, pose.yaw + low + beam * (high - low) / 180.0, 5.0);
+      for (int beam = 0; beam < fan.beams; ++beam) {
+        const double share = static_cast<double>(beam) / std::max(fan.beams - 1, 1);
+        const double angle = fan.angle_min_rad + share * (fan.angle_max_rad - fan.angle_min_rad);
+        const double exact = RangeOf(world, robot, origin, pose.yaw + angle, 5.0);
         differing += !(ranges_m[beam] == exact || std::abs(ranges_m[beam] - exact) <= 1e-9);
         returned += ranges_m[beam] < 5.0;
       }

@@ -58,6 +58,7 @@ def test_benchmark_that_is_finished_only_writes_its_report_again(capsys, tmp_pat
     assert (tmp_path / "report.html").read_bytes() == page
     (difference,) = (row for row in first["tables"]["differences"] if row[""] == "victims saved")
     assert difference["first, second"] == "greedy, random_walk (warehouse, 20 dB, 3 robots)"
+    assert difference["pairs"] == "2"
 
 
 def test_patrol_reports_the_idleness_of_every_vertex(capsys, tmp_path):

@@ -54,27 +54,49 @@ def test_nearest_place_is_the_first_of_the_nearest():
         _core.base.nearest_point((0.0, 0.0), [])
 
 
-@pytest.mark.parametrize("beams", [5, 61])
-def test_clearest_place_is_half_or_a_whole_radius_away_and_no_nearer_to_the_hits_than_the_robot(beams):
+def hits_of(laser: Laser, ranges_m: np.ndarray, stride: int) -> np.ndarray:
+    """Return the hits of every `stride`-th beam in base_link, shape (n, 2) [m]."""
+    angles_rad = np.linspace(laser.angle_min_rad, laser.angle_max_rad, laser.beams)[::stride]
+    ranges_m = ranges_m[::stride].astype(float)
+    places_m = np.stack((laser.forward_m + ranges_m * np.cos(angles_rad), ranges_m * np.sin(angles_rad)), axis=1)
+    return places_m[ranges_m < laser.range_max_m * (1.0 - 1e-6)]
+
+
+def free_m(hits_m: np.ndarray, heading_rad: float, radius_m: float, most_m: float) -> float:
+    """Return how far a disc can move before it touches a hit; one inside it counts only within 60 degrees."""
+    along = hits_m @ (math.cos(heading_rad), math.sin(heading_rad))
+    across = hits_m @ (-math.sin(heading_rad), math.cos(heading_rad))
+    is_ahead = (along > 0.0) & (np.abs(across) < radius_m)
+    along, across = along[is_ahead], across[is_ahead]
+    touch = along - np.sqrt(radius_m**2 - across**2)
+    touch = touch[(touch >= 0.0) | (along > 0.5 * np.hypot(along, across))]
+    return max(touch.min(initial=most_m), 0.0)
+
+
+@pytest.mark.parametrize("beams", [5, 61, 181, 360])
+def test_clearest_place_is_the_best_of_13_headings_at_half_and_the_whole_radius(beams):
     rng, radius_m, found = np.random.default_rng(beams), 1.2, 0
     laser = Laser(beams=beams, forward_m=0.1)
-    surroundings, angles_rad = (
-        Surroundings(laser, radius_m),
-        np.linspace(laser.angle_min_rad, laser.angle_max_rad, beams),
-    )
+    surroundings = Surroundings(laser, radius_m)
+    headings_rad = np.linspace(laser.angle_min_rad, laser.angle_max_rad, 13)
     for _ in range(200):
         pose, ranges_m = Pose(*rng.uniform(-3.0, 3.0, 3).tolist()), scan(rng, beams)
-        hits_m = np.stack((0.1 + ranges_m * np.cos(angles_rad), ranges_m * np.sin(angles_rad)), axis=1)
-        hits_m = hits_m[ranges_m < laser.range_max_m]
+        hits_m = hits_of(laser, ranges_m, max(1, beams // 60))
         place_m = surroundings.clearest_place(pose, ranges_m)
-        is_near = np.hypot(*hits_m.T).min(initial=np.inf) < radius_m
-        assert (place_m is not None) == is_near
-        if place_m is None:
+        if np.hypot(*hits_m.T).min(initial=np.inf) >= radius_m:
+            assert place_m is None
             continue
         found += 1
-        x_m, y_m = (pose.inverse() @ Pose(*place_m, 0.0)).x_m, (pose.inverse() @ Pose(*place_m, 0.0)).y_m
-        assert math.hypot(x_m, y_m) == pytest.approx(radius_m * round(2.0 * math.hypot(x_m, y_m) / radius_m) / 2.0)
-        assert np.hypot(*(hits_m - (x_m, y_m)).T).min() >= np.hypot(*hits_m.T).min() - 1e-6
+        places_m = [(0.0, 0.0)] + [
+            (reach_m * math.cos(heading_rad), reach_m * math.sin(heading_rad))
+            for heading_rad in headings_rad
+            for reach_m in (0.5 * radius_m, radius_m)
+            if reach_m <= free_m(hits_m, heading_rad, 0.05, radius_m)
+        ]
+        near_m = hits_m[np.hypot(*hits_m.T) < 2.0 * radius_m]
+        best = max(places_m, key=lambda place, near_m=near_m: np.hypot(*(near_m - place).T).min())
+        expected = pose @ Pose(*best, 0.0)
+        assert place_m == pytest.approx((expected.x_m, expected.y_m), abs=1e-9)
     assert found > 50
 
 

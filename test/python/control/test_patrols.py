@@ -146,7 +146,7 @@ def test_reactive_robot_drives_around_a_ring_in_one_direction_and_sends_nothing(
         hall_scenario(
             robots=(PlacedRobot(start_pose=(4.5, 3.0, 0.0)),),
             control=REACTIVE,
-            mission=mission_of(patrol_of(((1, 3), (2, 0), (3, 1), (0, 2)))),
+            mission=mission_of(RING),
         )
     )
     goals: list[tuple[float, float]] = []
@@ -170,7 +170,7 @@ def test_messages_of_teammates_have_no_influence_on_a_reactive_robot(team, hall_
             hall_scenario(
                 robots=(PlacedRobot(start_pose=(4.0, 3.0, 0.0)),),
                 control=REACTIVE,
-                mission=mission_of(patrol_of(((1, 3), (2, 0), (3, 1), (0, 2)))),
+                mission=mission_of(RING),
             )
         )
         hall.hear_messages = messages

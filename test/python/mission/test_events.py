@@ -2,6 +2,8 @@
 
 import math
 
+import pytest
+
 from robotteamsim.mission import events
 from robotteamsim.mission.events import Event, Happening, LinkEndangered, VictimDied, VictimLocated
 
@@ -10,11 +12,20 @@ def name(robot_id: int) -> str:
     return {4: "firefighter 0"}.get(robot_id, f"robot {robot_id}")
 
 
-def test_each_event_has_a_kind_of_its_own():
+def classes_of_events():
+    """Return the classes with a kind; the others are bases."""
     classes = [found for found in vars(events).values() if isinstance(found, type) and issubclass(found, Happening)]
-    kinds = [found.__struct_config__.tag for found in classes if not found.__name__.startswith("Of")]
-    kinds.remove(None)  # the base class
+    return [found for found in classes if found.__struct_config__.tag is not None]
+
+
+def test_each_event_has_a_kind_of_its_own():
+    kinds = [found.__struct_config__.tag for found in classes_of_events()]
     assert len(set(kinds)) == len(kinds) > 30
+
+
+@pytest.mark.parametrize("event", classes_of_events())
+def test_each_event_has_words(event):
+    assert event.template or event._words is not Happening._words
 
 
 def test_event_has_its_values_and_its_words():

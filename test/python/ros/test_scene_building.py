@@ -68,6 +68,19 @@ def test_tops_of_walls_cover_each_spot_once_where_walls_cross():
     assert shapely.union_all(tops).area == pytest.approx(2 * 10 * 0.2 + (6 - 2 * 0.2) * 0.2 + 3.0 + 0.25)
 
 
+def test_sides_are_brighter_toward_the_sun_in_the_north_west():
+    item = only(building_markers(PLAN, 1.0), "walls")
+    light = {}
+    for i in range(0, len(item.points), 3):
+        corners, tint = item.points[i : i + 3], item.colors[i]
+        light[frozenset(point.x for point in corners), "x"] = tint.r
+        light[frozenset(point.y for point in corners), "y"] = tint.r
+    west, east, south, north = (
+        light[frozenset({place}), axis] for place, axis in ((8.0, "x"), (8.5, "x"), (2.0, "y"), (2.5, "y"))
+    )
+    assert min(west, north) > max(east, south)
+
+
 def test_plan_without_walls_is_a_bare_floor():
     bare = FloorPlan(name="field", bounds=Bounds(max=(3.0, 3.0)))
     assert {item.ns for item in building_markers(bare, 1.0)} == {"floor"}

@@ -6,6 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import yaml
+from pydantic import TypeAdapter
+
+from robotteamsim.scenario.sensors import AnySensor
 
 _VALID = """
 name: invalid
@@ -24,6 +27,14 @@ CASES: dict[str, dict[str, Any]] = yaml.safe_load(
     (Path(__file__).parents[2] / "data" / "invalid_scenarios.yaml").read_text(encoding="utf-8")
 )
 """Changes, or the text of the whole file, and the message that refuses it (`expect`), by name."""
+
+
+def message_of(name: str) -> str:
+    """Return the message that rejects an invalid scenario."""
+    schema = TypeAdapter(AnySensor).json_schema()
+    sensors = (schema["$defs"][one["$ref"].rpartition("/")[2]] for one in schema["oneOf"])
+    kinds = ", ".join(sensor["properties"]["kind"]["const"] for sensor in sensors)
+    return str(CASES[name]["expect"]).replace("{sensor_kinds}", kinds)
 
 
 def text_of(name: str) -> str:

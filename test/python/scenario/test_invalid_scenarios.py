@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from invalid_scenarios import CASES, text_of
+from invalid_scenarios import CASES, message_of, text_of
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario import load
@@ -18,7 +18,7 @@ def test_invalid_scenario_is_rejected_with_its_exact_message(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     Path(f"{name}.yaml").write_text(text_of(name), encoding="utf-8")
-    expected = CASES[name]["expect"]
+    expected = message_of(name)
     # A syntax error names its line: "name.yaml:4: ...".
     place = f"{name}.yaml:{expected[5:]}" if expected.startswith("line ") else f"{name}.yaml: {expected}"
     with pytest.raises(ScenarioError) as raised:

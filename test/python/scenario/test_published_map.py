@@ -10,11 +10,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+import yaml
 
 from robotteamsim.rng import stream
 from robotteamsim.scenario import load, occupancy_grid
 from robotteamsim.scenario.map_image import CACHED_PIXELS, import_map, published_map
 
+DATA = Path(__file__).parents[2] / "data"
 THRESHOLDS = [(0.65, 0.196), (0.4, 0.1)]
 
 
@@ -116,3 +118,15 @@ def test_processes_that_import_one_image_at_once_get_the_same_plan(
         plans = list(pool.map(import_map, 6 * [path]))
     assert all(plan == plans[0] for plan in plans)
     assert [file.suffix for file in (tmp_path / "cache").rglob("*") if file.is_file()] == [".json"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["one_r5", "cumberland", "diag_labs"])
+def test_map_of_a_real_building_is_that_of_map_server_cell_by_cell(name: str) -> None:
+    settings = yaml.safe_load((DATA / "maps" / f"{name}.yaml").read_text(encoding="utf-8"))
+    thresholds = settings["occupied_thresh"], settings["free_thresh"]
+    values = np.array([_value([grey], False, "trinary", *thresholds) for grey in range(256)], np.int8)
+    image = cv2.imread(str(DATA / "maps" / settings["image"]), cv2.IMREAD_UNCHANGED)
+    grid = published_map(load(DATA / "scenarios" / f"{name}.yaml"))
+    np.testing.assert_array_equal(grid.cells, values[np.flipud(image)])
+    assert grid.resolution_m == settings["resolution"]

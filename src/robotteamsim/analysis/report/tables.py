@@ -150,16 +150,18 @@ def _given_victims(panels: Sequence[Panel]) -> Table:
 
 def difference_table(contrasts: Sequence[Contrast]) -> Table:
     """Return differences between settings: the name, the values of both, the difference, effect size and p of each."""
+    paired = any(c.pairs is not None for c in contrasts)
     rows = []
     for c in contrasts:
         means = tuple(f"{value:.{c.decimals}f}" for value in c.values)
         shift = interval_text(c.difference, c.decimals)
-        pair = f"{c.first}, {c.second}" + (f" ({c.where})" if c.where else "")
-        rows.append((pair, c.quantity, *means, shift, f"{c.superiority:.2f}", p_text(c.p)))
-    paired = any(c.pairs is not None for c in contrasts)
+        setting = f"{c.first}, {c.second}" + (f" ({c.where})" if c.where else "")
+        pairs = (str(c.pairs),) if paired else ()
+        rows.append((setting, c.quantity, *pairs, *means, shift, f"{c.superiority:.2f}", p_text(c.p)))
     test = "Wilcoxon, pairs of equal seed" if paired else "Mann-Whitney"
     title = f"Differences between settings: second minus first with 95 % t interval; {test}, p after Holm"
-    head = ("first, second", "", "first", "second", "difference", "P(second larger)", "p")
+    values = ("first", "second", "difference", "P(second larger)", "p")
+    head = ("first, second", "", *(("pairs",) if paired else ()), *values)
     return Table("differences", title, head, tuple(rows), 2)
 
 

@@ -151,13 +151,14 @@ def course(world, robots):
     for step in range(60):
         if step == 20:
             world.remove_robot(2)
+            world.spawn_robot(3)
             world.set_door("gate", closed=True)
             world.add_object(DRUM)
         if step == 40:
             world.remove_object("drum")
             world.spawn_robot(2, Pose(9.0, 4.0, 0.5))
             world.move_object("box", Pose(4.0, 4.0, 0.0))
-        world.step([Twist(0.5, 0.0, 0.1), Twist(-0.4, 0.0, math.sin(step)), Twist(0.3, 0.0, 0.5)])
+        world.step([Twist(0.5, 0.0, 0.1), Twist(-0.4, 0.0, math.sin(step)), Twist(0.3, 0.0, 0.5), FORWARD])
         readings = sensors.read()
         poses = [(pose.x_m, pose.y_m, pose.yaw_rad) for pose in world.objects().values()]
         state, odometry = readings.state, readings.state.odometry
@@ -171,15 +172,16 @@ def course(world, robots):
 @pytest.mark.slow
 def test_equal_calls_give_equal_worlds_also_after_a_reset(world_of):
     robots = tuple(PlacedRobot(start_pose=pose) for pose in ((2.0, 2.0, 0.0), (4.5, 2.2, 0.0), (9.0, 4.5, 0.0)))
+    robots += (PlacedRobot(start_pose=(2.0, 5.0, 0.0), present=False),)
     keys = {"objects": (BOX,), "door": {"motion": "swing"}}
     world = world_of(*robots, **keys)
     first = course(world, robots)
     assert course(world_of(*robots, **keys), robots) == first
     world.remove_robot(0)
     world.reset()
-    assert world.present.all()
+    assert world.present.tolist() == [True, True, True, False]
     assert list(world.objects()) == ["box"]
-    assert (world.step_index, world.sim_time_ns, world.arrivals) == (0, 0, (1, 1, 1))
+    assert (world.step_index, world.sim_time_ns, world.arrivals) == (0, 0, (1, 1, 1, 0))
     assert course(world, robots) == first
 
 
