@@ -195,6 +195,8 @@ class Simulation:
     def _follow_doors(self) -> None:
         """Let voices and radio through the doors that are open now."""
         doors = self.world.door_states()
+        if doors.version == self._doors.version:
+            return
         for name, closed in doors.closed_since(self._doors).items():
             self.hearing.sensor.set_door(name, closed)
             self.network.radio.set_door(name, closed)
