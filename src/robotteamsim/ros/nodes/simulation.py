@@ -184,7 +184,9 @@ class SimulationNode:
 
     def _publish_sensed(self, inputs: TeamInputs) -> None:
         simulation = self._simulation
-        self._record.publish_presence(inputs.sim_time_ns, simulation.world, simulation.hazards.failed)
+        self._record.publish_presence(
+            inputs.sim_time_ns, inputs.present, inputs.arrivals, simulation.world, simulation.hazards.failed
+        )
         self._team.publish(inputs)
         self._heard.publish(inputs)
         self._publish_clock(inputs.sim_time_ns)
