@@ -30,7 +30,7 @@ FLOORS = (
     ("campaign",),
     ("analysis",),
     ("view",),
-    ("shell",),
+    ("node_parts",),
     ("cli", "notebook", "ros"),
 )
 FLOOR_OF = {part: floor for floor, parts in enumerate(FLOORS) for part in parts}

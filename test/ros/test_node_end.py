@@ -21,7 +21,7 @@ pytestmark = pytest.mark.filterwarnings("ignore")
 WAITING_NODE = """
 import sys
 from robotteamsim.ros.node import on_shutdown, run
-from robotteamsim.shell.steps import Steps
+from robotteamsim.node_parts.steps import Steps
 
 def serve():
     steps = Steps("/pace", lambda *_: ["/pace"], print)

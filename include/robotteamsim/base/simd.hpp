@@ -7,8 +7,8 @@
 // macro with the parameters (name, attributes) defines that function; ROBOTTEAMSIM_FOR_EACH_SIMD expands it for all
 // sets, and SimdVersion picks one. On other machines than x86 all versions are the portable one.
 // The attribute target_clones is shorter, but a test could not run each version, and it needs ELF. Highway would be a
-// dependency of each wheel and of each program that links the library, for three loops that need no intrinsics. Use
-// this only where `make bench` shows that it matters: in the loops over maps and links.
+// dependency of each wheel and of each program that links the library, for loops that need no intrinsics. Use this
+// only where `make bench` shows that it matters: in the loops over maps and links.
 #if defined(__GNUC__) && defined(__x86_64__)
 #define ROBOTTEAMSIM_HAS_X86_TARGETS 1
 #define ROBOTTEAMSIM_AVX2 __attribute__((target("avx2")))

@@ -30,6 +30,7 @@ _OUR_FILES = {STORE_NAME, f"{STORE_NAME}-wal", f"{STORE_NAME}-shm", f".part-{STO
 _OUR_FILES |= {f".part-{STORE_NAME}-journal", CSV_NAME, f".part-{CSV_NAME}"}
 
 _FORMAT = 3
+_LACKS = {1: "the robots' paths", 2: "the discoveries delivered to a base"}
 _APPLICATION_ID = 0x52545343  # "RTSC" identifies our databases.
 _COLUMNS = tuple(field.name for field in dataclasses.fields(Outcome))
 _SCHEMA = f"""
@@ -148,7 +149,8 @@ def read_store(folder: Path) -> StoredCampaign:
             raise CampaignError(f"{path}: is not the store of a campaign")
         known = dict(database.execute("SELECT name, value FROM campaign").fetchall())
         if (number := int(known["format"])) != _FORMAT:
-            raise CampaignError(f"{path}: has format {number}; expected {_FORMAT}: choose another folder")
+            lacks = f", which lacks {_LACKS[number]}" if number in _LACKS else ""
+            raise CampaignError(f"{path}: has format {number}{lacks}; expected {_FORMAT}: choose another folder")
         settings, of_versions = json.loads(known["settings"]), json.loads(known["versions"])
         # Rows that older stores lack have the value that was the only one then.
         settings = {"paired": False} | settings

@@ -13,13 +13,13 @@ from typing import Any
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import PoseReading
 from robotteamsim.message_parts import robot_name
+from robotteamsim.node_parts.steps import REPORT_TIMEOUT_S
+from robotteamsim.node_parts.tf_pose import TfPose
 from robotteamsim.ros.inputs import RobotInputs
 from robotteamsim.ros.settings import Settings
 from robotteamsim.ros.transforms import TfTransforms
 from robotteamsim.sensing.readings import RobotReading, TeamReadings
 from robotteamsim.sensing.robots import Sensors
-from robotteamsim.shell.steps import REPORT_TIMEOUT_S
-from robotteamsim.shell.tf_pose import TfPose
 from robotteamsim.world.contract import AnyWorld
 
 STALE_NS = 10**9

@@ -288,16 +288,24 @@ class RecordOutputs:
 
     def publish_beginning(self, simulation: Simulation) -> None:
         """Publish what there is before the first step; stamp 0 tells controllers that time starts again."""
-        self.publish_presence(0, simulation.world, ())
-        self.publish_objects(simulation.world)
+        world = simulation.world
+        self.publish_presence(0, world.present, world.arrivals, world, ())
+        self.publish_objects(world)
         if self._settings.mission:
             mission, voice_map = simulation.mission, simulation.hearing.sensor.map()
             beginning = _Beginning(mission.status, mission.victims, mission.noise_db, voice_map)
             self._publish((*MISSION_TOPICS, *VOICE_MAP_TOPICS), 0, beginning)
 
-    def publish_presence(self, time_ns: int, world: AnyWorld, failed: Sequence[int] | frozenset[int]) -> None:
-        """Publish which robots are present."""
-        values = world.present, world.arrivals, world.mishaps, failed, world.loads
+    def publish_presence(
+        self,
+        time_ns: int,
+        present: np.ndarray,
+        arrivals: Sequence[int],
+        world: AnyWorld,
+        failed: Sequence[int] | frozenset[int],
+    ) -> None:
+        """Publish which robots were present in a step, and what they cannot do or hold now."""
+        values = present, arrivals, world.mishaps, failed, world.loads
         self._presence.publish(ROBOTS.message(self._make, time_ns, *values))
 
     def publish_objects(self, world: AnyWorld) -> None:

@@ -16,6 +16,15 @@ GROWTH_KW_PER_S2: dict[Growth, float] = {"slow": 0.00293, "medium": 0.01172, "fa
 
 MAX_CELLS = 4_000_000
 
+BLOCK_M = 1.0
+"""Hot places count in blocks of this size, so that a fire that spreads changes maps only now and then."""
+
+Block = tuple[int, int]
+"""Row and column of a square of BLOCK_M, counted from the lower left corner of the plan."""
+
+REPLAN_NS = 5 * 10**9
+"""A map with new blocks is made at most once in this time, because it is expensive."""
+
 
 class Fuel(Model):
     """What burns in one place: a disc, a polygon, or the room that contains a point. Later entries replace earlier."""

@@ -11,7 +11,6 @@ from typing import Protocol
 
 import numpy as np
 
-from robotteamsim.control.driving.hot_places import BLOCK_M, REPLAN_NS, Block
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.hazards import HazardField, HazardSource, HeatStress, walking_speed_share
@@ -21,6 +20,7 @@ from robotteamsim.mission.status import OUT_OF_DANGER, VictimState
 from robotteamsim.network import Message, Network, NetworkState
 from robotteamsim.propagation import FieldMap, RadioField
 from robotteamsim.scenario.base import Point
+from robotteamsim.scenario.fire import BLOCK_M, REPLAN_NS, Block
 from robotteamsim.scenario.schedule import ScheduledEvent, in_order
 from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.sensing.voice import VoiceSensor

@@ -12,6 +12,7 @@ import numpy as np
 from robotteamsim import _core
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.building import Building, Doors
+from robotteamsim.scenario.fire import BLOCK_M, Block
 from robotteamsim.scenario.plan import FREE
 from robotteamsim.scenario.rescue import PeopleTuning
 from robotteamsim.scenario.scenario import Scenario
@@ -23,11 +24,8 @@ from robotteamsim.world.walking import Walk
 
 Motion = Literal["stands", "walks", "enclosed"]
 
-Block = tuple[int, int]
-"""Row and column of a square of 1 m, counted from the lower left corner of the plan."""
-
 _CELL_M = 0.1
-_PER_BLOCK = 10
+_PER_BLOCK = round(BLOCK_M / _CELL_M)
 """Cells along the side of a block."""
 _MARGIN_M = 0.05
 """Clearance of paths in addition to a person's radius."""
@@ -139,7 +137,7 @@ class People:
             )
 
     def avoid(self, hot: tuple[Block, ...]) -> None:
-        """Let nobody flee through these squares of 1 m, by row and column from the lower left corner of the plan."""
+        """Let nobody flee through these blocks."""
         self._hot = hot
         self._find_grid()
 

@@ -6,12 +6,12 @@ import pytest
 import rospy
 
 from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.node_parts.gate import Pacer
 from robotteamsim.recording.topics import robots
 from robotteamsim.ros.settings import Settings
 from robotteamsim.ros.stage import StageRequests, UnprefixedTypes
 from robotteamsim.scenario import load
 from robotteamsim.sensing.readings import OdometryReading
-from robotteamsim.shell.gate import Pacer
 
 
 @pytest.fixture

@@ -6,11 +6,11 @@ from collections.abc import Collection, Sequence
 import msgspec
 import numpy as np
 
-from robotteamsim.control.driving.hot_places import BLOCK_M, Block
 from robotteamsim.control.driving.known_map import GRID_RESOLUTION_M, known_map
 from robotteamsim.interface.discovery import Discovery
 from robotteamsim.interface.payload import Index, Point, Update, update_reader
 from robotteamsim.scenario.building import Building
+from robotteamsim.scenario.fire import BLOCK_M, Block
 from robotteamsim.swarm import Vector
 
 CELL_M = BLOCK_M

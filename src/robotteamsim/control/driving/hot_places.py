@@ -8,25 +8,17 @@ from collections.abc import Iterable
 import numpy as np
 
 from robotteamsim import _core
+from robotteamsim.scenario.fire import BLOCK_M, REPLAN_NS, Block
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import OCCUPIED, OccupancyGrid
 from robotteamsim.scenario.sensors import HeatReading
 from robotteamsim.sensing.readings import RobotReading
-
-BLOCK_M = 1.0
-"""Hot places count in blocks of this size, so that a fire that spreads changes the map only now and then."""
-
-REPLAN_NS = 5 * 10**9
-"""A map with new blocks is made at most once in this time, because it is expensive."""
 
 _NEAR_M = 0.5
 """A robot with free floor within this distance finds paths; otherwise it would drive straight to its goal."""
 
 _FARTHEST_WAY_OUT_M = 10.0
 """How far away a robot looks for a cold place [m]: about the depth of the largest fire that it may be overtaken by."""
-
-Block = tuple[int, int]
-"""Row and column of a square of BLOCK_M, counted from the lower left corner of the plan."""
 
 
 class HotPlaces:

@@ -5,8 +5,9 @@ import math
 import numpy as np
 
 from robotteamsim import _core
-from robotteamsim.control.driving.hot_places import Block, with_hot_blocks
+from robotteamsim.control.driving.hot_places import with_hot_blocks
 from robotteamsim.scenario.building import Building, Doors
+from robotteamsim.scenario.fire import Block
 from robotteamsim.scenario.plan import FREE
 from robotteamsim.swarm import Vector
 

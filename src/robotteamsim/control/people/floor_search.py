@@ -7,9 +7,10 @@ import math
 import msgspec
 
 from robotteamsim.control.cover.floor_cover import CoverUpdate, FloorCover
-from robotteamsim.control.driving.hot_places import Block, HotPlaces
+from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.controllers.cover import FloorSearchTuning
+from robotteamsim.scenario.fire import Block
 from robotteamsim.setup import Setup
 
 _SLOWEST_MPS = 0.3

@@ -12,6 +12,8 @@ from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.message_parts import robot_name
 from robotteamsim.network.messages import Message
+from robotteamsim.node_parts.steps import Step, Steps
+from robotteamsim.node_parts.tf_pose import TfPose
 from robotteamsim.recording.topics.decisions import STAMPED_COMMAND
 from robotteamsim.recording.topics.mission import MISSION_STATUS
 from robotteamsim.recording.topics.radio import INBOX, VOICE
@@ -21,8 +23,6 @@ from robotteamsim.ros.node import ParameterError, on_shutdown, parameter, run
 from robotteamsim.ros.outputs import Decided, decision_outputs
 from robotteamsim.ros.settings import Settings, read_seed, read_settings
 from robotteamsim.ros.transforms import TfTransforms
-from robotteamsim.shell.steps import Step, Steps
-from robotteamsim.shell.tf_pose import TfPose
 
 logger = logging.getLogger(__name__)
 

@@ -17,6 +17,9 @@ from std_srvs.srv import Empty, EmptyResponse, Trigger, TriggerRequest, TriggerR
 
 from robotteamsim import srv
 from robotteamsim.analysis.runs.tables import print_totals
+from robotteamsim.node_parts.gate import FairLock, Gate, Pacer
+from robotteamsim.node_parts.motion import StepMotion
+from robotteamsim.node_parts.requests import CHANGES, CHANGES_OF_BODIES, Change, pose_of
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording import ResultWriter, TumWriter
 from robotteamsim.recording.topics import Source
@@ -34,9 +37,6 @@ from robotteamsim.ros.stage import StageRequests
 from robotteamsim.ros.subscriptions import recorded_topics, wait_for_subscribers
 from robotteamsim.ros.topics import Output
 from robotteamsim.sensing.robots import RobotSensors
-from robotteamsim.shell.gate import FairLock, Gate, Pacer
-from robotteamsim.shell.motion import StepMotion
-from robotteamsim.shell.requests import CHANGES, CHANGES_OF_BODIES, Change, pose_of
 from robotteamsim.simulation import Observer, Simulation, StepRecord, TeamInputs
 from robotteamsim.simulation.trial import Trial
 from robotteamsim.world.world import make_world
@@ -184,7 +184,9 @@ class SimulationNode:
 
     def _publish_sensed(self, inputs: TeamInputs) -> None:
         simulation = self._simulation
-        self._record.publish_presence(inputs.sim_time_ns, simulation.world, simulation.hazards.failed)
+        self._record.publish_presence(
+            inputs.sim_time_ns, inputs.present, inputs.arrivals, simulation.world, simulation.hazards.failed
+        )
         self._team.publish(inputs)
         self._heard.publish(inputs)
         self._publish_clock(inputs.sim_time_ns)

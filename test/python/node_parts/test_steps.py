@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from robotteamsim.shell.steps import MAX_STEPS, Steps
+from robotteamsim.node_parts.steps import MAX_STEPS, Steps
 
 PACE, OTHER = "pace", "other"
 
@@ -101,8 +101,8 @@ def steps_that_end_with_a_warning(warned: list[str]) -> Steps:
 
 
 def test_wait_is_reported_with_the_missing_topics(warned, monkeypatch):
-    monkeypatch.setattr("robotteamsim.shell.steps.REPORT_TIMEOUT_S", 0.0)
-    monkeypatch.setattr("robotteamsim.shell.steps.CHECK_PERIOD_S", 0.0)
+    monkeypatch.setattr("robotteamsim.node_parts.steps.REPORT_TIMEOUT_S", 0.0)
+    monkeypatch.setattr("robotteamsim.node_parts.steps.CHECK_PERIOD_S", 0.0)
     steps = steps_that_end_with_a_warning(warned)
     add(steps, 1, PACE)
     assert steps.take() is None

@@ -5,7 +5,7 @@ import threading
 
 import pytest
 
-from robotteamsim.shell.gate import REANCHOR_S, Gate, Pacer
+from robotteamsim.node_parts.gate import REANCHOR_S, Gate, Pacer
 
 
 class World:

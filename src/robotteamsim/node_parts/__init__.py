@@ -1,0 +1,1 @@
+"""Parts of the nodes of ROS that need no ROS."""
