@@ -103,7 +103,8 @@ def test_changes_of_a_paused_mission_are_shown_before_the_next_step(mission: Liv
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ('{"command": "set_noise", "noise_db": -1}', ">= 0.0"),
+        ('{"command": "set_noise", "noise_db": -1}', "noise_db: -1.0 is below 0"),
+        ('{"command": "set_noise", "noise_db": 81}', "noise_db: 81.0 is above 80"),
         ('{"command": "set_noise", "noise_db": NaN}', "malformed"),
         ('{"command": "set_door", "name": "none", "closed": true}', "unknown door 'none'"),
         ('{"command": "set_victim", "name": "eve", "position_m": [1e300, 0]}', "<= 1000000.0"),
