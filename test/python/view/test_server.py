@@ -11,9 +11,10 @@ from playwright.sync_api import Browser
 from shown_page import READY_MS, opened, served, taken
 
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.sections import Run
+from robotteamsim.scenario.sections import PlacedRobot, Run
+from robotteamsim.scenario.sensors import Camera
 from robotteamsim.simulation import Simulation
-from robotteamsim.view.live import LiveMission, Pause, Restart, SetNoise, SetVictim, Step
+from robotteamsim.view.live import LiveMission, Pause, Play, Restart, SetNoise, SetVictim, Step
 from robotteamsim.view.server import ViewServer
 
 _WAIT_S = 60.0
@@ -86,6 +87,39 @@ def test_commands_change_the_mission_and_a_restart_begins_it_again(mission: Live
     assert again.restarted
     assert again.status["seed"] == 7
     assert len(again.frames[-1].victims) == 2
+
+
+@pytest.mark.slow
+def test_steps_after_a_command_draw_the_images_of_cameras(hall_scenario: Callable[..., Scenario]) -> None:
+    robot = PlacedRobot(start_pose=(3.0, 4.0, 0.0), sensors=(Camera(name="front", every_steps=1),))
+
+    def load(seed: int | None) -> Scenario:
+        return hall_scenario(robots=(robot,), run=Run(seed=seed or 1, world="mujoco"))
+
+    mission = LiveMission(load, speed=1000.0, playing=False)
+    mission.start()
+    viewer = mission.subscribe()
+    for command in (Step(), Restart(7), Step(), Play()):
+        mission.execute(command)
+    while (update := taken(mission, viewer)).frames[-1].time_s < 0.5:
+        assert update.status["error"] == ""
+    mission.close()
+
+
+def test_a_restart_that_fails_leaves_the_mission_as_it_is(
+    mission: LiveMission, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    viewer = mission.subscribe()
+    taken(mission, viewer)
+    with monkeypatch.context() as broken:
+        broken.setattr(Simulation, "step", lambda simulation: 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            mission.execute(Restart(7))
+    mission.execute(Step())
+    update = taken(mission, viewer)
+    assert not update.restarted
+    assert update.status["seed"] == 1
+    assert update.frames[-1].time_s == pytest.approx(0.2)
 
 
 def test_changes_of_a_paused_mission_are_shown_before_the_next_step(mission: LiveMission) -> None:
