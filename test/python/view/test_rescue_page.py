@@ -248,3 +248,5 @@ def test_live_page_shows_the_burning_cells(browser: Browser, server: ViewServer)
             f"(() => {{ const found = document.querySelector('.view').dataset, wanted = {json.dumps(wanted)};"
             "return Object.keys(wanted).every((key) => found[key] === wanted[key]); })()"
         )
+        earlier = seek(page, 5.0)
+        assert (earlier["time"], earlier["burning"], earlier["smoky"]) == ("5.0", wanted["burning"], wanted["smoky"])
