@@ -85,7 +85,7 @@ def film(maps: Sequence[LayerMap]) -> dict[str, Any] | None:
         "cell_m": maps[0].cell_m,
         "rows": rows,
         "columns": columns,
-        "times_s": [round(one.time_s, 3) for one in maps],
+        "times_s": [one.time_s for one in maps],
         "cells": cells,
         "changes": changes,
     }
@@ -115,7 +115,7 @@ def _frames(frames: Sequence[Frame]) -> list[dict[str, Any]]:
         if not now["scans_m"]:
             del now["scans_m"]
         changed = {key: value for key, value in now.items() if key not in known or value != known[key]}
-        found.append(changed | {"time_s": round(frame.time_s, 3)})
+        found.append(changed | {"time_s": frame.time_s})
         known |= changed
     return found
 

@@ -14,7 +14,7 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors import Camera
 from robotteamsim.simulation import Simulation
-from robotteamsim.view.live import LiveMission, Pause, Play, Restart, SetNoise, SetVictim, Step
+from robotteamsim.view.live import LiveMission, Pause, Play, Restart, SetLayers, SetNoise, SetVictim, Step
 from robotteamsim.view.server import ViewServer
 
 _WAIT_S = 60.0
@@ -87,6 +87,19 @@ def test_commands_change_the_mission_and_a_restart_begins_it_again(mission: Live
     assert again.restarted
     assert again.status["seed"] == 7
     assert len(again.frames[-1].victims) == 2
+
+
+def test_a_map_of_a_step_is_shown_at_the_time_of_its_frame(hall_scenario: Callable[..., Scenario]) -> None:
+    mission = LiveMission(lambda _: hall_scenario(run=Run(step_s=0.0333)), speed=1000.0, playing=False)
+    mission.start()
+    viewer = mission.subscribe()
+    mission.execute(SetLayers(taken(mission, viewer).viewer, ["voice"]))
+    taken(mission, viewer)
+    mission.execute(Step())
+    mission.execute(SetNoise(33.0))
+    update = taken(mission, viewer)
+    assert update.layers["voice"]["times_s"] == [update.frames[-1].time_s]
+    mission.close()
 
 
 @pytest.mark.slow
