@@ -103,15 +103,16 @@ def _document(recording: Recording) -> dict[str, Any]:
 
 
 def _frames(frames: Sequence[Frame]) -> list[dict[str, Any]]:
-    """Return frames without what is as in the frame before, without links, and rounded to hundredths.
+    """Return frames without what is as in the frame before, without links, and rounded.
 
     A frame without scans keeps those before it.
     """
     found: list[dict[str, Any]] = []
     known: dict[str, Any] = {}
     for frame in frames:
-        now = _rounded(msgspec.to_builtins(msgspec.structs.replace(frame, links=())))
+        now = _rounded(msgspec.to_builtins(msgspec.structs.replace(frame, links=())), 2)
         del now["links"]
+        now |= _rounded({"fiedler_value": frame.fiedler_value, "doors": frame.doors}, 3)
         if not now["scans_m"]:
             del now["scans_m"]
         changed = {key: value for key, value in now.items() if key not in known or value != known[key]}
@@ -128,10 +129,10 @@ def _matrix(frame: Frame) -> LayerMap:
     return LayerMap(frame.time_s, (0.0, 0.0), 1.0, signals)
 
 
-def _rounded(value: Any) -> Any:
-    """Return a value whose numbers are rounded to hundredths."""
+def _rounded(value: Any, digits: int) -> Any:
+    """Return a value whose numbers are rounded."""
     if isinstance(value, float):
-        return round(value, 2)
+        return round(value, digits)
     if isinstance(value, list | tuple):
-        return [_rounded(one) for one in value]
-    return {key: _rounded(one) for key, one in value.items()} if isinstance(value, dict) else value
+        return [_rounded(one, digits) for one in value]
+    return {key: _rounded(one, digits) for key, one in value.items()} if isinstance(value, dict) else value

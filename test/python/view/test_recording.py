@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 from rosbags.rosbag1 import Reader, Writer
@@ -46,6 +47,12 @@ def test_poses_and_states_are_kept_to_a_hundredth(recording: Recording) -> None:
             assert kept == pytest.approx(pose, abs=0.00501)
         assert [victim["state"] for victim in known["victims"]] == [victim.state for victim in frame.victims]
         assert known["explored"] == list(frame.explored)
+
+
+def test_fiedler_values_and_doors_are_kept_to_a_thousandth(recording: Recording) -> None:
+    frame = msgspec.structs.replace(recording.frames[0], fiedler_value=0.12345, doors=(0.98765,))
+    [kept] = _unpacked(dataclasses.replace(recording, frames=[frame]))["frames"]
+    assert (kept["fiedler_value"], kept["doors"]) == (0.123, [0.988])
 
 
 def test_links_are_kept_exactly(recording: Recording) -> None:
