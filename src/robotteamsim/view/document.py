@@ -15,8 +15,8 @@ from robotteamsim.view.frame import Frame
 from robotteamsim.view.layers import LayerMap
 from robotteamsim.view.recorder import Recording
 
-LINK = 1_000
-"""Added to the signals of links [dBm] in a film, in which 0 means no link."""
+NO_LINK = 10_000
+"""Replaces the signal [dBm] of a pair without a link; larger than any signal."""
 
 
 def packed(recordings: Sequence[Recording]) -> str:
@@ -97,7 +97,7 @@ def _document(recording: Recording) -> dict[str, Any]:
         **header(recording),
         "events": recording.events,
         "frames": _frames(recording.frames),
-        "links": film([_matrix(frame) for frame in recording.frames]),
+        "links": _links(recording.frames),
         "layers": {name: film(getattr(recording, name)) for name in layers},
     }
 
@@ -121,12 +121,22 @@ def _frames(frames: Sequence[Frame]) -> list[dict[str, Any]]:
     return found
 
 
-def _matrix(frame: Frame) -> LayerMap:
-    """Return the signals of a frame's links, in the row of the first robot and the column of the second."""
-    signals = np.zeros((len(frame.poses), len(frame.poses)), dtype=np.int16)
-    for first, second, signal_dbm in frame.links:
-        signals[first, second] = signal_dbm + LINK
-    return LayerMap(frame.time_s, (0.0, 0.0), 1.0, signals)
+def _links(frames: Sequence[Frame]) -> list[Any]:
+    """Return [first, second, indices, signals] of each pair that was ever linked.
+
+    Its signal [dBm] changes in the frames with these indices. Of indices and signals, the differences are written.
+    """
+    changes: dict[tuple[int, int], list[tuple[int, int]]] = {}
+    before: dict[tuple[int, int], int] = {}
+    for index, frame in enumerate(frames):
+        now = {(first, second): signal_dbm for first, second, signal_dbm in frame.links}
+        for pair in before.keys() - now.keys():
+            changes[pair].append((index, NO_LINK))
+        for pair, signal_dbm in now.items():
+            if signal_dbm != before.get(pair):
+                changes.setdefault(pair, []).append((index, signal_dbm))
+        before = now
+    return [[*pair, *np.diff(changes[pair], axis=0, prepend=[(0, 0)]).T.tolist()] for pair in sorted(changes)]
 
 
 def _rounded(value: Any, digits: int) -> Any:
