@@ -15,8 +15,8 @@ from robotteamsim.view.frame import Frame
 from robotteamsim.view.layers import LayerMap
 from robotteamsim.view.recorder import Recording
 
-LINK = 1_000
-"""Added to the signals of links [dBm] in a film, in which 0 means no link."""
+NO_LINK = 10_000
+"""Replaces the signal [dBm] of a pair without a link; larger than any signal."""
 
 
 def packed(recordings: Sequence[Recording]) -> str:
@@ -85,7 +85,7 @@ def film(maps: Sequence[LayerMap]) -> dict[str, Any] | None:
         "cell_m": maps[0].cell_m,
         "rows": rows,
         "columns": columns,
-        "times_s": [round(one.time_s, 3) for one in maps],
+        "times_s": [one.time_s for one in maps],
         "cells": cells,
         "changes": changes,
     }
@@ -97,41 +97,52 @@ def _document(recording: Recording) -> dict[str, Any]:
         **header(recording),
         "events": recording.events,
         "frames": _frames(recording.frames),
-        "links": film([_matrix(frame) for frame in recording.frames]),
+        "links": _links(recording.frames),
         "layers": {name: film(getattr(recording, name)) for name in layers},
     }
 
 
 def _frames(frames: Sequence[Frame]) -> list[dict[str, Any]]:
-    """Return frames without what is as in the frame before, without links, and rounded to hundredths.
+    """Return frames without what is as in the frame before, without links, and rounded.
 
     A frame without scans keeps those before it.
     """
     found: list[dict[str, Any]] = []
     known: dict[str, Any] = {}
     for frame in frames:
-        now = _rounded(msgspec.to_builtins(msgspec.structs.replace(frame, links=())))
+        now = _rounded(msgspec.to_builtins(msgspec.structs.replace(frame, links=())), 2)
         del now["links"]
+        now |= _rounded({"fiedler_value": frame.fiedler_value, "doors": frame.doors}, 3)
         if not now["scans_m"]:
             del now["scans_m"]
         changed = {key: value for key, value in now.items() if key not in known or value != known[key]}
-        found.append(changed | {"time_s": round(frame.time_s, 3)})
+        found.append(changed | {"time_s": frame.time_s})
         known |= changed
     return found
 
 
-def _matrix(frame: Frame) -> LayerMap:
-    """Return the signals of a frame's links, in the row of the first robot and the column of the second."""
-    signals = np.zeros((len(frame.poses), len(frame.poses)), dtype=np.int16)
-    for first, second, signal_dbm in frame.links:
-        signals[first, second] = signal_dbm + LINK
-    return LayerMap(frame.time_s, (0.0, 0.0), 1.0, signals)
+def _links(frames: Sequence[Frame]) -> list[Any]:
+    """Return [first, second, indices, signals] of each pair that was ever linked.
+
+    Its signal [dBm] changes in the frames with these indices. Of indices and signals, the differences are written.
+    """
+    changes: dict[tuple[int, int], list[tuple[int, int]]] = {}
+    before: dict[tuple[int, int], int] = {}
+    for index, frame in enumerate(frames):
+        now = {(first, second): signal_dbm for first, second, signal_dbm in frame.links}
+        for pair in before.keys() - now.keys():
+            changes[pair].append((index, NO_LINK))
+        for pair, signal_dbm in now.items():
+            if signal_dbm != before.get(pair):
+                changes.setdefault(pair, []).append((index, signal_dbm))
+        before = now
+    return [[*pair, *np.diff(changes[pair], axis=0, prepend=[(0, 0)]).T.tolist()] for pair in sorted(changes)]
 
 
-def _rounded(value: Any) -> Any:
-    """Return a value whose numbers are rounded to hundredths."""
+def _rounded(value: Any, digits: int) -> Any:
+    """Return a value whose numbers are rounded."""
     if isinstance(value, float):
-        return round(value, 2)
+        return round(value, digits)
     if isinstance(value, list | tuple):
-        return [_rounded(one) for one in value]
-    return {key: _rounded(one) for key, one in value.items()} if isinstance(value, dict) else value
+        return [_rounded(one, digits) for one in value]
+    return {key: _rounded(one, digits) for key, one in value.items()} if isinstance(value, dict) else value

@@ -46,6 +46,7 @@ def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | N
             f"{_LONGEST_S:.0f} s, and stamps of one clock"
         )
     layers = read_layers(paths, [robot.name for robot in run.robots] if len(run.robots) <= MOST_SCANNED else [])
+    _check_floor(layers)
     scene = _with_lasers(scene_of_run(run, scenario), layers)
     found = Recording(scene, run.name, _frames(run, layers, scene, scenario))
     for stamp_ns, event in run.events:
@@ -54,11 +55,20 @@ def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | N
         found.voice.append(field_layer((stamp_ns - run.start_ns) / 1e9, levels, 0.0))
     fire = scenario.fire if scenario is not None else None
     _add_hazards(found, layers, run.start_ns, (fire or Fire()).heat.block_c)
-    for topic, maps in ((VOICE_MAP, found.voice), (FIRE, found.fire), (SMOKE, found.smoke)):
-        if len({(one.values.shape, one.origin_m, one.cell_m) for one in maps}) > 1:
-            raise RecordingError(f"{topic.name}: maps of different sizes or places; expected one floor")
     found.scene = msgspec.structs.replace(scene, has_fire=bool(found.fire or found.smoke))
     return found
+
+
+def _check_floor(layers: BagLayers) -> None:
+    """Raises: RecordingError: maps of one topic have different sizes or places."""
+    floors = {
+        VOICE_MAP: {(one.values.shape, one.origin_m, one.resolution_m) for _, one in layers.voice.samples},
+        FIRE: {(one.cells.shape, one.origin_m, one.resolution_m) for _, one in layers.fire.samples},
+        SMOKE: {(one.cells.shape, one.origin_m, one.resolution_m) for _, one in layers.smoke.samples},
+    }
+    for topic, found in floors.items():
+        if len(found) > 1:
+            raise RecordingError(f"{topic.name}: maps of different sizes or places; expected one floor")
 
 
 def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenario | None) -> list[Frame]:

@@ -6,6 +6,7 @@ import logging
 import threading
 import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import Annotated, Any
 
 import msgspec
@@ -65,9 +66,9 @@ class Restart(Command, tag="restart"):
 
 
 class SetNoise(Command, tag="set_noise"):
-    """Set the background noise [dB]."""
+    """Set the background noise [dB]; the simulation checks its range."""
 
-    noise_db: Annotated[float, msgspec.Meta(ge=0.0, le=200.0)]
+    noise_db: float
 
 
 class SetDoor(Command, tag="set_door"):
@@ -144,6 +145,8 @@ class LiveMission:
         self._version = self._missions = 0
         self._is_closed = False
         self._error = ""
+        # The OpenGL context of a camera belongs to the thread that drew its first image.
+        self._stepper = ThreadPoolExecutor(1, "steps")
         with self._changed:
             self._begin(None)
         self._thread = threading.Thread(target=self._run, daemon=True, name="mission")
@@ -158,6 +161,8 @@ class LiveMission:
             self._is_closed = True
             self._changed.notify_all()
         self._thread.join()
+        self._stepper.submit(self._simulation.world.close_cameras)
+        self._stepper.shutdown()
 
     def execute(self, command: AnyCommand) -> None:
         """Execute a command between two steps. Raises: RobotTeamSimError, ValueError: it is not possible."""
@@ -212,9 +217,11 @@ class LiveMission:
         simulation = Simulation(scenario)
         scenario = simulation.scenario  # with the places of random victims
         simulation.mission.start()
-        self._simulation, self._coverage = simulation, RadioCoverage(scenario)
         recording = Recording(scene_of(simulation.setup), f"{scenario.name}, seed {scenario.run.seed}")
-        self._header = header(recording)
+        coverage = RadioCoverage(scenario)
+        record = self._stepper.submit(simulation.step).result()
+        # All that can fail comes before this, so that a failed restart changes nothing.
+        self._simulation, self._coverage, self._header = simulation, coverage, header(recording)
         self._missions += 1
         self._events: list[ShownEvent] = []
         self._fallen: frozenset[str] = frozenset()
@@ -224,7 +231,7 @@ class LiveMission:
         """The last map of each layer that somebody has shown, with its version."""
         self._hazards: HazardField | None = None
         self._radio_s, self._voice_version = -_RADIO_SIM_S, -1
-        self._note(simulation.step())
+        self._note(record)
         self._publish()
 
     def _is_running(self) -> bool:
@@ -277,11 +284,12 @@ class LiveMission:
                     if viewer.number == number:
                         viewer.layers = frozenset(layers)
             case Restart(seed):
+                self._stepper.submit(self._simulation.world.close_cameras)
                 self._begin(seed)
 
     def _step(self) -> None:
         if self._record.mission.state != "ended":
-            self._note(self._simulation.step())
+            self._note(self._stepper.submit(self._simulation.step).result())
 
     def _note(self, record: StepRecord) -> None:
         self._record = record

@@ -325,6 +325,10 @@ class AnyWorld(ABC):
         """
         raise CameraError(f"robots.cameras: '{camera.name}' needs run.world mujoco")
 
+    def close_cameras(self) -> None:
+        """Free what the cameras keep in the thread that draws their images, which has to call this, until the next."""
+        return
+
     def reset_positions(self) -> None:
         """Move all present robots to their start poses, at rest; time, objects and doors stay as they are."""
         for robot_id, pose in enumerate(self._start_poses):

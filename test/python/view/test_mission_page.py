@@ -35,6 +35,8 @@ def test_page_shows_the_numbers_of_the_recording_and_makes_no_request(
     with shown(browser, tmp_path, [recording]) as page:
         for index in (0, len(recording.frames) // 2, len(recording.frames) - 1):
             _check_numbers(seek(page, recording.frames[index].time_s + 0.01), recording, index)
+            captions = page.locator("#curves figcaption").all_text_contents()
+            assert f"links: {len(recording.frames[index].links)}" in captions
 
 
 def _check_numbers(found: dict[str, str], recording: Recording, index: int) -> None:

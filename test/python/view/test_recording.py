@@ -11,6 +11,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import msgspec
 import numpy as np
 import pytest
 from rosbags.rosbag1 import Reader, Writer
@@ -25,7 +26,7 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import Mission
 from robotteamsim.simulation import Observer, Simulation
-from robotteamsim.view.document import LINK, packed
+from robotteamsim.view.document import NO_LINK, packed
 from robotteamsim.view.frame import FAR_M, finite_ranges
 from robotteamsim.view.from_bag import recording_of, recording_of_bag
 from robotteamsim.view.recorder import FRAME_S, FrameRecorder, Recording
@@ -48,14 +49,20 @@ def test_poses_and_states_are_kept_to_a_hundredth(recording: Recording) -> None:
         assert known["explored"] == list(frame.explored)
 
 
+def test_fiedler_values_and_doors_are_kept_to_a_thousandth(recording: Recording) -> None:
+    frame = msgspec.structs.replace(recording.frames[0], fiedler_value=0.12345, doors=(0.98765,))
+    [kept] = _unpacked(dataclasses.replace(recording, frames=[frame]))["frames"]
+    assert (kept["fiedler_value"], kept["doors"]) == (0.123, [0.988])
+
+
 def test_links_are_kept_exactly(recording: Recording) -> None:
-    film = _unpacked(recording)["links"]
-    signals = np.zeros(film["rows"] * film["columns"], dtype=int)
-    for frame, cells, changes in zip(recording.frames, film["cells"], film["changes"], strict=True):
-        signals[np.cumsum(cells, dtype=int)] += np.array(changes, dtype=int)
-        pairs = (divmod(int(pair), film["columns"]) for pair in np.flatnonzero(signals))
-        links = [(*pair, int(signal) - LINK) for pair, signal in zip(pairs, signals[signals != 0], strict=True)]
-        assert links == sorted(frame.links)
+    pairs = [(a, b, np.cumsum(indices), np.cumsum(steps)) for a, b, indices, steps in _unpacked(recording)["links"]]
+    for index, frame in enumerate(recording.frames):
+        links = []
+        for first, second, changed, signals in pairs:
+            if changed[0] <= index:
+                links.append((first, second, int(signals[np.searchsorted(changed, index, side="right") - 1])))
+        assert [link for link in links if link[2] != NO_LINK] == sorted(frame.links)
 
 
 def test_frames_are_regular_and_end_with_the_mission(recording: Recording) -> None:

@@ -11,9 +11,10 @@ from playwright.sync_api import Browser
 from shown_page import READY_MS, opened, served, taken
 
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.sections import Run
+from robotteamsim.scenario.sections import PlacedRobot, Run
+from robotteamsim.scenario.sensors import Camera
 from robotteamsim.simulation import Simulation
-from robotteamsim.view.live import LiveMission, Pause, Restart, SetNoise, SetVictim, Step
+from robotteamsim.view.live import LiveMission, Pause, Play, Restart, SetLayers, SetNoise, SetVictim, Step
 from robotteamsim.view.server import ViewServer
 
 _WAIT_S = 60.0
@@ -88,6 +89,52 @@ def test_commands_change_the_mission_and_a_restart_begins_it_again(mission: Live
     assert len(again.frames[-1].victims) == 2
 
 
+def test_a_map_of_a_step_is_shown_at_the_time_of_its_frame(hall_scenario: Callable[..., Scenario]) -> None:
+    mission = LiveMission(lambda _: hall_scenario(run=Run(step_s=0.0333)), speed=1000.0, playing=False)
+    mission.start()
+    viewer = mission.subscribe()
+    mission.execute(SetLayers(taken(mission, viewer).viewer, ["voice"]))
+    taken(mission, viewer)
+    mission.execute(Step())
+    mission.execute(SetNoise(33.0))
+    update = taken(mission, viewer)
+    assert update.layers["voice"]["times_s"] == [update.frames[-1].time_s]
+    mission.close()
+
+
+@pytest.mark.slow
+def test_steps_after_a_command_draw_the_images_of_cameras(hall_scenario: Callable[..., Scenario]) -> None:
+    robot = PlacedRobot(start_pose=(3.0, 4.0, 0.0), sensors=(Camera(name="front", every_steps=1),))
+
+    def load(seed: int | None) -> Scenario:
+        return hall_scenario(robots=(robot,), run=Run(seed=seed or 1, world="mujoco"))
+
+    mission = LiveMission(load, speed=1000.0, playing=False)
+    mission.start()
+    viewer = mission.subscribe()
+    for command in (Step(), Restart(7), Step(), Play()):
+        mission.execute(command)
+    while (update := taken(mission, viewer)).frames[-1].time_s < 0.5:
+        assert update.status["error"] == ""
+    mission.close()
+
+
+def test_a_restart_that_fails_leaves_the_mission_as_it_is(
+    mission: LiveMission, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    viewer = mission.subscribe()
+    taken(mission, viewer)
+    with monkeypatch.context() as broken:
+        broken.setattr(Simulation, "step", lambda simulation: 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            mission.execute(Restart(7))
+    mission.execute(Step())
+    update = taken(mission, viewer)
+    assert not update.restarted
+    assert update.status["seed"] == 1
+    assert update.frames[-1].time_s == pytest.approx(0.2)
+
+
 def test_changes_of_a_paused_mission_are_shown_before_the_next_step(mission: LiveMission) -> None:
     viewer = mission.subscribe()
     first = taken(mission, viewer).frames[-1]
@@ -103,7 +150,8 @@ def test_changes_of_a_paused_mission_are_shown_before_the_next_step(mission: Liv
 @pytest.mark.parametrize(
     ("body", "said"),
     [
-        ('{"command": "set_noise", "noise_db": -1}', ">= 0.0"),
+        ('{"command": "set_noise", "noise_db": -1}', "noise_db: -1.0 is below 0"),
+        ('{"command": "set_noise", "noise_db": 81}', "noise_db: 81.0 is above 80"),
         ('{"command": "set_noise", "noise_db": NaN}', "malformed"),
         ('{"command": "set_door", "name": "none", "closed": true}', "unknown door 'none'"),
         ('{"command": "set_victim", "name": "eve", "position_m": [1e300, 0]}', "<= 1000000.0"),

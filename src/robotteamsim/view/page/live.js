@@ -28,6 +28,9 @@ export class LiveMission extends Mission {
     this.onanswer?.((await answer.json()).error ?? "");
   }
 
+  /** The last map of a layer, for the server sends no older ones. */
+  layerAt(name) { return super.layerAt(name, Infinity); }
+
   _receive(update) {
     this.status = update.status;
     if (update.restarted) {

@@ -1,6 +1,6 @@
 // A mission over time: its frames, events and maps, as document.py writes them into a page or live.py sends them.
 
-const LINK = 1000; // added to the signals of links [dBm], so that 0 means no link
+const NO_LINK = 10000; // instead of a signal [dBm]
 
 /** Whether a victim is out of danger. */
 export function isSaved(victim) {
@@ -15,6 +15,12 @@ export function lastIndex(entries, wanted, key = (entry) => entry) {
     if (key(entries[middle]) <= wanted) low = middle + 1; else high = middle;
   }
   return Math.max(low - 1, 0);
+}
+
+/** Numbers of which only the differences are stored. */
+function sums(differences) {
+  let sum = 0;
+  return Int32Array.from(differences, (difference) => (sum += difference));
 }
 
 /** Maps of whole numbers of which only the changes are stored. */
@@ -58,7 +64,7 @@ export class Mission {
 
   /** Begin with what does not change. */
   begin({ title, scene, palette }) {
-    Object.assign(this, { title, scene, palette, events: [], frames: [], layers: {}, links: null });
+    Object.assign(this, { title, scene, palette, events: [], frames: [], layers: {}, pairs: null });
   }
 
   /** Add events, frames and maps; the first frame may replace the last one. What a frame lacks is as before it. */
@@ -70,7 +76,8 @@ export class Mission {
       this.frames.push({ ...last, ...frame });
     }
     for (const [name, packed] of Object.entries(layers)) this.layers[name] = packed && new Film(packed);
-    if (links) this.links = new Film(links);
+    // A frame of a file lacks links; the signals of each pair change in the frames of these indices.
+    this.pairs = links?.map(([first, second, indices, signals]) => [first, second, sums(indices), sums(signals)]);
   }
 
   get start() { return this.frames[0]?.time_s ?? 0; }
@@ -83,17 +90,30 @@ export class Mission {
     const index = this._indexAt(time), frame = this.frames[index], next = this.frames[index + 1];
     const share = next ? Math.max((time - frame.time_s) / (next.time_s - frame.time_s), 0) : 0;
     const poses = frame.poses.map((pose, robot) => (next ? between(pose, next.poses[robot], share) : pose));
-    return { ...frame, time, poses, links: this._linksOf(frame) };
+    return { ...frame, time, poses, links: frame.links ?? this._linksAt(index) };
   }
 
-  /** The links of a frame: [[robot, other robot, signal in dBm], ...]. */
-  _linksOf(frame) {
-    if (!this.links) return frame.links;
-    const { values, columns } = this.links.at(frame.time_s), links = [];
-    values.forEach((signal, pair) => {
-      if (signal) links.push([Math.floor(pair / columns), pair % columns, signal - LINK]);
-    });
+  /** The links of a frame of a file: [[robot, other robot, signal in dBm], ...]. */
+  _linksAt(index) {
+    const links = [];
+    for (const [first, second, indices, signals] of this.pairs) {
+      const signal = indices[0] <= index ? signals[lastIndex(indices, index)] : NO_LINK;
+      if (signal !== NO_LINK) links.push([first, second, signal]);
+    }
     return links;
+  }
+
+  /** How many links each frame has. */
+  _linkCounts() {
+    if (!this.pairs) return this.frames.map((frame) => frame.links.length);
+    const changes = new Int32Array(this.frames.length);
+    for (const [, , indices, signals] of this.pairs) {
+      indices.forEach((index, i) => {
+        const wasLinked = i > 0 && signals[i - 1] !== NO_LINK;
+        changes[index] += (signals[i] !== NO_LINK) - wasLinked;
+      });
+    }
+    return sums(changes);
   }
 
   /** The map of a layer at a time, or null. */
@@ -118,13 +138,13 @@ export class Mission {
   /** Curves over time: {name: {times, values}}. */
   curves() {
     const stride = Math.max(Math.floor(this.frames.length / 600), 1);
-    const chosen = this.frames.filter((_, index) => index % stride === 0);
+    const isChosen = (_, index) => index % stride === 0, chosen = this.frames.filter(isChosen);
     const times = chosen.map((frame) => frame.time_s);
     const curve = (value) => ({ times, values: chosen.map(value) });
     return {
       areas: curve((frame) => frame.explored.filter(Boolean).length),
       saved: curve((frame) => frame.victims.filter(isSaved).length),
-      links: curve((frame) => this._linksOf(frame).length),
+      links: { times, values: this._linkCounts().filter(isChosen) },
       fiedler: curve((frame) => frame.fiedler_value),
     };
   }

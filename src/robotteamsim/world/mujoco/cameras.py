@@ -67,12 +67,17 @@ class Cameras:
         renderer.disable_depth_rendering()
         return depth_m
 
+    def close(self) -> None:
+        """See `AnyWorld.close_cameras`."""
+        for renderer in self._renderers.values():
+            renderer.close()
+        self._renderers = {}
+
     def _renderer(self, model: mujoco.MjModel, camera: Camera) -> mujoco.Renderer:
         """Return the renderer for a size; a new model needs new ones."""
         if model is not self._model:
-            for renderer in self._renderers.values():
-                renderer.close()
-            self._model, self._renderers = model, {}
+            self.close()
+            self._model = model
         size = camera.height_px, camera.width_px
         if size not in self._renderers:
             try:

@@ -103,6 +103,10 @@ class MujocoWorld(AnyWorld):
         """See `AnyWorld.image`."""
         return self._cameras.image(robot_id, camera)
 
+    def close_cameras(self) -> None:
+        """See `AnyWorld.close_cameras`."""
+        self._cameras.close()
+
     def reset_positions(self) -> None:
         """See `AnyWorld.reset_positions`."""
         super().reset_positions()
