@@ -93,14 +93,13 @@ def main() -> None:
 def take_picture(moment: Moment, screen: str, scratch: Path) -> None:
     """Run to the moment and write its picture."""
     launch = ["roslaunch", "robotteamsim", moment.launch, *RUN, *moment.arguments]
-    with (
-        running(launch, scratch / "launch.log"),
-        running([sys.executable, str(ROOT / "scripts" / "scene")], scratch / "scene.log"),
-    ):
-        pause_after(moment.steps)
-        path = IMAGES / f"{moment.name}.png"
-        draw(screen, scratch, path)
-        print(f"{path.relative_to(ROOT)}: {path.stat().st_size // 1024} kB")
+    with running(launch, scratch / "launch.log"):
+        rospy.wait_for_service("/pause", TIMEOUT_S)  # then the scenario, which the scene reads, has been launched
+        with running([sys.executable, str(ROOT / "scripts" / "scene")], scratch / "scene.log"):
+            pause_after(moment.steps)
+            path = IMAGES / f"{moment.name}.png"
+            draw(screen, scratch, path)
+            print(f"{path.relative_to(ROOT)}: {path.stat().st_size // 1024} kB")
 
 
 @contextmanager
@@ -172,7 +171,7 @@ def master_answers() -> bool:
 
 def draw(screen: str, scratch: Path, path: Path) -> None:
     """Show the scene, wait until it no longer changes, and write a picture."""
-    config = fitted(CONFIG, read_scenario())
+    config = fitted(CONFIG, read_scenario(rospy.get_param))
     width, height = (FINER * pixels for pixels in SIZE)
     config["Window Geometry"] |= {"Width": width, "Height": height}
     config_path = scratch / "view.rviz"
