@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+import rosgraph
 import rospy
 from geometry_msgs.msg import Twist
 from listening import Topic, call, speed_mps
@@ -36,9 +37,15 @@ class Robot:
         self.scan = Topic("/robot_0/base_scan", LaserScan)
         self.contact = Topic("/robot_0/contact", Contact)
         self._output = rospy.Publisher("/robot_0/cmd_vel", Twist, queue_size=10, tcp_nodelay=True)
-        while not self._output.get_num_connections():
+        while not self._is_heard_by_gazebo():
             rospy.rostime.wallsleep(0.05)
         self.truth.next()
+
+    def _is_heard_by_gazebo(self) -> bool:
+        """Whether all subscribers are connected, Gazebo among them; the simulation subscribes, too, and is sooner."""
+        _, subscribers, _ = rosgraph.Master(rospy.get_name()).getSystemState()
+        nodes = dict(subscribers).get(self._output.resolved_name, [])
+        return "/gazebo" in nodes and self._output.get_num_connections() >= len(nodes)
 
     def send(self, twist: Twist, steps: int) -> list[Odometry]:
         """Send a command once and return the ground truth of the next steps."""
