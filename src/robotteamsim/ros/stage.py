@@ -6,10 +6,10 @@ import logging
 from collections.abc import Callable
 from typing import Any
 
-import rospy
 from std_msgs.msg import String
 
 from robotteamsim.message_parts import robot_name
+from robotteamsim.ros.inputs import Input
 from robotteamsim.ros.messages import RosTypes
 
 REQUESTS = "/stageGUIRequest"
@@ -51,7 +51,7 @@ class StageRequests:
     def __init__(self, set_speed: Callable[[float], None]) -> None:
         """Args: set_speed: sets simulated over wall time; raises ValueError for a wrong one."""
         self._set_speed = set_speed
-        self._subscriber = rospy.Subscriber(REQUESTS, String, lambda message: self.follow(message.data))
+        Input(REQUESTS, String, lambda message: message.data).listen(lambda _, __, request: self.follow(request))
 
     def follow(self, request: str) -> None:
         """Set the requested speed; ignore requests about Stage's window, such as `footprints` and `screenshot`."""

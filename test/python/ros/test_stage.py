@@ -17,7 +17,7 @@ from robotteamsim.sensing.readings import OdometryReading
 @pytest.fixture
 def follow(monkeypatch):
     """Return a function that follows a request, and sets the speed of a pacer or adds it to a list."""
-    monkeypatch.setattr(rospy, "Subscriber", lambda *_: None)
+    monkeypatch.setattr(rospy, "Subscriber", lambda *_, **__: None)
 
     def follow(request, set_speed):
         StageRequests(set_speed).follow(request)
