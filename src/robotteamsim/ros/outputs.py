@@ -40,6 +40,18 @@ _HEADER_BYTES = 12
 """Of number and stamp, with which a message with a header begins."""
 _NO_NUMBER = bytes(4)
 """Of the headers within a message."""
+_POSE = np.dtype([("position", "<f8", 3), ("orientation", "<f8", 4)])
+"""The numbers of geometry_msgs/Pose, in the order in which they are sent."""
+_ODOMETRY = np.dtype(
+    [
+        ("pose", _POSE),
+        ("pose_covariance", "<f8", 36),
+        ("linear", "<f8", 3),
+        ("angular", "<f8", 3),
+        ("twist_covariance", "<f8", 36),
+    ]
+)
+"""Those of nav_msgs/Odometry."""
 
 
 class Decided(NamedTuple):
@@ -60,7 +72,7 @@ class _Sensed(NamedTuple):
 
 StepInputs = TeamInputs | Decided | _Sensed
 
-_BULK = {TRUTH: 85 * 8, ODOM: 85 * 8, SCAN: 8}
+_BULK = {TRUTH: _ODOMETRY.itemsize, ODOM: _ODOMETRY.itemsize, SCAN: 8}
 """Topics whose messages are made in bulk, and the bytes of their numbers: pose, twist and covariances; two counts."""
 
 
@@ -173,8 +185,8 @@ class TeamOutputs(RobotOutputs):
         here = [robot_id for robot_id in self._here if present[robot_id]]
         for i in here:
             first, *others = self._frames[i]
-            # The pose of the first one, odom -> base_footprint, are its last seven numbers.
-            parts += [head, first[:-56], poses[i].tobytes()]
+            # The first one, odom -> base_footprint, ends with the pose.
+            parts += [head, first[: -_POSE.itemsize], poses[i].tobytes()]
             for frame in others:
                 parts += [head, frame]
             count += len(self._frames[i])
@@ -201,24 +213,24 @@ def _stamp(time_ns: int) -> bytes:
 
 
 def _plane_poses(poses: np.ndarray) -> np.ndarray:
-    """Return x, y, qz, qw as position and quaternion, shape (n, 7)."""
-    rows = np.zeros((len(poses), 7))
-    rows[:, [0, 1, 5, 6]] = poses
+    """Return x, y, qz, qw as the numbers of geometry_msgs/Pose, shape (n,)."""
+    rows = np.zeros(len(poses), _POSE)
+    rows["position"][:, :2], rows["orientation"][:, 2:] = poses[:, :2], poses[:, 2:]
     return rows
 
 
 def _odometry_rows(poses: np.ndarray, twists: np.ndarray) -> np.ndarray:
-    """Return the numbers of nav_msgs/Odometry, in its order, shape (n, 85)."""
-    rows = np.zeros((len(poses), 85))
-    rows[:, [0, 1, 5, 6]] = poses
-    rows[:, [43, 44, 48]] = twists
+    """Return the numbers of nav_msgs/Odometry, shape (n,)."""
+    rows = np.zeros(len(poses), _ODOMETRY)
+    rows["pose"] = _plane_poses(poses)
+    rows["linear"][:, :2], rows["angular"][:, 2] = twists[:, :2], twists[:, 2]
     return rows
 
 
 def _odometry_rows_of(odometry: OdometryState) -> np.ndarray:
     rows = _odometry_rows(odometry.pose, odometry.twist)
-    rows[:, 7:43] = robots.pose_covariances(odometry.pose_covariance)
-    rows[:, 49:] = robots.twist_covariances(odometry.twist_variances)
+    rows["pose_covariance"] = robots.pose_covariances(odometry.pose_covariance)
+    rows["twist_covariance"] = robots.twist_covariances(odometry.twist_variances)
     return rows
 
 

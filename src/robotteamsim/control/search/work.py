@@ -51,7 +51,7 @@ class Paths:
 
 
 class WorkChoice:
-    """The work of one robot, chosen anew in each iteration from what it and its teammates know and do."""
+    """The work of one robot, chosen again in each iteration from what the team knows and does."""
 
     def __init__(
         self,
@@ -91,7 +91,7 @@ class WorkChoice:
 
     @property
     def announced_voice(self) -> HeardVoice | None:
-        """The voice that the robot approaches, as it tells its team."""
+        """The voice that the robot approaches, as its team hears of it."""
         if self._voice is None or self.work != "voice":
             return None
         return HeardVoice(self._voice.source_m, min(self._approach.path_m, LONGEST_PATH_M))
