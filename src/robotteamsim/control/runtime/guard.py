@@ -103,9 +103,10 @@ def _problem_of_status(decision: Decision) -> str:
         return f"step returned search_counter = {decision.search_counter!r:.60}; expected a number from 0 on"
     if not isinstance(decision.local_best, _NUMBERS):
         return f"step returned local_best = {decision.local_best!r:.60}; expected a number"
-    for name, text in (("fault", decision.fault), ("done", decision.done)):
-        if not isinstance(text, str):
-            return f"step returned {name} = {text!r:.60}; expected text"
+    if not isinstance(decision.fault, str):
+        return f"step returned fault = {decision.fault!r:.60}; expected text"
+    if not isinstance(decision.done, str):
+        return f"step returned done = {decision.done!r:.60}; expected text"
     return ""
 
 
