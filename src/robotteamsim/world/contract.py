@@ -323,7 +323,7 @@ class AnyWorld(ABC):
 
         Raises: CameraError: nothing can be drawn on this computer or in this world.
         """
-        raise CameraError(f"robots.cameras: '{camera.name}' needs run.world mujoco")
+        raise CameraError(f"robots.sensors: camera '{camera.name}' needs run.world mujoco")
 
     def close_cameras(self) -> None:
         """Free what the cameras keep in the thread that draws their images, which has to call this, until the next."""
