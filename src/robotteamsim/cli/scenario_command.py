@@ -1,9 +1,11 @@
-"""`robotteamsim scenario`: check, show, draw and list scenarios; print the JSON Schema for editors."""
+"""`robotteamsim scenario`: check, show, draw, upgrade and list scenarios; print the JSON Schema for editors."""
 
 import argparse
 import json
 import sys
 from typing import Any
+
+from ruamel.yaml.error import YAMLError
 
 from robotteamsim import scenario
 from robotteamsim.cli.output import add_png_option, save
@@ -11,6 +13,8 @@ from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of
 from robotteamsim.cli.run_command import add_code_option, add_set_option, check_code
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.recording.files import write_atomically
+from robotteamsim.scenario.upgrade import upgraded
+from robotteamsim.scenario.yaml_text import read_mapping, read_text
 from robotteamsim.setup import Setup, resolve
 from robotteamsim.simulation import Simulation
 from robotteamsim.wording import counted
@@ -41,6 +45,10 @@ def add_to(commands: Any) -> None:
     add_set_option(render)
     add_png_option(render)
     render.set_defaults(command=run_render)
+
+    upgrade = actions.add_parser("upgrade", help="rewrite files that have former keys; FILE.old keeps the former text")
+    upgrade.add_argument("files", nargs="+", type=path_of, metavar="FILE", help="scenarios of former versions")
+    upgrade.set_defaults(command=run_upgrade)
 
     schema = actions.add_parser("schema", help="print the JSON Schema of a scenario", epilog=_SCHEMA_EPILOG)
     schema.add_argument("file", nargs="?", type=path_of, metavar="FILE", help="write to this file instead")
@@ -98,6 +106,23 @@ def run_render(options: argparse.Namespace) -> None:
 
     loaded = scenario.load(options.scenario, options.overrides)
     save(draw_plan(loaded.plan, resolve(loaded)), options.png)
+
+
+def run_upgrade(options: argparse.Namespace) -> None:
+    """Rewrite scenarios with today's keys, and report what else is wrong with one."""
+    for path in options.files:
+        read_mapping(path, str(path), "a scenario")
+        former = read_text(path, str(path))
+        try:
+            text, changes = upgraded(former)
+        except YAMLError:
+            raise ScenarioError(f"{path}: cannot be rewritten, because it is not YAML 1.2") from None
+        if changes:
+            write_atomically(path.with_name(f"{path.name}.old"), former)
+            write_atomically(path, text)
+        for change in changes or ["has no former keys"]:
+            print(f"{path}: {change}")
+        scenario.load(path)
 
 
 def run_schema(options: argparse.Namespace) -> None:
