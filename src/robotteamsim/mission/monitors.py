@@ -196,7 +196,7 @@ class LinkMonitor:
     def news(self, network: NetworkState) -> list[LinkEndangered]:
         """Return the links that are newly endangered or lost."""
         before, self._network = self._network, network
-        if before and network.endangered is before.endangered and network.adjacency is before.adjacency:
+        if before and network.version == before.version:
             return []
         states = [before, network] if before else [network]
         adjacency = np.stack([state.adjacency for state in states])

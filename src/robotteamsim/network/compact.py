@@ -41,6 +41,7 @@ class LinksEncoder:
 
     def __init__(self) -> None:
         nobody = np.zeros((0, 0), dtype=np.bool_)
+        self._version = -1
         self._adjacency = self._endangered = nobody
         self._bits = nobody.view(np.uint8), nobody.view(np.uint8)
         self._counts = 0, 0
@@ -49,7 +50,8 @@ class LinksEncoder:
         """Return the links of a step; those of unchanged matrices have the same arrays as in the step before."""
         weakened = np.zeros((0, 2), dtype=np.int64)
         adjacency, endangered = network.adjacency, network.endangered
-        if adjacency is not self._adjacency or endangered is not self._endangered:
+        if network.version != self._version:
+            self._version = network.version
             weakened = self._weakened(adjacency, endangered)
             self._adjacency, self._endangered = adjacency, endangered
             self._bits = _packed(adjacency), _packed(endangered)

@@ -60,19 +60,15 @@ class Delivery:
         self._hop_delay_ns = round(network.hop_delay_s * 1e9)
         # If so, every message arrives in the next step or never; nothing is drawn or kept.
         self._is_instant = network.loss == "none" and self._hop_delay_ns * (num_robots - 1) <= step_ns
+        self._step = 0
+        self._flights: list[_Flight] = []
+        self._generators: dict[int, np.random.Generator] = {}
         self.follow_team(np.ones(num_robots, dtype=bool))
-        self.reset()
 
     def follow_team(self, present: np.ndarray) -> None:
         """Deliver only to these robots from now on. Args: present: whether each is there, bool, shape (n,)."""
         self._present, self._everybody = present, bool(present.all())
         self._num_others: list[int] = (int(np.count_nonzero(present)) - present).tolist()
-
-    def reset(self) -> None:
-        """Forget messages in transit and start again at the first step."""
-        self._step = 0
-        self._flights: list[_Flight] = []
-        self._generators: dict[int, np.random.Generator] = {}
 
     def step(
         self,

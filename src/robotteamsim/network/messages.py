@@ -111,6 +111,7 @@ class NetworkState(msgspec.Struct, frozen=True, eq=False):
     break_matrix:        float64, shape (n, n), `link` for pairs without a path, else 0.
     fiedler_value:       algebraic connectivity, eq. (33); 0 exactly when the team is split.
     endangered:          bool, shape (n, n): links that exist but are below the endangered threshold.
+    version:             grows with each change of the links, of their dangers, and of who is present.
     traffic:             numbers of messages delivered, lost, cut off and refused.
 
     An absent robot has no links, is on no path and does not count; its rows and columns are 0, but -inf in `rssi_dbm`
@@ -124,6 +125,7 @@ class NetworkState(msgspec.Struct, frozen=True, eq=False):
     break_matrix: np.ndarray
     fiedler_value: float
     endangered: np.ndarray
+    version: int
     traffic: Traffic = NO_TRAFFIC
 
     @property

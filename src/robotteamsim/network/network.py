@@ -19,7 +19,10 @@ Array = TypeVar("Array", bound=np.ndarray)
 class TeamLinks:
     """Finds the links of a team; hop counts and the Fiedler value are computed only after links have changed."""
 
-    def __init__(self, radio_field: RadioField, network: NetworkSection) -> None:
+    def __init__(self, radio_field: RadioField, network: NetworkSection, version: int = 0) -> None:
+        """Args: version: that of the state before the first one."""
+        self.version = version
+        """Of the last state, see `NetworkState`."""
         self._by_distance = network.link == "distance"
         self._core = _core.network.TeamLinks(
             radio_field.core_faces,
@@ -46,6 +49,7 @@ class TeamLinks:
         link = np.empty((n, n)) if self._by_distance else rssi_dbm
         has_changed = core.step(positions_m, rssi_dbm, link)
         if has_changed or len(self._adjacency) != n:
+            self.version += 1
             self._adjacency, self._hop_count = _read_only(core.adjacency()), _read_only(core.hop_count())
             self._endangered, self._no_break = _read_only(core.endangered()), _read_only(np.zeros((n, n)))
             self._fiedler_value = core.fiedler_value
@@ -58,6 +62,7 @@ class TeamLinks:
             _core.network.break_matrix(link, self._hop_count) if is_split else self._no_break,
             self._fiedler_value,
             self._endangered,
+            self.version,
         )
 
 
@@ -67,7 +72,6 @@ def _read_only(array: Array) -> Array:
 
 
 _NONE = np.zeros((0, 0))
-_EMPTY = NetworkState(_NONE, _NONE, _NONE, _NONE, _NONE, 0.0, _NONE)
 
 
 def _among_all(network: NetworkState, present: np.ndarray) -> NetworkState:
@@ -87,6 +91,7 @@ def _among_all(network: NetworkState, present: np.ndarray) -> NetworkState:
         spread(network.break_matrix, 0.0, np.float64),
         network.fiedler_value,
         spread(network.endangered, False, np.bool_),
+        network.version,
     )
 
 
@@ -122,7 +127,7 @@ class Network:
             return
         self._present, self._everybody = present, bool(present.all())
         # Links can be reused in the next step only for the same robots.
-        self._links = TeamLinks(self._radio_field, self._section)
+        self._links = TeamLinks(self._radio_field, self._section, self._links.version + 1)
         self._delivery.follow_team(present)
 
     def step(
@@ -155,14 +160,13 @@ class Network:
             state = self._links.step(positions_m)
         else:
             present = self._present
-            state = _among_all(self._links.step(positions_m[present]) if present.any() else _EMPTY, present)
+            state = _among_all(self._links.step(positions_m[present]) if present.any() else self._empty(), present)
         inboxes, traffic = self._delivery.step(state, outboxes, refused)
         return state if traffic is NO_TRAFFIC else msgspec.structs.replace(state, traffic=traffic), inboxes
 
-    def reset(self) -> None:
-        """Return to the state of a new network, without links and messages."""
-        self._links = TeamLinks(self._radio_field, self._section)
-        self._delivery.reset()
+    def _empty(self) -> NetworkState:
+        """Return the network of nobody."""
+        return NetworkState(_NONE, _NONE, _NONE, _NONE, _NONE, 0.0, _NONE, self._links.version)
 
     def _check(self, outboxes: Sequence[Sequence[Message]]) -> tuple[Refusal, ...]:
         """Return the messages that are too large. Raises: ValueError: as `step`."""

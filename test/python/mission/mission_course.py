@@ -24,7 +24,7 @@ def pairs(num_robots: int, links: Sequence[tuple[int, int]]) -> np.ndarray:
 
 
 def network_of(
-    num_robots: int, endangered: Sequence[tuple[int, int]] = (), lost: Sequence[tuple[int, int]] = ()
+    num_robots: int, endangered: Sequence[tuple[int, int]] = (), lost: Sequence[tuple[int, int]] = (), version: int = 0
 ) -> NetworkState:
     zeros = np.zeros((num_robots, num_robots))
     weak, absent = pairs(num_robots, endangered), pairs(num_robots, lost)
@@ -36,6 +36,7 @@ def network_of(
         break_matrix=zeros,
         fiedler_value=float(num_robots),
         endangered=weak,
+        version=version,
     )
 
 
@@ -53,7 +54,7 @@ class Course:
             "sim_time_ns": self.sim_time_ns,
             "positions_m": np.array((list(positions) + [FAR_M] * 2)[:2]),
             "voices": (list(voices) + [SILENCE] * 2)[:2],
-            "network": network_of(2, endangered, lost),
+            "network": network_of(2, endangered, lost, self.sim_time_ns),
             "decisions": [Decision(excluded=i in excluded) for i in range(2)],
             "present": np.array(present),
             "team_version": self.sim_time_ns,

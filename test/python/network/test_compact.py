@@ -71,7 +71,7 @@ def test_step_without_a_change_has_no_weakened_links(networks):
 def test_links_of_a_thousand_robots_take_a_quarter_of_a_megabyte():
     n = 1000
     matrix = np.zeros((n, n))
-    network = NetworkState(matrix, matrix, matrix > 0, matrix.astype(np.int32), matrix, 0.0, matrix > 0)
+    network = NetworkState(matrix, matrix, matrix > 0, matrix.astype(np.int32), matrix, 0.0, matrix > 0, version=1)
     links = LinksEncoder().encode(network)
     assert links.present.nbytes + links.adjacency.nbytes + links.endangered.nbytes == 251_000
 

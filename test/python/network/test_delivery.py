@@ -202,18 +202,6 @@ def test_losses_follow_from_seed_step_and_pair_alone():
     assert alone != heard(2, 0)
 
 
-def test_network_after_reset_repeats_its_losses_and_drops_messages_in_transit():
-    network = _network(5, loss="signal", hop_delay_s=0.1)
-
-    def run() -> list[list[tuple[Message, ...]]]:
-        outboxes = [(Message(i, EVERYBODY, str(i)),) for i in range(5)]
-        return [network.step(ROW_M, outboxes)[1] for _ in range(20)]
-
-    first = run()
-    network.reset()
-    assert run() == first
-
-
 def test_every_copy_is_delivered_lost_or_cut_off():
     generator = np.random.default_rng(3)
     network = _network(14, loss="signal", hop_delay_s=0.07)

@@ -128,13 +128,16 @@ def test_topology_follows_links_that_come_and_go():
     assert np.array_equal(again.hop_count, together.hop_count)
 
 
-def test_network_after_reset_is_as_new():
+def test_version_grows_with_links_and_with_who_is_present():
     network = _network()
-    network.step(np.array([[0.0, 5.0], [5.0, 5.0], [10.0, 5.0]]), _SILENT)
-    network.reset()
-    state, new = network.step(_IN_A_ROW, _SILENT)[0], _network().step(_IN_A_ROW, _SILENT)[0]
-    assert np.array_equal(state.hop_count, new.hop_count)
-    assert state.fiedler_value == new.fiedler_value
+    apart = np.array([[0.0, 5.0], [5.0, 5.0], [199.0, 5.0]])
+    versions = [network.step(positions_m, _SILENT)[0].version for positions_m in (_IN_A_ROW, _IN_A_ROW, apart)]
+    for present in ([True, True, False], [False, False, False], [True, True, True]):
+        network.follow_team(np.array(present))
+        versions.append(network.step(apart, _SILENT)[0].version)
+    first, again, *later = versions
+    assert first == again
+    assert sorted({again, *later}) == [again, *later]
 
 
 def test_closed_door_can_cut_a_link():

@@ -90,6 +90,7 @@ class Trial:
             break_matrix=np.zeros((2, 2)),
             fiedler_value=2.0,
             endangered=off_diagonal,
+            version=1,
         )
 
     def result(self, steps: int) -> Result:

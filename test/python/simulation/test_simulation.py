@@ -105,7 +105,7 @@ class FakeNetwork:
     def step(self, positions_m, outboxes):
         self.parts.calls.append(("network", [[m.payload for m in outbox] for outbox in outboxes]))
         none = np.zeros((2, 2))
-        network = NetworkState(none, none, none > 0, none.astype(np.int32), none, 0.0, none > 0)
+        network = NetworkState(none, none, none > 0, none.astype(np.int32), none, 0.0, none > 0, version=1)
         return network, [tuple(m for outbox in outboxes for m in outbox if m.sender != i) for i in range(2)]
 
 
