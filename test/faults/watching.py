@@ -88,7 +88,7 @@ class Watch:
         """Subscribe to what the nodes publish now."""
         published, _, _ = rosgraph.Master("/faults").getSystemState()
         for topic, publishers in published:
-            if topic not in self._subscribers and self._nodes & set(publishers):
+            if topic not in self._subscribers and self._nodes & {_node_of(name) for name in publishers}:
                 self._subscribers[topic] = rospy.Subscriber(topic, rospy.AnyMsg, self._put, callback_args=topic)
 
     def wait_until_all_publish(self, since_s: float, timeout_s: float) -> dict[str, float]:
@@ -110,8 +110,13 @@ class Watch:
             return {node: self._last_s.get(node, -1.0) - since_s for node in self._nodes}
 
     def _put(self, message: rospy.AnyMsg, topic: str) -> None:
-        node = message._connection_header["callerid"]
+        node = _node_of(message._connection_header["callerid"])
         if node in self._nodes:
             with self._lock:
                 self._last_s[node] = time.monotonic()
             self._receive(node, topic, message._buff)
+
+
+def _node_of(publisher: str) -> str:
+    """Return the node of a publisher: the simulation publishes under a name of its own."""
+    return publisher.removesuffix("_topics")

@@ -20,6 +20,7 @@ from robotteamsim.recording.topics.decisions import COMMAND, OUTBOX, STAMPED_COM
 from robotteamsim.ros.inputs import QUEUED, Input
 from robotteamsim.ros.outputs import Decided, decision_outputs
 from robotteamsim.ros.settings import Settings
+from robotteamsim.ros.topics import RoscppOutput
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.simulation import TeamControllers, TeamInputs
 
@@ -222,7 +223,7 @@ class ControllersInside:
         """Advertise. Args: publish: publishes the inputs of the controllers."""
         self.restart(settings)
         self._publish = publish
-        self._outputs = decision_outputs(settings, range(settings.num_robots))
+        self._outputs = decision_outputs(settings, range(settings.num_robots), RoscppOutput)
 
     @property
     def faults(self) -> Sequence[str]:

@@ -18,6 +18,8 @@ from robotteamsim.ros.launched import ParameterError
 
 MASTER_PERIOD_S = 0.2
 """Interval of checks whether the master has started [s, wall]."""
+UNREGISTER_TIMEOUT_S = 5.0
+"""A node waits this long for the end of its registration [s, wall]."""
 
 _KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
 
@@ -39,6 +41,7 @@ class _Shutdown:
 
     def __init__(self) -> None:
         self._begun = threading.Event()
+        self._unregistering = threading.current_thread()
         self._to_close: deque[Callable[[], None]] = deque()
 
     def begin(self) -> None:
@@ -47,6 +50,16 @@ class _Shutdown:
         with contextlib.suppress(IndexError):
             while True:
                 self._to_close.popleft()()
+
+    def begin_by_rospy(self) -> None:
+        """Close everything; in this thread, often one of its own, rospy unregisters the node next."""
+        self._unregistering = threading.current_thread()
+        self.begin()
+
+    def finish(self) -> None:
+        """Wait until the node is unregistered; the end of the process would stop that."""
+        if self._unregistering is not threading.current_thread():
+            self._unregistering.join(UNREGISTER_TIMEOUT_S)
 
     def wait(self, timeout_s: float) -> bool:
         """Wait until the node is shut down, with a timeout [s, wall]; return whether it was."""
@@ -71,7 +84,7 @@ def run(name: str, serve: Callable[[], None]) -> None:
         return
     # Nodes need no time but that of their messages.
     rospy.init_node(name, disable_signals=True, disable_rostime=True)
-    rospy.on_shutdown(_shutdown.begin)
+    rospy.on_shutdown(_shutdown.begin_by_rospy)
     _forward_logging()
     try:
         serve()
@@ -88,6 +101,7 @@ def run(name: str, serve: Callable[[], None]) -> None:
     finally:
         _shutdown.begin()
         rospy.signal_shutdown("the node is done")
+        _shutdown.finish()
 
 
 def is_running() -> bool:

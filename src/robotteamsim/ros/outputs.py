@@ -10,7 +10,6 @@ from io import BytesIO
 from typing import Any, NamedTuple
 
 import numpy as np
-from tf2_msgs.msg import TFMessage
 from visualization_msgs.msg import MarkerArray
 
 from robotteamsim._core.sensing import OdometryState
@@ -28,7 +27,7 @@ from robotteamsim.ros.messages import RosTypes
 from robotteamsim.ros.scene.building import object_markers
 from robotteamsim.ros.settings import Settings
 from robotteamsim.ros.stage import UnprefixedTypes
-from robotteamsim.ros.topics import Output, prepared_class
+from robotteamsim.ros.topics import RoscppOutput, RospyOutput
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings
 from robotteamsim.simulation import Simulation, StepRecord, TeamInputs
 from robotteamsim.world.contract import AnyWorld
@@ -38,8 +37,6 @@ RADIO_MAP_PERIOD_NS = 10**9
 _ORIGIN = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
 _HEADER_BYTES = 12
 """Of number and stamp, with which a message with a header begins."""
-_NO_NUMBER = bytes(4)
-"""Of the headers within a message."""
 _POSE = np.dtype([("position", "<f8", 3), ("orientation", "<f8", 4)])
 """The numbers of geometry_msgs/Pose, in the order in which they are sent."""
 _ODOMETRY = np.dtype(
@@ -76,38 +73,46 @@ _BULK = {TRUTH: _ODOMETRY.itemsize, ODOM: _ODOMETRY.itemsize, SCAN: 8}
 """Topics whose messages are made in bulk, and the bytes of their numbers: pose, twist and covariances; two counts."""
 
 
-def output_of(topic: Topic, settings: Settings, robot_id: int | None = None) -> Output:
+Output = RospyOutput | RoscppOutput
+
+
+def output_of(topic: Topic, settings: Settings, robot_id: int | None = None, kind: type[Output] = RoscppOutput) -> Any:
     """Advertise a topic of the team or of a robot."""
     name = topic.name if robot_id is None else settings.robot_topic(robot_id, topic.name)
     # In lockstep a late subscriber must still get the step that all nodes wait for.
     latched = topic.latched or (settings.lockstep and topic.when is When.STEP and topic is not TF)
-    return Output(name, RosTypes().message_class(topic.type_name), latched=latched)
+    return kind(name, RosTypes().message_class(topic.type_name), latched=latched)
 
 
 class RobotOutputs:
     """Topics of several robots."""
 
-    def __init__(self, topics: Iterable[tuple[int, Topic]], settings: Settings) -> None:
+    def __init__(
+        self, topics: Iterable[tuple[int, Topic]], settings: Settings, kind: type[Output] = RoscppOutput
+    ) -> None:
         """Advertise topics of robots, by their ids."""
         self._make, self._source = RosTypes() if settings.prefix else UnprefixedTypes(), Source(settings.setup)
-        self._outputs = [(topic, i, output_of(topic, settings, i)) for i, topic in topics]
+        self._outputs = [(topic, i, output_of(topic, settings, i, kind)) for i, topic in topics]
 
     def publish(self, step: StepInputs, only: Topic | None = None) -> None:
         """Publish the messages of the present robots that somebody receives. Args: only: one of the topics."""
         for topic, robot_id, output in self._outputs:
             if step.present[robot_id] and output.wanted and only in (None, topic):
-                for message in self._messages(topic, step, robot_id):
-                    output.publish(message)
+                self._publish(output, topic, step, robot_id)
+
+    def _publish(self, output: Any, topic: Topic, step: StepInputs, robot_id: int) -> None:
+        for message in self._messages(topic, step, robot_id):
+            output.publish(message)
 
     def _messages(self, topic: Topic, step: StepInputs, robot_id: int) -> Sequence[Any]:
         return topic.messages(self._make, step.sim_time_ns, topic.values(self._source, step, robot_id))
 
 
-def decision_outputs(settings: Settings, robot_ids: Iterable[int]) -> RobotOutputs:
+def decision_outputs(settings: Settings, robot_ids: Iterable[int], kind: type[Output]) -> RobotOutputs:
     """Advertise what the controllers of robots publish: `cmd_vel` only for robots that are not driven by hand."""
     rest = [topic for topic in DECISION_TOPICS if topic is not COMMAND]
     rows = [(i, topic) for i in robot_ids for topic in (rest if settings.is_driven_by_hand(i) else DECISION_TOPICS)]
-    return RobotOutputs(rows, settings)
+    return RobotOutputs(rows, settings, kind)
 
 
 class TeamOutputs(RobotOutputs):
@@ -133,7 +138,7 @@ class TeamOutputs(RobotOutputs):
         still = RobotReading(_ORIGIN.pose, _ORIGIN.twist, _ORIGIN, np.zeros(0, np.float32), in_contact=False)
         begin = _Sensed(0, np.zeros(len(models), bool), [still] * len(models))
         self._heads = {
-            topic: {i: _tail(super(TeamOutputs, self)._messages(topic, begin, i)[0], size) for i in self._here}
+            topic: {i: _tail(self._messages(topic, begin, i)[0], size) for i in self._here}
             for topic, size in _BULK.items()
         }
         self._frames = {
@@ -143,8 +148,8 @@ class TeamOutputs(RobotOutputs):
         self._numbers: dict[Topic, Any] = {}
         """What follows each head, by topic and robot."""
 
-    def _sensor_output(self, settings: Settings, robot_id: int, name: str, type_name: str) -> Output:
-        return Output(settings.robot_topic(robot_id, name), self._make.message_class(type_name))
+    def _sensor_output(self, settings: Settings, robot_id: int, name: str, type_name: str) -> RoscppOutput:
+        return RoscppOutput(settings.robot_topic(robot_id, name), self._make.message_class(type_name))
 
     def publish(self, step: Any, only: Topic | None = None) -> None:
         """Publish one step's readings of the present robots on topics with subscribers."""
@@ -168,19 +173,19 @@ class TeamOutputs(RobotOutputs):
         super().publish(_Sensed(time_ns, present), only=ODOM)
         self._publish_tf(time_ns, odometry, present)
 
-    def _messages(self, topic: Topic, step: StepInputs, robot_id: int) -> Sequence[Any]:
+    def _publish(self, output: RoscppOutput, topic: Topic, step: StepInputs, robot_id: int) -> None:
         if topic not in self._heads:
-            return super()._messages(topic, step, robot_id)
+            super()._publish(output, topic, step, robot_id)
+            return
         numbers = self._numbers[topic][robot_id].tobytes()
         if topic is SCAN:  # their number before the ranges, and no intensities after them
             numbers = struct.pack("<I", len(numbers) // 4) + numbers + bytes(4)
-        kind = self._make.message_class(topic.type_name)
-        return [prepared_class(kind)(_stamp(step.sim_time_ns) + self._heads[topic][robot_id] + numbers)]
+        output.publish_bytes(_begin(step.sim_time_ns) + self._heads[topic][robot_id] + numbers)
 
     def _publish_tf(self, time_ns: int, odometry: OdometryState, present: np.ndarray) -> None:
         if not self._tf.wanted:
             return
-        head, parts, count = _NO_NUMBER + _stamp(time_ns), [], 0
+        head, parts, count = _begin(time_ns), [], 0
         poses = _plane_poses(odometry.pose)
         here = [robot_id for robot_id in self._here if present[robot_id]]
         for i in here:
@@ -193,7 +198,7 @@ class TeamOutputs(RobotOutputs):
         if self._localized:
             parts += [_bytes(robots.localization(self._make, time_ns, i, self._origins[i])) for i in here]
             count += len(here)
-        self._tf.publish(prepared_class(TFMessage)(b"".join((struct.pack("<I", count), *parts))))
+        self._tf.publish_bytes(b"".join((struct.pack("<I", count), *parts)))
 
 
 def _bytes(message: Any) -> bytes:
@@ -208,8 +213,9 @@ def _tail(message: Any, numbers: int = 0) -> bytes:
     return data[_HEADER_BYTES : len(data) - numbers]
 
 
-def _stamp(time_ns: int) -> bytes:
-    return struct.pack("<II", *divmod(time_ns, 10**9))
+def _begin(time_ns: int) -> bytes:
+    """Return the number, which roscpp counts, and the stamp of a header."""
+    return struct.pack("<III", 0, *divmod(time_ns, 10**9))
 
 
 def _plane_poses(poses: np.ndarray) -> np.ndarray:
@@ -283,7 +289,7 @@ class RecordOutputs:
         self._settings = settings
         self._make = RosTypes()
         self._presence = output_of(ROBOTS, settings)
-        self._objects = Output("/world/objects", MarkerArray, latched=True)
+        self._objects = RoscppOutput("/world/objects", MarkerArray, latched=True)
         scenario = settings.scenario
         has_doors = scenario.plan.doors and not settings.is_another_world  # which publishes its own
         self._outputs = {

@@ -11,6 +11,7 @@ import rospy
 
 from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS
 from robotteamsim.ros.settings import Settings
+from robotteamsim.ros.topics import publishing_node
 
 logger = logging.getLogger(__name__)
 
@@ -54,7 +55,7 @@ def wait_for_subscribers(recorded: list[str], timeout_s: float, sleep: Callable[
 
 def _connections() -> Connections:
     """Return who receives which topic of this node, as its slave API reports it."""
-    reply: Any = ServerProxy(rospy.get_node_uri()).getBusInfo(rospy.get_name())
+    reply: Any = ServerProxy(_master().lookupNode(publishing_node())).getBusInfo(rospy.get_name())
     _, _, links = reply
     return frozenset((link[1], link[4]) for link in links if link[2] == "o")
 
@@ -64,9 +65,13 @@ def _missing(recorded: list[str], connected: Connections) -> list[str]:
     if not recorded:
         return []
     recorder = rospy.resolve_name(f"/{RECORDER}")
-    publishers, subscribers, _ = rosgraph.Master(rospy.get_name()).getSystemState()
-    own = {topic for topic, nodes in publishers if rospy.get_name() in nodes}
+    publishers, subscribers, _ = _master().getSystemState()
+    own = {topic for topic, nodes in publishers if publishing_node() in nodes}
     subscribed = {topic for topic, nodes in subscribers if recorder in nodes}
     return [
         topic for topic in recorded if topic not in subscribed or (topic in own and (recorder, topic) not in connected)
     ]
+
+
+def _master() -> Any:
+    return rosgraph.Master(rospy.get_name())

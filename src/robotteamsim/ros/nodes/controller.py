@@ -22,6 +22,7 @@ from robotteamsim.ros.inputs import Input, RobotInputs
 from robotteamsim.ros.node import ParameterError, on_shutdown, parameter, run
 from robotteamsim.ros.outputs import Decided, decision_outputs
 from robotteamsim.ros.settings import Settings, read_seed, read_settings
+from robotteamsim.ros.topics import RospyOutput
 from robotteamsim.ros.transforms import TfTransforms
 
 logger = logging.getLogger(__name__)
@@ -60,7 +61,7 @@ class ControllerSlot:
         self._tf = None if transforms is None else TfPose(transforms.newest, robot_name(robot_id), control.tf_timeout_s)
         self._sensors = RobotInputs(settings, robot_id)
         self._voice, self._received = (Input.of(topic, settings, robot_id) for topic in (VOICE, INBOX))
-        self._outputs = decision_outputs(settings, [robot_id])
+        self._outputs = decision_outputs(settings, [robot_id], RospyOutput)
         self._arrival = 1
         """Number of the robot's arrivals, including the start."""
         sensors = self._sensors

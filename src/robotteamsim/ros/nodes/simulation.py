@@ -35,7 +35,7 @@ from robotteamsim.ros.services import command
 from robotteamsim.ros.settings import SEED, Settings, read_settings
 from robotteamsim.ros.stage import StageRequests
 from robotteamsim.ros.subscriptions import recorded_topics, wait_for_subscribers
-from robotteamsim.ros.topics import Output
+from robotteamsim.ros.topics import RoscppOutput
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.simulation import Observer, Simulation, StepRecord, TeamInputs
 from robotteamsim.simulation.trial import Trial
@@ -102,7 +102,7 @@ class SimulationNode:
         self._begin()
         self._requests = StageRequests(self._pacer.set_speed) if parameter("~stage_requests", False) else None
         self._offer_services()
-        self._clock: Output | None = None
+        self._clock: RoscppOutput | None = None
         if not settings.is_another_world:
             self._clock = output_of(CLOCK, settings)
             self._offer_world()
