@@ -125,7 +125,7 @@ lint: build_tests ## ruff, mypy, clang-format, yamllint
 tidy: build_tests ## clang-tidy over the C++ code; about four minutes on two cores
 	@command -v run-clang-tidy-14 > /dev/null || { echo "this needs clang-tidy-14 (apt-get install)"; exit 1; }
 	@cmake -S . -B $(BUILD)/tidy -DPYTHON_EXECUTABLE=$(CURDIR)/$(PYTHON) -DROBOTTEAMSIM_UNITY=OFF > $(BUILD)/tidy.log
-	@run-clang-tidy-14 -quiet -p $(BUILD)/tidy -j$(JOBS) '^$(CURDIR)/src/(cpp|bindings)/' > $(BUILD)/tidy.log 2>&1 \
+	@run-clang-tidy-14 -quiet -p $(BUILD)/tidy -j$(JOBS) '^$(CURDIR)/src/(cpp|bindings|ros_publisher)/' > $(BUILD)/tidy.log 2>&1 \
 		|| { grep -A3 "error:" $(BUILD)/tidy.log; exit 1; }
 	@echo "-- clang-tidy: clean"
 

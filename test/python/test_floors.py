@@ -36,7 +36,7 @@ FLOORS = (
 FLOOR_OF = {part: floor for floor, parts in enumerate(FLOORS) for part in parts}
 
 ROS = re.compile(r"(rospy|roslib|roslaunch|rosgraph|rospkg|rosbag|genpy|tf|tf2_ros|\w+_(msgs|srvs))(\.|$)")
-ROS_MESSAGES = re.compile(r"robotteamsim\.(msg|srv)(\.|$)")
+ROS_MESSAGES = re.compile(r"robotteamsim\.(msg|srv|_ros_publisher)(\.|$)")
 NOT_OF_THE_LIBRARY = re.compile(r"(ros/|pybind11|nanobind|Python\.h|numpy/|\w+_msgs/)")
 
 OTHER_CHANCE = re.compile(
@@ -84,7 +84,7 @@ def core_floors(path: Path) -> Iterator[str]:
 def used_floors(path: Path) -> set[str]:
     ours = {name.split(".")[1] for name in imports(path) if name.startswith("robotteamsim.")}
     core = {name for name in core_floors(path) if not name.startswith("__")}
-    return (ours - {"_core", "msg", "srv"}) | core
+    return (ours - {"_core", "_ros_publisher", "msg", "srv"}) | core
 
 
 def included(path: Path) -> list[str]:

@@ -20,10 +20,15 @@ pytestmark = pytest.mark.filterwarnings("ignore")
 
 WAITING_NODE = """
 import sys
+from std_msgs.msg import String
 from robotteamsim.ros.node import on_shutdown, run
+from robotteamsim.ros.topics import RoscppOutput
 from robotteamsim.node_parts.steps import Steps
 
 def serve():
+    words = RoscppOutput("/words", String, latched=True)
+    words.publish(String("before"))
+    words.publish(String("heard late"))
     steps = Steps("/pace", lambda *_: ["/pace"], print)
     on_shutdown(steps.close)
     print("serving", flush=True)
@@ -42,8 +47,9 @@ def ros(tmp_path_factory) -> Iterator[dict[str, str]]:
         gc.collect()  # while its warnings are ignored
 
 
-def kill_by_master(process: subprocess.Popen) -> None:
-    uri = rosgraph.Master("/test").lookupNode("/renamed")
+def kill_by_master(node: str) -> None:
+    """End a node as `rosnode kill` does."""
+    uri = rosgraph.Master("/test").lookupNode(node)
     with contextlib.suppress(ConnectionError):  # rospy may end before it answers.
         xmlrpc.client.ServerProxy(uri).shutdown("/test", "the test asks for it")
 
@@ -59,9 +65,10 @@ def registrations(node: str) -> list[str]:
     [
         lambda process: process.send_signal(signal.SIGINT),
         lambda process: process.send_signal(signal.SIGTERM),
-        kill_by_master,
+        lambda _: kill_by_master("/renamed"),
+        lambda _: kill_by_master("/renamed_topics"),
     ],
-    ids=["SIGINT", "SIGTERM", "shutdown"],
+    ids=["SIGINT", "SIGTERM", "shutdown", "shutdown of its topics"],
 )
 def test_waiting_node_ends_cleanly_on_shutdown(ros, end):
     command = [sys.executable, "-c", WAITING_NODE, "__name:=renamed"]
@@ -71,4 +78,23 @@ def test_waiting_node_ends_cleanly_on_shutdown(ros, end):
         output, _ = process.communicate(timeout=TIMEOUT_S)
         assert output.splitlines()[-1] == "closed"
         assert process.returncode == 0
-    wait_until(lambda: not registrations("/renamed"), "the end of its registration")
+    for node in ("/renamed", "/renamed_topics"):
+        wait_until(lambda node=node: not registrations(node), f"the end of the registration of {node}")
+
+
+def test_late_subscriber_receives_the_last_message_of_a_latched_topic(ros):
+    with subprocess.Popen([sys.executable, "-c", WAITING_NODE], env=ros, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "serving\n"
+        echo = subprocess.run(
+            ["rostopic", "echo", "-n", "1", "/words"], env=ros, capture_output=True, text=True, timeout=TIMEOUT_S
+        )
+        process.terminate()
+    assert echo.stdout.splitlines()[0] == 'data: "heard late"'
+
+
+def test_node_with_a_name_that_roscpp_refuses_ends_with_one_line(ros):
+    command = [sys.executable, "-c", WAITING_NODE, "__name:=my-node"]
+    result = subprocess.run(command, env=ros, capture_output=True, text=True, timeout=TIMEOUT_S)
+    assert result.returncode == 2
+    assert "/my-node_topics: not a name of a node" in result.stderr
+    assert "Traceback" not in result.stderr

@@ -3,7 +3,9 @@
 import math
 import threading
 import time
-from collections.abc import Callable
+from collections import deque
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 REANCHOR_S = 0.25
 """A world that is late by more than this [s, wall] does not catch up."""
@@ -15,8 +17,7 @@ class Gate:
     def __init__(self) -> None:
         self._paused = False
         self._steps = 0
-        self.reset_wanted = False
-        """Whether a reset was requested."""
+        self._resets_wanted = self._resets_done = 0
         self._waiting = False
         self._closed = False
         # The lock is reentrant, because a signal handler may close the gate during `wait`.
@@ -42,11 +43,25 @@ class Gate:
             self._steps = max(0, self._steps - 1)
             self._changed.notify_all()
 
-    def reset_done(self) -> None:
-        """Record that the reset is done."""
+    @property
+    def reset_wanted(self) -> bool:
+        """Whether a reset was requested, and is not done."""
+        return self._resets_done < self._resets_wanted
+
+    def do_reset(self, reset: Callable[[], None]) -> None:
+        """Do a reset, for all that were requested before it began."""
+        wanted = self._resets_wanted
+        reset()
         with self._changed:
-            self.reset_wanted = False
+            self._resets_done = wanted
             self._changed.notify_all()
+
+    def want_reset(self) -> int:
+        """Request a reset; return its number."""
+        with self._changed:
+            self._resets_wanted += 1
+            self._changed.notify_all()
+            return self._resets_wanted
 
     def pause(self, timeout_s: float) -> bool:
         """Allow no more steps; return whether the current one ended in time [s, wall]."""
@@ -74,9 +89,8 @@ class Gate:
     def reset(self, timeout_s: float) -> bool:
         """Request a reset; return whether it was done in time [s, wall]."""
         with self._changed:
-            self.reset_wanted = True
-            self._changed.notify_all()
-            return self._changed.wait_for(lambda: self._closed or not self.reset_wanted, timeout=timeout_s)
+            number = self.want_reset()
+            return self._changed.wait_for(lambda: self._closed or self._resets_done >= number, timeout=timeout_s)
 
     def close(self) -> None:
         """Allow no more steps, and end all waits."""
@@ -93,17 +107,35 @@ class FairLock:
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
-        self._last_turn = self._turn = 0
+        self._queue: deque[object] = deque()
+        """The thread that has the lock, and those that wait for it."""
 
     def __enter__(self) -> None:
-        with self._changed:
-            turn, self._last_turn = self._last_turn, self._last_turn + 1
-            self._changed.wait_for(lambda: self._turn == turn)
+        self._acquire(None)
 
     def __exit__(self, *_: object) -> None:
         with self._changed:
-            self._turn += 1
+            self._queue.popleft()
             self._changed.notify_all()
+
+    @contextmanager
+    def within(self, timeout_s: float) -> Iterator[None]:
+        """Hold the lock; wait for it no longer than a timeout [s, wall]. Raises: ValueError: it took longer."""
+        if not self._acquire(timeout_s):
+            raise ValueError(f"the current step has not ended within {timeout_s:g} s")
+        try:
+            yield
+        finally:
+            self.__exit__()
+
+    def _acquire(self, timeout_s: float | None) -> bool:
+        turn = object()
+        with self._changed:
+            self._queue.append(turn)
+            has_come = self._changed.wait_for(lambda: self._queue[0] is turn, timeout_s)
+            if not has_come:
+                self._queue.remove(turn)
+            return has_come
 
 
 class Pacer:

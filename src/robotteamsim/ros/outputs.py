@@ -6,7 +6,6 @@ import itertools
 import math
 import struct
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from io import BytesIO
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,7 +26,7 @@ from robotteamsim.ros.messages import RosTypes
 from robotteamsim.ros.scene.building import object_markers
 from robotteamsim.ros.settings import Settings
 from robotteamsim.ros.stage import UnprefixedTypes
-from robotteamsim.ros.topics import RoscppOutput, RospyOutput
+from robotteamsim.ros.topics import RoscppOutput, RospyOutput, serialized
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings
 from robotteamsim.simulation import Simulation, StepRecord, TeamInputs
 from robotteamsim.world.contract import AnyWorld
@@ -196,20 +195,14 @@ class TeamOutputs(RobotOutputs):
                 parts += [head, frame]
             count += len(self._frames[i])
         if self._localized:
-            parts += [_bytes(robots.localization(self._make, time_ns, i, self._origins[i])) for i in here]
+            parts += [serialized(robots.localization(self._make, time_ns, i, self._origins[i])) for i in here]
             count += len(here)
         self._tf.publish_bytes(b"".join((struct.pack("<I", count), *parts)))
 
 
-def _bytes(message: Any) -> bytes:
-    buffer = BytesIO()
-    message.serialize(buffer)
-    return buffer.getvalue()
-
-
 def _tail(message: Any, numbers: int = 0) -> bytes:
     """Return a message without number and stamp, and without so many bytes at its end."""
-    data = _bytes(message)
+    data = serialized(message)
     return data[_HEADER_BYTES : len(data) - numbers]
 
 

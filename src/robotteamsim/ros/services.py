@@ -1,26 +1,28 @@
 """The services that a node offers."""
 
 from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from typing import Any
 
 import rospy
 
 from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.node_parts.gate import FairLock
+
+SERVICE_TIMEOUT_S = 5.0
+"""A service waits this long for the current step [s, wall]."""
 
 
-def command(
-    name: str, service_class: Any, do: Callable[[Any], str | None], lock: AbstractContextManager[Any] | None = None
-) -> None:
+def command(name: str, service_class: Any, do: Callable[[Any], str | None], lock: FairLock | None = None) -> None:
     """Offer a service whose response has `success` and `message`.
 
     do: carries a request out and returns the message, None for none; ValueError and a user's mistake become a failure.
-    lock: held meanwhile.
+    lock: held meanwhile; if it is not free in time, that is a failure, too.
     """
 
     def serve(request: Any) -> dict[str, Any]:
         try:
-            with lock or nullcontext():
+            with nullcontext() if lock is None else lock.within(SERVICE_TIMEOUT_S):
                 return {"success": True, "message": do(request) or ""}
         except (ValueError, RobotTeamSimError) as error:
             return {"success": False, "message": str(error)}

@@ -1,17 +1,23 @@
 """The topics that a node publishes, and the messages of those that it receives."""
 
 import atexit
+import sys
+import threading
 from functools import cache
 from io import BytesIO
 from typing import Any
 
 import genpy
+import rosgraph
 import rospy
 
-from robotteamsim._ros_publisher import Publisher, shut_down, start
+from robotteamsim._ros_publisher import Publisher, is_ok, shut_down, start
+from robotteamsim.ros.node import ParameterError, end, wait_for_shutdown
 
 UNLIMITED = 0
 """Length of a queue that drops nothing, as steps in lockstep need."""
+CHECK_S = 0.1
+"""Interval of checks whether the node that publishes is still there [s, wall]."""
 
 
 class RospyOutput:
@@ -33,30 +39,38 @@ class RoscppOutput:
     """A topic of the simulation, which has many: roscpp sends them all in one thread, and rospy in one for each."""
 
     def __init__(self, topic: str, message_class: Any, *, latched: bool = False) -> None:
-        """Advertise, as the node `publishing_node()`."""
+        """Advertise, as the node `publishing_node()`. Raises: ParameterError: it has another type already."""
         _start()
         self._latched = latched
-        self._publisher = Publisher(
-            rospy.resolve_name(topic),
-            message_class._type,
-            message_class._md5sum,
-            message_class._full_text,
-            has_header=message_class._has_header,
-            latched=latched,
-        )
+        try:
+            self._publisher = Publisher(
+                rospy.resolve_name(topic),
+                message_class._type,
+                message_class._md5sum,
+                message_class._full_text,
+                has_header=message_class._has_header,
+                latched=latched,
+            )
+        except RuntimeError as error:
+            raise ParameterError(str(error)) from None
         self.publish_bytes = self._publisher.publish
         """Publishes a serialized message; roscpp numbers those with headers."""
 
     def publish(self, message: Any) -> None:
         """Publish a message of the topic's class."""
-        buffer = BytesIO()
-        message.serialize(buffer)
-        self.publish_bytes(buffer.getvalue())
+        self.publish_bytes(serialized(message))
 
     @property
     def wanted(self) -> bool:
         """Whether there is a receiver for the next message, now or (latched) later."""
         return self._latched or self._publisher.num_subscribers > 0
+
+
+def serialized(message: Any) -> bytes:
+    """Return a message as it is sent."""
+    buffer = BytesIO()
+    message.serialize(buffer)
+    return buffer.getvalue()
 
 
 def publishing_node() -> str:
@@ -67,8 +81,21 @@ def publishing_node() -> str:
 @cache
 def _start() -> None:
     namespace, _, name = publishing_node().rpartition("/")
-    start(name, namespace)
+    remappings = rosgraph.names.load_mappings(sys.argv)
+    known = {key: remappings[key] for key in ("__master", "__ip", "__hostname") if key in remappings}
+    try:
+        start(name, known | {"__ns": namespace})
+    except RuntimeError as error:
+        raise ParameterError(f"{publishing_node()}: not a name of a node: {error}") from None
+    threading.Thread(target=_end_with_it).start()
     atexit.register(shut_down)
+
+
+def _end_with_it() -> None:
+    """End this process's node when somebody else shuts down the one that publishes."""
+    while not wait_for_shutdown(CHECK_S):
+        if not is_ok():
+            end()
 
 
 @cache

@@ -62,6 +62,8 @@ class RobotSensors:
         if self._air is not None:
             for (laser, robot_ids), scan_m in zip(self._lasers, scans_m, strict=True):
                 self._air.dim(laser.beams, robot_ids, scan_m)
+        for scan_m in scans_m:
+            scan_m.flags.writeable = False  # a controller that changed it would change the record
         return TeamReadings(state, self._by_robot(scans_m), self._world.contact_angles_rad(), self._carried.read())
 
     def _by_robot(self, scans_m: Sequence[np.ndarray]) -> Sequence[np.ndarray] | np.ndarray:

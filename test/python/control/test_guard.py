@@ -82,7 +82,11 @@ def test_decisions_of_a_sound_controller_pass_unchanged():
         (Decision(swarm=2**31), "step returned swarm = 2147483648; expected a number from 0 on"),
         (Decision(search_counter=None), "step returned search_counter = None; expected a number from 0 on"),
         (Decision(local_best="high"), "step returned local_best = 'high'; expected a number"),
+        (Decision(local_best=10**400), "step returned local_best = 1000000"),
         (Decision(fault=3), "step returned fault = 3; expected text"),
+        (Decision(fault="\udc00"), "step returned fault = '\\udc00', which cannot be encoded as UTF-8"),
+        (Decision(done="\udc00"), "step returned done = '\\udc00', which cannot be encoded as UTF-8"),
+        (OSError("no file \udcff.txt"), "OSError: no file \\udcff.txt (test_guard.py:"),
         (SystemExit(3), "SystemExit: 3 (test_guard.py:"),
     ],
 )

@@ -2,10 +2,11 @@ from __future__ import annotations
 
 import math
 import threading
+from collections.abc import Callable
 
 import pytest
 
-from robotteamsim.node_parts.gate import REANCHOR_S, Gate, Pacer
+from robotteamsim.node_parts.gate import REANCHOR_S, FairLock, Gate, Pacer
 
 
 class World:
@@ -14,6 +15,7 @@ class World:
     def __init__(self, gate: Gate) -> None:
         self.steps = 0
         self.resets = 0
+        self.while_resetting: Callable[[], object] = lambda: None
         self._gate = gate
         self._permits = threading.Semaphore(0)
         self._thread = threading.Thread(target=self._run, daemon=True)
@@ -22,13 +24,16 @@ class World:
     def _run(self) -> None:
         while self._gate.wait():
             if self._gate.reset_wanted:
-                self.resets += 1
-                self._gate.reset_done()
+                self._gate.do_reset(self._reset)
                 continue
             if not self._permits.acquire(timeout=5.0):
                 return
             self.steps += 1
             self._gate.passed()
+
+    def _reset(self) -> None:
+        self.resets += 1
+        self.while_resetting()
 
     def allow(self, steps: int) -> None:
         self._permits.release(steps)
@@ -80,6 +85,37 @@ def test_reset_passes_a_paused_gate(gate):
     gate.pause(5.0)
     assert gate.reset(5.0)
     assert world.resets == 1
+
+
+def test_reset_that_is_requested_during_another_is_done_after_it(gate):
+    world = World(gate)
+    world.allow(1)
+    gate.pause(5.0)
+    world.while_resetting = lambda: gate.want_reset() if world.resets == 1 else None
+    assert gate.reset(5.0)
+    assert gate.reset(5.0)
+    assert world.resets == 3
+
+
+def test_lock_passes_over_a_thread_that_gave_up():
+    lock, got = FairLock(), []
+
+    def ask(name: str) -> None:
+        with lock:
+            got.append(name)
+
+    with lock:
+        first, second = (threading.Thread(target=ask, args=(name,)) for name in ("first", "second"))
+        first.start()
+        with pytest.raises(ValueError, match=r"^the current step has not ended within 0.01 s$"), lock.within(0.01):
+            got.append("gave up")
+        second.start()
+    first.join(5.0)
+    second.join(5.0)
+    assert sorted(got) == ["first", "second"]
+    with lock.within(0.01):
+        got.append("free again")
+    assert got[-1] == "free again"
 
 
 def test_closed_gate_lets_nobody_wait():

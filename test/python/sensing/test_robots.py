@@ -127,3 +127,9 @@ def test_lasers_of_several_kinds_scan_each_as_by_itself_in_the_order_of_robots()
         alone = [LaserSensor(robot.laser, world).scan([i], [noise[i]])[0] for i, robot in enumerate(robots)]
         assert [len(scan) for scan in scans] == [7, 181, 7, 181]
         assert all(np.array_equal(scan, expected) for scan, expected in zip(scans, alone, strict=True))
+
+
+def test_scan_cannot_be_changed_because_the_record_shares_it():
+    _, _, (readings,) = run(team(), steps=1)
+    with pytest.raises(ValueError, match="read-only"):
+        readings[0].ranges_m[:] = 0.0

@@ -67,7 +67,8 @@ class Guard:
     def _stop(self, error: BaseException) -> None:
         *_, last = traceback.extract_tb(error.__traceback__)
         text = ": ".join(filter(None, (type(error).__name__, " ".join(str(error).split()))))
-        self.fault = f"{text} ({Path(last.filename).name}:{last.lineno})"
+        fault = f"{text} ({Path(last.filename).name}:{last.lineno})"
+        self.fault = fault.encode(errors="backslashreplace").decode()
         _logger.debug("controller of robot %d failed", self._robot_id, exc_info=error)
 
 
@@ -101,13 +102,21 @@ def _problem_of_status(decision: Decision) -> str:
         return f"step returned swarm = {decision.swarm!r:.60}; expected a number from 0 on, or {OUTSIDE} for none"
     if not isinstance(decision.search_counter, _WHOLE) or not 0 <= decision.search_counter <= _LARGEST:
         return f"step returned search_counter = {decision.search_counter!r:.60}; expected a number from 0 on"
-    if not isinstance(decision.local_best, _NUMBERS):
+    if not _is_number(decision.local_best):
         return f"step returned local_best = {decision.local_best!r:.60}; expected a number"
-    if not isinstance(decision.fault, str):
-        return f"step returned fault = {decision.fault!r:.60}; expected text"
-    if not isinstance(decision.done, str):
-        return f"step returned done = {decision.done!r:.60}; expected text"
+    for name, text in (("fault", decision.fault), ("done", decision.done)):
+        if not isinstance(text, str):
+            return f"step returned {name} = {text!r:.60}; expected text"
+        if text and not _has_utf8(text):
+            return f"step returned {name} = {text!r:.60}, which cannot be encoded as UTF-8"
     return ""
+
+
+def _is_number(value: Any) -> bool:
+    try:
+        return isinstance(value, _NUMBERS) and isinstance(float(value), float)
+    except (OverflowError, TypeError):
+        return False
 
 
 def _is_twist(value: Any) -> bool:

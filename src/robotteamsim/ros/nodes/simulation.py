@@ -31,7 +31,7 @@ from robotteamsim.ros.inputs import Input
 from robotteamsim.ros.messages import RosTypes
 from robotteamsim.ros.node import ParameterError, is_running, on_shutdown, parameter, run, wait_for_shutdown
 from robotteamsim.ros.outputs import RadioMapOutputs, RecordOutputs, RobotOutputs, TeamOutputs, output_of
-from robotteamsim.ros.services import command
+from robotteamsim.ros.services import SERVICE_TIMEOUT_S, command
 from robotteamsim.ros.settings import SEED, Settings, read_settings
 from robotteamsim.ros.stage import StageRequests
 from robotteamsim.ros.subscriptions import recorded_topics, wait_for_subscribers
@@ -43,8 +43,6 @@ from robotteamsim.world.world import make_world
 
 logger = logging.getLogger(__name__)
 
-SERVICE_TIMEOUT_S = 5.0
-"""A service waits this long for the current step [s, wall]."""
 START_TIMEOUT_S = 60.0
 """The simulation starts without a recorder and, without lockstep, controllers that are not ready by then [s, wall]."""
 START_NS = 1_000_000
@@ -126,8 +124,7 @@ class SimulationNode:
     def _serve(self) -> None:
         while self._gate.wait():
             if self._gate.reset_wanted:
-                self._reset()
-                self._gate.reset_done()
+                self._gate.do_reset(self._reset)
                 continue
             stamp_ns = self._wait_for_step()
             if not is_running():
@@ -153,7 +150,7 @@ class SimulationNode:
             stamp_ns = self._elsewhere.wait(self._is_present)
             if self._elsewhere.has_jumped_back:
                 logger.warning("simulated time has jumped back: the mission starts again")
-                self._gate.reset_wanted = True
+                self._gate.want_reset()
             return stamp_ns
         if self._motion is None:
             self._tick(self._simulation.world.sim_time_ns)
@@ -353,11 +350,14 @@ class SimulationNode:
 
     def _order_mission(self, order: str, _: TriggerRequest) -> TriggerResponse:
         """Start, pause, resume or abort the mission."""
-        with self._lock:
-            mission = self._simulation.mission
-            before = mission.status.state
-            getattr(mission, order)()
-            after = mission.status.state
+        try:
+            with self._lock.within(SERVICE_TIMEOUT_S):
+                mission = self._simulation.mission
+                before = mission.status.state
+                getattr(mission, order)()
+                after = mission.status.state
+        except ValueError as error:
+            return TriggerResponse(success=False, message=str(error))
         return TriggerResponse(success=before != after, message=f"the mission is {after}")
 
     def _pause(self, _: object) -> str:
@@ -381,7 +381,7 @@ class SimulationNode:
         return self._restart(request)
 
     def _reset_positions(self, _: object) -> EmptyResponse:
-        with self._lock:
+        with self._lock.within(SERVICE_TIMEOUT_S):
             self._simulation.world.reset_positions()
         return EmptyResponse()
 
@@ -397,7 +397,7 @@ class SimulationNode:
                 if not answer.success:
                     raise ValueError(answer.message)
                 return
-        with self._lock:
+        with self._lock.within(SERVICE_TIMEOUT_S):
             self._simulation.set_door(request.name, request.closed)
 
 
