@@ -20,10 +20,12 @@ from robotteamsim.mission.events import (
     VictimSafe,
 )
 from robotteamsim.mission.input import MissionInput
-from robotteamsim.mission.status import CALLING, VictimState
+from robotteamsim.mission.status import VictimState
 from robotteamsim.mission.victims import Victims
+from robotteamsim.propagation import farthest_m
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.sections import Victim
+from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.sensing.sight import Sight
 from robotteamsim.setup import Setup
 
@@ -58,6 +60,7 @@ class Rescue:
     def __init__(self, setup: Setup) -> None:
         scenario, mission = setup.scenario, setup.scenario.mission
         self._section, self._reach_m = mission.rescue, mission.save_distance_m
+        self._voice = scenario.voice
         self._firefighters = scenario.firefighter_ids
         self._sight = Sight(scenario.plan, mission.rescue, scenario.team_size, scenario.run.seed)
         self._safe_places = [(way_out.center, way_out.radius_m) for way_out in mission.exits]
@@ -105,18 +108,25 @@ class Rescue:
         yield from self._safe(victims)
 
     def _located_by_voice(self, there_m: np.ndarray, now: MissionInput, victims: Victims) -> Iterator[VictimNews]:
-        enclosed = now.enclosed
-        for robot_id, voice in enumerate(now.voices):
-            if not voice.heard or voice.local_best_level_db < self._section.located_voice_db:
+        # All voices of a step are those of whoever called before it, also if they fall silent in this step.
+        speakers = [(robot_id, self._speaker(voice, victims)) for robot_id, voice in enumerate(now.voices)]
+        located: set[int] = set()
+        for robot_id, index in speakers:
+            if index is None or index in located or math.isnan(there_m[robot_id, 0]):
                 continue
-            calling = [
-                (math.dist(victim.position, voice.local_best_m), index)
-                for index, victim in enumerate(victims.all)
-                if victim.calling and victims.states[index] in CALLING and self._needs_help(victim, enclosed)
-            ]
-            if calling and not math.isnan(there_m[robot_id, 0]):
-                index = min(calling)[1]
-                yield self._located(index, robot_id, voice.local_best_m, "voice", victims.all[index])
+            if self._needs_help(victims.all[index], now.enclosed):
+                located.add(index)
+                yield self._located(index, robot_id, now.voices[robot_id].local_best_m, "voice", victims.all[index])
+
+    def _speaker(self, voice: VoiceReading, victims: Victims) -> int | None:
+        """Return the index of the victim whose loud voice this is: the nearest caller whom it can come from."""
+        if not voice.heard or voice.local_best_level_db < self._section.located_voice_db:
+            return None
+        index = victims.nearest_caller(voice.local_best_m)
+        if index is None:
+            return None
+        away_m = math.dist(victims.all[index].position, voice.local_best_m)
+        return index if away_m <= farthest_m(self._voice, voice.local_best_level_db) else None
 
     def _seen(self, there_m: np.ndarray, now: MissionInput, victims: Victims) -> Iterator[VictimNews]:
         states, enclosed = victims.states, now.enclosed
