@@ -9,6 +9,7 @@ from typing import Literal
 import msgspec
 import numpy as np
 
+from robotteamsim.control.people.messages import parse_firefighter_update
 from robotteamsim.interface.task import Assistance
 from robotteamsim.mission.events import (
     NOBODY,
@@ -16,6 +17,7 @@ from robotteamsim.mission.events import (
     VictimCarried,
     VictimLeft,
     VictimLocated,
+    VictimNotFound,
     VictimReached,
     VictimSafe,
 )
@@ -53,8 +55,9 @@ class Rescue:
     """Judges who is located, reached, picked up and safe.
 
     A victim is located by whoever sees them, or hears them as loudly as `mission.rescue.located_voice_db`, and then
-    calls no more. A firefighter within `mission.save_distance_m` reaches a victim, helps nobody else meanwhile, and
-    leaves with the victim after `pick_up_s`. Victims are safe near the command centre, and in exits.
+    calls no more, unless a firefighter reports that they were not found. A firefighter within `mission.save_distance_m`
+    reaches a victim, helps nobody else meanwhile, and leaves with the victim after `pick_up_s`. Victims are safe near
+    the command centre, and in exits.
     """
 
     def __init__(self, setup: Setup) -> None:
@@ -69,8 +72,12 @@ class Rescue:
         self._helps: dict[int, Assistance] = {}
         """By index of the victim."""
         self._reached_s: dict[int, float] = {}
+        self._time_s = 0.0
+        """Of the step that is judged [s of the mission]."""
         self._last_seen_m: dict[tuple[int, int], Point] = {}
         """Where a victim was located last, by observer and victim."""
+        self._located_s: dict[int, float] = {}
+        """When a victim was located last, by index [s of the mission]."""
         self._collapsed: set[str] = set()
 
     @property
@@ -97,11 +104,13 @@ class Rescue:
 
         Args: time_s: of the mission's clock [s].
         """
+        self._time_s = time_s
         if now.doors:
             self._sight.follow_doors(now.doors)
         there_m = np.where(now.present[:, None], now.positions_m, math.nan)
         yield from self._located_by_voice(there_m, now, victims)
         yield from self._seen(there_m, now, victims)
+        yield from self._not_found(now, victims)
         yield from self._given_up(there_m, victims)
         yield from self._reached(time_s, there_m, now.enclosed, victims)
         yield from self._picked_up(time_s, victims)
@@ -149,14 +158,28 @@ class Rescue:
                     yield self._located(index, robot_id, measured_m, "sight", victim)
                 else:
                     self._last_seen_m[self._observer(robot_id), index] = measured_m
+                    self._located_s[index] = self._time_s
                     yield VictimNews(index, found=(robot_id, measured_m))
 
     def _located(
         self, index: int, robot_id: int, seen_m: Point, by: Literal["sight", "voice"], victim: Victim
     ) -> VictimNews:
         self._last_seen_m[self._observer(robot_id), index] = seen_m
+        self._located_s[index] = self._time_s
         event = VictimLocated(victim.name, by, math.dist(seen_m, victim.position), robot_id=robot_id)
         return VictimNews(index, "located", event, (robot_id, seen_m))
+
+    def _not_found(self, now: MissionInput, victims: Victims) -> Iterator[VictimNews]:
+        """Yield the victims whom a firefighter reports as missing, unless they were located since: they call again."""
+        for robot_id in self._firefighters:
+            reports = [parse_firefighter_update(message.payload) for message in now.decisions[robot_id].outbox]
+            missing = {pair for report in reports if report is not None for pair in report.missing}
+            for name, news_s in sorted(missing):
+                index = victims.index(name)
+                if index is None or victims.states[index] not in ("located", "reported"):
+                    continue
+                if self._located_s[index] <= news_s:
+                    yield VictimNews(index, "waiting", VictimNotFound(name, robot_id=robot_id))
 
     def _given_up(self, there_m: np.ndarray, victims: Victims) -> Iterator[VictimNews]:
         """Yield the victims whose firefighter has left the team: they call again, unless they have collapsed."""
