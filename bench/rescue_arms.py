@@ -1,11 +1,14 @@
-"""Do robots help firefighters? Prints the table of docs/rescue.md from a campaign of bench/rescue_design.yaml.
+"""Do robots help firefighters? Prints the table of docs/rescue.md from campaigns of bench/rescue_design.yaml.
 
-Usage: python bench/rescue_arms.py DIR
+Seeds that some arm lacks are left out.
+Usage: python bench/rescue_arms.py DIR... [--arms N] [--csv FILE]
+       --arms takes only the first N arms; --csv writes a row per mission.
 """
 
 from __future__ import annotations
 
 import argparse
+import csv
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -68,20 +71,36 @@ def interval(sample: np.ndarray) -> tuple[float, float]:
 def main() -> None:
     """Print a row per quantity: mean and interval of each arm, and the paired differences to the first."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", type=Path)
-    stored = read_store(parser.parse_args().folder)
-    by_arm: list[dict[int, Outcome]] = [{} for _ in ARMS]
-    for outcome in stored.outcomes:
+    parser.add_argument("folders", type=Path, nargs="+")
+    parser.add_argument("--arms", type=int, default=len(ARMS), help="take only the first N arms")
+    parser.add_argument("--csv", type=Path, help="write a row per mission")
+    given = parser.parse_args()
+    by_arm: dict[str, dict[int, Outcome]] = {arm: {} for arm in ARMS}
+    for outcome in (outcome for folder in given.folders for outcome in read_store(folder).outcomes):
         if not outcome.failed:
-            by_arm[outcome.cell][outcome.number] = outcome
-    numbers = sorted(set.intersection(*(set(arm) for arm in by_arm)))
-    print(f"{len(numbers)} missions per arm; mean [95 % bootstrap interval]; below, differences to the first\n")
-    print("| | " + " | ".join(ARMS) + " |")
-    print("|---" * (len(ARMS) + 1) + "|")
+            by_arm[ARMS[outcome.cell]][outcome.seed] = outcome
+    by_arm = {arm: by_arm[arm] for arm in ARMS[: given.arms]}
+    seeds = sorted(set.intersection(*(set(outcomes) for outcomes in by_arm.values())))
+    if given.csv is not None:
+        write(given.csv, by_arm, seeds)
+    print(f"{len(seeds)} missions per arm; mean [95 % bootstrap interval]; below, differences to the first\n")
+    print("| | " + " | ".join(by_arm) + " |")
+    print("|---" * (len(by_arm) + 1) + "|")
     for name, value_of in COLUMNS.items():
-        samples = [np.array([value_of(arm[number]) for number in numbers]) for arm in by_arm]
+        samples = [np.array([value_of(outcomes[seed]) for seed in seeds]) for outcomes in by_arm.values()]
         print(f"| {name} | " + " | ".join(cell(sample) for sample in samples) + " |")
         print("| | | " + " | ".join(cell(sample - samples[0], sign="+") for sample in samples[1:]) + " |")
+
+
+def write(file: Path, by_arm: dict[str, dict[int, Outcome]], seeds: list[int]) -> None:
+    """Write a row per mission: arm, seed, and the values of the table."""
+    with file.open("w", newline="") as stream:
+        rows = csv.writer(stream, lineterminator="\n")
+        rows.writerow(["arm", "seed", *COLUMNS])
+        for arm, outcomes in by_arm.items():
+            rows.writerows(
+                [arm, seed, *(round(value_of(outcomes[seed]), 3) for value_of in COLUMNS.values())] for seed in seeds
+            )
 
 
 def cell(sample: np.ndarray, sign: str = "") -> str:

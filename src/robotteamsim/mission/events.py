@@ -276,6 +276,12 @@ class VictimLeft(OfVictim, frozen=True, tag="victim_left"):
     template = "{victim} is left by {member}"
 
 
+class VictimNotFound(OfVictim, frozen=True, tag="victim_not_found"):
+    """A firefighter gives up looking for a victim, who calls again."""
+
+    template = "{member} does not find {victim}"
+
+
 class VictimSafe(OfVictim, frozen=True, tag="victim_safe"):
     """A victim is in safety."""
 

@@ -9,6 +9,7 @@ from typing import Literal
 import msgspec
 import numpy as np
 
+from robotteamsim.control.people.messages import parse_firefighter_update
 from robotteamsim.interface.task import Assistance
 from robotteamsim.mission.events import (
     NOBODY,
@@ -16,14 +17,17 @@ from robotteamsim.mission.events import (
     VictimCarried,
     VictimLeft,
     VictimLocated,
+    VictimNotFound,
     VictimReached,
     VictimSafe,
 )
 from robotteamsim.mission.input import MissionInput
-from robotteamsim.mission.status import CALLING, VictimState
+from robotteamsim.mission.status import VictimState
 from robotteamsim.mission.victims import Victims
+from robotteamsim.propagation import farthest_m
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.sections import Victim
+from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.sensing.sight import Sight
 from robotteamsim.setup import Setup
 
@@ -51,13 +55,15 @@ class Rescue:
     """Judges who is located, reached, picked up and safe.
 
     A victim is located by whoever sees them, or hears them as loudly as `mission.rescue.located_voice_db`, and then
-    calls no more. A firefighter within `mission.save_distance_m` reaches a victim, helps nobody else meanwhile, and
-    leaves with the victim after `pick_up_s`. Victims are safe near the command centre, and in exits.
+    calls no more, unless a firefighter reports that they were not found. A firefighter within `mission.save_distance_m`
+    reaches a victim, helps nobody else meanwhile, and leaves with the victim after `pick_up_s`. Victims are safe near
+    the command centre, and in exits.
     """
 
     def __init__(self, setup: Setup) -> None:
         scenario, mission = setup.scenario, setup.scenario.mission
         self._section, self._reach_m = mission.rescue, mission.save_distance_m
+        self._voice = scenario.voice
         self._firefighters = scenario.firefighter_ids
         self._sight = Sight(scenario.plan, mission.rescue, scenario.team_size, scenario.run.seed)
         self._safe_places = [(way_out.center, way_out.radius_m) for way_out in mission.exits]
@@ -66,8 +72,12 @@ class Rescue:
         self._helps: dict[int, Assistance] = {}
         """By index of the victim."""
         self._reached_s: dict[int, float] = {}
+        self._time_s = 0.0
+        """Of the step that is judged [s of the mission]."""
         self._last_seen_m: dict[tuple[int, int], Point] = {}
         """Where a victim was located last, by observer and victim."""
+        self._located_s: dict[int, float] = {}
+        """When a victim was located last, by index [s of the mission]."""
         self._collapsed: set[str] = set()
 
     @property
@@ -94,29 +104,38 @@ class Rescue:
 
         Args: time_s: of the mission's clock [s].
         """
+        self._time_s = time_s
         if now.doors:
             self._sight.follow_doors(now.doors)
         there_m = np.where(now.present[:, None], now.positions_m, math.nan)
         yield from self._located_by_voice(there_m, now, victims)
         yield from self._seen(there_m, now, victims)
+        yield from self._not_found(now, victims)
         yield from self._given_up(there_m, victims)
         yield from self._reached(time_s, there_m, now.enclosed, victims)
         yield from self._picked_up(time_s, victims)
         yield from self._safe(victims)
 
     def _located_by_voice(self, there_m: np.ndarray, now: MissionInput, victims: Victims) -> Iterator[VictimNews]:
-        enclosed = now.enclosed
-        for robot_id, voice in enumerate(now.voices):
-            if not voice.heard or voice.local_best_level_db < self._section.located_voice_db:
+        # All voices of a step are those of whoever called before it, also if they fall silent in this step.
+        speakers = [(robot_id, self._speaker(voice, victims)) for robot_id, voice in enumerate(now.voices)]
+        located: set[int] = set()
+        for robot_id, index in speakers:
+            if index is None or index in located or math.isnan(there_m[robot_id, 0]):
                 continue
-            calling = [
-                (math.dist(victim.position, voice.local_best_m), index)
-                for index, victim in enumerate(victims.all)
-                if victim.calling and victims.states[index] in CALLING and self._needs_help(victim, enclosed)
-            ]
-            if calling and not math.isnan(there_m[robot_id, 0]):
-                index = min(calling)[1]
-                yield self._located(index, robot_id, voice.local_best_m, "voice", victims.all[index])
+            if self._needs_help(victims.all[index], now.enclosed):
+                located.add(index)
+                yield self._located(index, robot_id, now.voices[robot_id].local_best_m, "voice", victims.all[index])
+
+    def _speaker(self, voice: VoiceReading, victims: Victims) -> int | None:
+        """Return the index of the victim whose loud voice this is: the nearest caller whom it can come from."""
+        if not voice.heard or voice.local_best_level_db < self._section.located_voice_db:
+            return None
+        index = victims.nearest_caller(voice.local_best_m)
+        if index is None:
+            return None
+        away_m = math.dist(victims.all[index].position, voice.local_best_m)
+        return index if away_m <= farthest_m(self._voice, voice.local_best_level_db) else None
 
     def _seen(self, there_m: np.ndarray, now: MissionInput, victims: Victims) -> Iterator[VictimNews]:
         states, enclosed = victims.states, now.enclosed
@@ -139,14 +158,28 @@ class Rescue:
                     yield self._located(index, robot_id, measured_m, "sight", victim)
                 else:
                     self._last_seen_m[self._observer(robot_id), index] = measured_m
+                    self._located_s[index] = self._time_s
                     yield VictimNews(index, found=(robot_id, measured_m))
 
     def _located(
         self, index: int, robot_id: int, seen_m: Point, by: Literal["sight", "voice"], victim: Victim
     ) -> VictimNews:
         self._last_seen_m[self._observer(robot_id), index] = seen_m
+        self._located_s[index] = self._time_s
         event = VictimLocated(victim.name, by, math.dist(seen_m, victim.position), robot_id=robot_id)
         return VictimNews(index, "located", event, (robot_id, seen_m))
+
+    def _not_found(self, now: MissionInput, victims: Victims) -> Iterator[VictimNews]:
+        """Yield the victims whom a firefighter reports as missing, unless they were located since: they call again."""
+        for robot_id in self._firefighters:
+            reports = [parse_firefighter_update(message.payload) for message in now.decisions[robot_id].outbox]
+            missing = {pair for report in reports if report is not None for pair in report.missing}
+            for name, news_s in sorted(missing):
+                index = victims.index(name)
+                if index is None or victims.states[index] not in ("located", "reported"):
+                    continue
+                if self._located_s[index] <= news_s:
+                    yield VictimNews(index, "waiting", VictimNotFound(name, robot_id=robot_id))
 
     def _given_up(self, there_m: np.ndarray, victims: Victims) -> Iterator[VictimNews]:
         """Yield the victims whose firefighter has left the team: they call again, unless they have collapsed."""

@@ -117,5 +117,15 @@ class Dispatch(Model):
         description="without contact for this time, the victim of a firefighter is assigned to another [s]",
     )
     look_around_s: float = Field(
-        default=10.0, gt=0.0, le=3600.0, description="a firefighter who finds nobody there gives up after this time [s]"
+        default=10.0,
+        gt=0.0,
+        le=3600.0,
+        description="a firefighter who finds nobody there, nor near it, gives up after this time [s]",
     )
+    feel_m: float = Field(
+        default=4.0,
+        gt=0.0,
+        le=20.0,
+        description="within this distance of the place they feel their way; a voice of 50 dB is at most 3.6 m off [m]",
+    )
+    feel_s: float = Field(default=30.0, ge=0.0, le=3600.0, description="they do so for at most this time [s]")

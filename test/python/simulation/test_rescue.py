@@ -11,6 +11,7 @@ import pytest
 
 from robotteamsim.errors import PlacementError, ScenarioError
 from robotteamsim.hazards import walking_speed_share
+from robotteamsim.mission import MissionInput
 from robotteamsim.scenario.loading import from_mapping
 from robotteamsim.simulation import Simulation, StepRecord
 
@@ -95,6 +96,35 @@ def test_located_position_is_near_and_its_error_is_in_the_event():
         error_m = float(event.detail.split(", ")[-1].removesuffix(" m off"))
         assert event.detail.startswith(("robot 0 locates", "firefighter"))
         assert 0.0 <= error_m < 1.6
+
+
+ANN = {"name": "ann", "position": [7.0, 2.0]}
+EVE = {"name": "eve", "position": [7.0, 2.0], "flees": True, "flees_after_s": 60.0}
+
+
+@pytest.mark.parametrize(
+    ("near", "located"),
+    [
+        (ANN, [("victim_located", "ann")]),  # both robots hear her in the first step
+        (EVE, []),  # she needs no help
+    ],
+)
+def test_loud_voice_locates_only_the_victim_whose_voice_it_is(near, located):
+    bob = {"name": "bob", "position": [24.0, 8.0]}
+    exits = [{"name": "way_out", "center": [1.5, 8.5]}]
+    mission = {"victims": [near, bob], "exits": exits, "rescue": {"sight_m": 0.0}}
+    simulation = started(rescue(robots={"count": 2, "start": [5.0, 2.0, 0.0]}, mission=mission))
+    first = simulation.step()
+    assert [voice.local_best_level_db > 50.0 for voice in first.voices[:2]] == [True, True]
+    records = [first, *(simulation.step() for _ in range(10))]
+    assert events(records, "victim_located") == located
+    # In ROS, a voice can be one step old: its victim is silent by now.
+    late = MissionInput(
+        sim_time_ns=records[-1].sim_time_ns + 100_000_000,
+        positions_m=np.array([(reading.true_pose.x_m, reading.true_pose.y_m) for reading in first.readings]),
+        **{name: getattr(first, name) for name in ("voices", "network", "decisions", "present", "doors", "people")},
+    )
+    assert "victim_located" not in [event.kind for event in simulation.mission.step(late)]
 
 
 def test_someone_who_can_walk_follows_and_someone_else_is_carried():

@@ -6,23 +6,26 @@ import math
 
 from robotteamsim.control.cover.floor_cover import parse_cover_update
 from robotteamsim.control.driving.path_controller import PathController, Situation
+from robotteamsim.control.people.felt_floor import FeltFloor
 from robotteamsim.control.people.floor_search import FloorSearch
 from robotteamsim.control.people.messages import FirefighterUpdate, Order, parse_orders
-from robotteamsim.interface import EVERYBODY, Assistance, Decision, Message
+from robotteamsim.interface import EVERYBODY, Assistance, Decision, Discovery, Message
 from robotteamsim.scenario.base import Point
 from robotteamsim.setup import Setup
 
 _ARRIVED_M = 0.3
-"""At this distance from the place of an order, a firefighter looks around."""
+"""At this distance from where contact was lost, a firefighter has returned."""
+_FELT_SHARE = 0.6
+"""Of the distance at which a victim is reached; the rest is for a victim between the points that are felt."""
 
 
 class FirefighterController(PathController):
     """The controller of a firefighter.
 
     A firefighter with a victim goes to the nearest safe place. One with an order goes to its victim, to the position of
-    the order or, if they have seen the victim themselves, where they saw them. Without contact to the command centre, a
-    firefighter finishes the last order, returns to where contact was lost, and then to the centre. Everybody else
-    searches the floor.
+    the order or, if they have seen the victim themselves since then, where they saw them. Near it, they feel their way
+    over the floor, and report who was not found. Without contact to the command centre, a firefighter finishes the last
+    order, returns to where contact was lost, and then to the centre. Everybody else searches the floor.
     """
 
     def __init__(self, robot_id: int, setup: Setup) -> None:
@@ -39,10 +42,12 @@ class FirefighterController(PathController):
         self._search = FloorSearch(robot_id, setup, scenario.firefighters.floor_search)
         self._order: Order | None = None
         self._looking_since_s: float | None = None
-        """Since when the firefighter has looked around at the place of the order; None: not there yet."""
+        """Since when the firefighter has looked around near the place of the order; None: not there yet."""
+        self._felt: FeltFloor | None = None
+        """The floor near that place."""
         self._assistance: Assistance | None = None
-        self._seen: dict[str, Point] = {}
-        """Where the firefighter has located victims who may still wait, by name."""
+        self._seen: dict[str, Discovery] = {}
+        """Own discoveries of victims who may still wait, by name."""
         self._safe: tuple[str, ...] = ()
         self._missing: tuple[tuple[str, float], ...] = ()
         self._contact_s = 0.0
@@ -53,8 +58,9 @@ class FirefighterController(PathController):
     def _note(self, now: Situation) -> None:
         """Note own discoveries, the victim in their care, orders, and what others have searched."""
         for found in now.task.undelivered:
-            if found.robot_id == self.robot_id and found.kind == "victim":
-                self._seen[found.name] = found.position_m
+            is_own_victim = found.robot_id == self.robot_id and found.kind == "victim"
+            if is_own_victim and not self._is_settled(found.name, found.time_s):
+                self._seen[found.name] = found
         own = [assistance for assistance in now.task.assistance if assistance.robot_id == self.robot_id]
         if self._assistance is not None and not own:
             self._finish(self._assistance.victim, now.time_s)
@@ -80,10 +86,14 @@ class FirefighterController(PathController):
         """Take an order, or none, which has just arrived."""
         self._contact_s, self._returns = now.time_s, False
         self._contact_place = now.position
-        if order is not None and (order.victim in self._safe or (order.victim, order.time_s) in self._missing):
+        if order is not None and self._is_settled(order.victim, order.time_s):
             order = None  # the centre has not heard yet
         if order != self._order:
-            self._order, self._looking_since_s = order, None
+            self._order, self._looking_since_s, self._felt = order, None, None
+
+    def _is_settled(self, victim: str, news_s: float) -> bool:
+        """Whether a victim is safe, or was not found by news of this time or later ones [s]."""
+        return victim in self._safe or any(name == victim and missed_s >= news_s for name, missed_s in self._missing)
 
     def _finish(self, victim: str, time_s: float) -> None:
         """Note that a victim is in no need of help any more."""
@@ -119,21 +129,33 @@ class FirefighterController(PathController):
     def _target(self, position: Point, time_s: float) -> Point | None:
         """Return the place of the victim to go to: that of the order or, without contact, the nearest one seen."""
         if self._order is None and self._seen and not self._is_in_contact(time_s):
-            lengths = [(self.driver.map.distance_m(place, position), name) for name, place in self._seen.items()]
-            name = min(lengths)[1]
-            self._order = Order(self.robot_id, name, self._seen[name], 0.0)
+            found = self._seen.values()
+            nearest = min(found, key=lambda one: (self.driver.map.distance_m(one.position_m, position), one.name))
+            self._order = Order(self.robot_id, nearest.name, nearest.position_m, nearest.time_s)
         order = self._order
         if order is None:
             return None
-        place = self._seen.get(order.victim, order.position)
-        if self._looking_since_s is None and math.dist(position, place) <= _ARRIVED_M:
+        own = self._seen.get(order.victim)
+        place = order.position if own is None or own.time_s < order.time_s else own.position_m
+        if self._felt is None and math.dist(position, place) <= self._dispatch.feel_m:
+            near_m = _FELT_SHARE * self.scenario.mission.save_distance_m
             self._looking_since_s = time_s
-        if self._looking_since_s is not None and time_s - self._looking_since_s > self._dispatch.look_around_s:
-            self._missing = (*self._missing, (order.victim, order.time_s))
-            self._seen.pop(order.victim, None)
-            self._order = self._looking_since_s = None
+            self._felt = FeltFloor(self.driver.map, place, self._dispatch.feel_m, near_m)
+        if self._looking_since_s is None or self._felt is None:
+            return place
+        looking_s = time_s - self._looking_since_s
+        point = self._felt.next_point(position, time_s, self.driver.hot)
+        if looking_s > self._dispatch.feel_s or (point is None and looking_s > self._dispatch.look_around_s):
+            self._give_up(order, own)
             return None
-        return place
+        return point or place
+
+    def _give_up(self, order: Order, own: Discovery | None) -> None:
+        """Note that the victim of the order was not found."""
+        news_s = order.time_s if own is None else max(order.time_s, own.time_s)
+        self._missing = (*self._missing, (order.victim, news_s))
+        self._seen.pop(order.victim, None)
+        self._order = self._looking_since_s = self._felt = None
 
     def _nearest_safe_place(self, position: Point) -> Point:
         return min(self._safe_places, key=lambda place: self.driver.map.distance_m(place, position))
