@@ -150,10 +150,20 @@ def _links_through(plan: FloorPlan, lines: tuple[np.ndarray, np.ndarray], cols: 
     leaves = [Solid(door.name, "door", door_corners(door), door).polygon for door in plan.doors]
     for along, is_east in zip(lines, (True, False), strict=True):
         door_ids, line_ids = shapely.STRtree(along).query(leaves, predicate="intersects")
-        for door, line in zip(door_ids.tolist(), line_ids.tolist(), strict=True):
+        ends = shapely.get_coordinates(along[line_ids]).reshape(-1, 2, 2)
+        # A centre may be in the leaf: the air must cross one link, not two in series.
+        crosses = np.array([_sides_differ(plan.doors[i], *pair) for i, pair in zip(door_ids, ends, strict=True)], bool)
+        for door, line in zip(door_ids[crosses].tolist(), line_ids[crosses].tolist(), strict=True):
             row, col = divmod(line, cols - 1 if is_east else cols)
             found[door].append((row * cols + col, is_east))
     return found
+
+
+def _sides_differ(door: Door, first: np.ndarray, second: np.ndarray) -> bool:
+    """Return whether two points are on different sides of the middle of a door's leaf."""
+    (x, y), (x_end, y_end) = door.start, door.end
+    left = [(x_end - x) * (point[1] - y) - (y_end - y) * (point[0] - x) >= 0.0 for point in (first, second)]
+    return bool(left[0] != left[1])
 
 
 def _nearest_link(door: Door, grid: Grid, shape: tuple[int, int]) -> Link:

@@ -84,6 +84,18 @@ def test_leak_of_a_closed_door_depends_on_its_width_and_not_on_the_grid(cell_m, 
     assert beyond(cell_m, low_m, high_m, True, 1500) == pytest.approx(leaked(high_m - low_m, 1500), rel=0.06)
 
 
+def test_leak_does_not_depend_on_whether_the_centres_of_cells_are_in_the_leaf():
+    # Everything is 0.125 m farther to the right: with cells of 0.25 m, centres are in walls and leaf.
+    plan = rooms_with_door(2.4, 3.6)
+    for element in (*plan["walls"], *plan["doors"]):
+        element.update({end: [element[end][0] + 0.125, element[end][1]] for end in ("from", "to")})
+    bin_ = {"name": "bin", "polygon": [[2, 2], [3, 2], [3, 3], [2, 3]], "growth": "ultra_fast", "load_mj_m2": 1.0}
+    hazards = fire_of(plan, {"fuel": [bin_], "ignitions": [{"position": [2.6, 2.6]}], "cell_m": 0.25})
+    advance(hazards, 1500, Doors(door=True))
+    soot = hazards.field.soot_g_m3.astype(float)
+    assert soot[:, 25:].sum() / soot.sum() == pytest.approx(leaked(1.2, 1500), rel=0.1)
+
+
 def leaked(width_m: float, seconds: float) -> float:
     """Share of the soot beyond a closed door between two rooms of 36 m^2 in which it is spread evenly.
 
