@@ -23,8 +23,9 @@ struct type_caster<hazards::Crossing>
 };
 
 template <>
-struct type_caster<hazards::DoorModel> : TupleCaster<hazards::DoorModel, &hazards::DoorModel::closed,
-                                                     &hazards::DoorModel::leakage, &hazards::DoorModel::endures_s> {};
+struct type_caster<hazards::DoorModel>
+    : TupleCaster<hazards::DoorModel, &hazards::DoorModel::closed, &hazards::DoorModel::open_share,
+                  &hazards::DoorModel::closed_share, &hazards::DoorModel::endures_s> {};
 
 template <>
 struct type_caster<hazards::Fuel>
@@ -38,7 +39,6 @@ namespace {
 using hazards::BurningFloor;
 using Mask = Array<const bool, -1, -1>;
 using Kinds = Array<const std::int32_t, -1, -1>;
-using Thresholds = Array<const double, -1, -1>;
 using Values = Array<const float, -1, -1>;
 
 template <typename Value, typename Stored>
@@ -52,12 +52,11 @@ plan::GridShape ShapeOf(const Values& values, const base::Point& origin_m, doubl
 
 void InitFloor(BurningFloor* self, const Mask& east, const Mask& north, std::vector<hazards::Crossing> crossings,
                std::vector<hazards::DoorModel> doors, std::vector<hazards::Fuel> fuels, const Kinds& fuel_of_cell,
-               const Thresholds& thresholds, double cell_m, double diffusivity_m2_s, double ambient_c,
-               double heat_kj_m2_k, double convection_kw_m2_k, double emissivity, double soot_g_kj,
-               double convective_share) {
+               double gap_m, double cell_m, double diffusivity_m2_s, double ambient_c, double heat_kj_m2_k,
+               double convection_kw_m2_k, double emissivity, double soot_g_kj, double convective_share) {
   hazards::Links links(static_cast<int>(east.shape(0)), static_cast<int>(east.shape(1)), ValuesOf<std::uint8_t>(east),
                        ValuesOf<std::uint8_t>(north), std::move(crossings), static_cast<int>(doors.size()));
-  hazards::Fire fire(links, std::move(fuels), ValuesOf<int>(fuel_of_cell), ValuesOf<double>(thresholds));
+  hazards::Fire fire(links, std::move(fuels), ValuesOf<int>(fuel_of_cell), gap_m / cell_m);
   const hazards::AirModel air{cell_m,       diffusivity_m2_s,   ambient_c + 273.15,
                               heat_kj_m2_k, convection_kw_m2_k, emissivity};
   new (self) BurningFloor(std::move(links), std::move(fire), air, {soot_g_kj, convective_share}, std::move(doors));
@@ -66,7 +65,7 @@ void InitFloor(BurningFloor* self, const Mask& east, const Mask& north, std::vec
 void BindBurningFloor(nb::module_& m) {
   nb::class_<BurningFloor>(m, "BurningFloor")
       .def("__init__", &InitFloor, "east"_a, "north"_a, "crossings"_a, "doors"_a, "fuels"_a, "fuel_of_cell"_a,
-           "thresholds"_a, nb::kw_only(), "cell_m"_a, "diffusivity_m2_s"_a, "ambient_c"_a, "heat_kj_m2_k"_a,
+           nb::kw_only(), "gap_m"_a, "cell_m"_a, "diffusivity_m2_s"_a, "ambient_c"_a, "heat_kj_m2_k"_a,
            "convection_kw_m2_k"_a, "emissivity"_a, "soot_g_kj"_a, "convective_share"_a)
       .def("ignite", &BurningFloor::Ignite, "cell"_a)
       .def("set_door", &BurningFloor::SetDoor, "door"_a, "closed"_a)

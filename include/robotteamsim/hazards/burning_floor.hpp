@@ -11,8 +11,9 @@ namespace robotteamsim::hazards {
 /// A door as an obstacle for fire and smoke.
 struct DoorModel {
   bool closed = false;
-  double leakage = 0.0;    ///< share of the smoke that passes the closed door
-  double endures_s = 0.0;  ///< a closed door burns through after so long beside flames; negative: never
+  double open_share = 1.0;    ///< of the air of a link that passes each link through the open door
+  double closed_share = 0.0;  ///< the same when it is closed
+  double endures_s = 0.0;     ///< a closed door burns through after so long beside flames; negative: never
 };
 
 /// What a fire gives to the air of its cell, per heat that it releases.

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <queue>
 #include <vector>
 
 #include "robotteamsim/hazards/links.hpp"
@@ -22,29 +24,32 @@ struct Release {
   double heat_kj = 0.0;
 };
 
-/// Fire that spreads from cell to cell.
+/// Fire whose front moves from cell to cell.
 ///
-/// The cell where a fire begins releases growth * t^2, up to its peak, until its load is spent. Any other cell is
-/// ignited by the nearest burning cell within three cells that no wall hides, at a rate that depends on the distance
-/// and on its own fuel, and releases its peak at once: the growth of a fire is that of its area, and over uniform fuel
-/// the whole fire releases growth * t^2. Each cell has a threshold, which is its only random number: it ignites when
-/// the rate, added up over time, reaches it; with thresholds of an exponential distribution of mean 1, the rate is a
-/// probability per time.
+/// The front of a t-squared fire on uniform fuel is a circle: growth * t^2 = peak per area * pi * (speed * t)^2. So the
+/// front crosses a cell in T * sqrt(pi) with T = sqrt(peak / growth), both of the cell, whatever its size. It runs
+/// along straight steps between the centres of cells (Dijkstra's algorithm): after a time t it is then a polygon with a
+/// corner in the direction of each kind of step. The area of this polygon replaces pi, so that the heat release rate on
+/// uniform fuel is growth * t^2 on a grid of any size.
+///
+/// A cell burns from when the front reaches its edge, and its heat release rate rises to the peak until the front has
+/// left it; where a fire begins, it is growth * t^2 up to the peak. Each burns until its load is spent.
 class Fire {
  public:
-  /// Args: fuels: kinds of fuel.  fuel_of_cell: per cell, the kind; -1 for none.  thresholds: per cell.
+  /// Args: fuels: kinds of fuel.  fuel_of_cell: per cell, the kind; -1 for none.  gap: the width of ground without fuel
+  /// that the front can cross [cells].
   /// Throws std::invalid_argument: a size or a number is wrong.
-  Fire(const Links& links, std::vector<Fuel> fuels, const std::vector<int>& fuel_of_cell,
-       const std::vector<double>& thresholds);
+  Fire(const Links& links, std::vector<Fuel> fuels, const std::vector<int>& fuel_of_cell, double gap);
 
   /// Begins a fire in a cell; returns false if it has no fuel, or burns or has burnt already.
-  bool Ignite(const Links& links, int padded);
+  bool Ignite(int padded);
 
   /// Lets the fire burn and spread for some time [s].
   void Advance(const Links& links, double seconds);
 
-  /// Computes again which cells ignite which others, after doors have opened or closed.
-  void FollowLinks(const Links& links);
+  /// Computes again which cells the front will reach, after doors have opened or closed. From where it already was
+  /// beside an opened door, it begins to move through the door now.
+  void FollowLinks(const Links& before, const Links& after);
 
   /// Returns whether a cell beside a door burns.
   bool BurnsBeside(const Links& links, int door) const;
@@ -57,27 +62,54 @@ class Fire {
  private:
   struct Cell {
     int padded = 0;
-    double age_s = 0.0;        ///< since its ignition
-    bool grows = false;        ///< a fire begins here; else it has its peak from the beginning
+    double since_s = 0.0;
+    bool begins = false;       ///< a fire begins here
     double released_kj = 0.0;  ///< heat
   };
 
-  void Begin(const Links& links, int padded, bool grows);
-  void Count(const Links& links, int padded, bool burns);
+  /// A step between the centres of two cells.
+  struct Step {
+    int dx = 0;
+    int dy = 0;
+    double length = 0.0;        ///< [cells]
+    std::vector<int> single;    ///< steps to neighbours that lead there: 0 east, 1 north, 2 west, 3 south
+    bool crosses_gaps = false;  ///< over ground without fuel
+    bool is_common = false;     ///< over fuel
+  };
+
+  /// The front reaches the edge of a cell, or its centre, from where it moves on.
+  struct Event {
+    double at_s = 0.0;
+    int padded = 0;
+    bool at_centre = false;
+    bool operator>(const Event& other) const { return at_s != other.at_s ? at_s > other.at_s : padded > other.padded; }
+  };
+
+  static std::vector<Step> StepsFor(double gap);
+  const Fuel& FuelOf(const Cell& cell) const { return fuels_[fuel_of_[cell.padded]]; }
+  double CrossingTime(int padded) const { return crossing_s_[fuel_of_[padded]]; }
+  double CentreTime(const Cell& cell) const;
+  double HeatOf(const Cell& cell) const;
+  double RateOf(const Cell& cell) const;
+  void Begin(int padded, double at_s, bool begins);
+  int Target(const Links& links, int from, const Step& step) const;
+  void MoveOn(const Links& links, int from, double at_s, const Step& step);
+  bool CanMove(const Links& links, int from, const Step& step) const;
+  bool IsFree(const Links& links, int from, const Step& step, bool backwards) const;
 
   std::vector<Fuel> fuels_;
-  std::vector<int> fuel_of_;        ///< with a border
-  std::vector<double> thresholds_;  ///< with a border
-  std::vector<double> exposures_;   ///< with a border
-  /// How many burning cells reach this one, with a border: a byte for each distance, the nearest in the lowest byte.
-  std::vector<std::uint64_t> burning_near_;
+  std::vector<double> crossing_s_;  ///< of each fuel: time in which the front crosses a cell
+  std::vector<Step> steps_;
+  int rows_;
+  int cols_;
+  double time_s_ = 0.0;
+  std::vector<int> fuel_of_;     ///< with a border
+  std::vector<double> due_s_;    ///< with a border: when the front reaches the edge
+  std::vector<int> from_;        ///< with a border: the cell from which it does
   std::vector<Burning> states_;  ///< with a border
   std::vector<Cell> burning_;
   std::vector<Release> releases_;
-  int first_row_;  ///< with the border, of the rectangle that a fire has reached
-  int last_row_ = 0;
-  int first_col_;
-  int last_col_ = 0;
+  std::priority_queue<Event, std::vector<Event>, std::greater<>> events_;
 };
 
 }  // namespace robotteamsim::hazards

@@ -14,7 +14,8 @@ struct Crossing {
   bool is_east = true;  ///< between the cell and its eastern neighbour; else its northern one
 };
 
-/// The links between neighbouring cells through which air flows and fire spreads: 1 open, 0 a wall.
+/// The links between neighbouring cells through which air flows and fire spreads: 1 open, 0 a wall. A link through a
+/// doorway carries its share of the doorway's width, in cells.
 ///
 /// Any line of neighbouring cells from one room to another crosses what separates the rooms, so walls are tight at any
 /// resolution. The arrays have a border of one cell without links, which saves the loops all special cases.
@@ -27,7 +28,7 @@ class Links {
 
   int rows() const { return rows_; }
   int cols() const { return cols_; }
-  int doors() const { return static_cast<int>(openness_.size()); }
+  int doors() const { return static_cast<int>(doors_.size()); }
   int stride() const { return cols_ + 2; }
   /// Returns the index in the arrays with a border.
   int Padded(int cell) const { return (cell / cols_ + 1) * stride() + cell % cols_ + 1; }
@@ -36,15 +37,23 @@ class Links {
   const std::vector<float>& east() const { return east_; }
   const std::vector<float>& north() const { return north_; }
   const std::vector<Crossing>& crossings() const { return crossings_; }
-  double openness(int door) const { return openness_.at(door); }
 
-  /// Sets which share of the air passes a door: 1 open. Fire passes at one half and above.
-  void SetDoor(int door, double openness);
+  /// Sets which share of the air of a link passes each link through a door, and whether fire passes.
+  /// Throws std::invalid_argument: the share is below 0 or above 2.
+  void SetDoor(int door, double share, bool passes_fire);
 
   /// Returns whether fire spreads from a cell to its neighbour in a direction: 0 east, 1 north, 2 west, 3 south.
   bool IsOpen(int padded, int direction) const;
 
+  /// The largest sum of the shares of two opposite links of a cell; at least 2, as without doors.
+  double LargestPair() const { return largest_pair_; }
+
  private:
+  struct DoorState {
+    float share = 1.0F;
+    bool passes_fire = true;
+  };
+
   void Update();
 
   int rows_;
@@ -54,7 +63,10 @@ class Links {
   std::vector<float> east_;
   std::vector<float> north_;
   std::vector<Crossing> crossings_;
-  std::vector<double> openness_;
+  std::vector<std::uint8_t> passes_east_;
+  std::vector<std::uint8_t> passes_north_;
+  std::vector<DoorState> doors_;
+  double largest_pair_ = 2.0;
 };
 
 }  // namespace robotteamsim::hazards

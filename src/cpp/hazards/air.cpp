@@ -11,10 +11,9 @@ namespace robotteamsim::hazards {
 namespace {
 
 constexpr double kStefanBoltzmann = 5.670374419e-11;  // [kW/(m^2 K^4)]
-constexpr double kLargestShare =
-    1.0 / 3.0;                           // of the difference between two cells that flows in a pass; 1/2 is the limit
-constexpr double kLongestCooling = 1.0;  // [s]
-constexpr float kNothing = 1e-9F;        // [K]
+constexpr double kLargestShare = 2.0 / 3.0;           // of what a cell has that flows out in a pass; 1 is the limit
+constexpr double kLongestCooling = 1.0;               // [s]
+constexpr float kNothing = 1e-9F;                     // [K]
 constexpr double kSmallest = 1e-3;
 constexpr double kHottest = 1e4;  // [K]
 constexpr int kMostPasses = 1'000'000;
@@ -99,7 +98,7 @@ void Air::Advance(const Links& links, double seconds) {
   base::CheckPositive(seconds, "seconds");
   if (first_ > last_) return;
   const double total = model_.diffusivity_m2_s * seconds / (model_.cell_m * model_.cell_m);
-  const double passes = std::max(1.0, std::ceil(total / kLargestShare));
+  const double passes = std::max(1.0, std::ceil(total * links.LargestPair() / kLargestShare));
   if (!(passes <= kMostPasses)) throw std::invalid_argument("seconds are too many for cells of this size");
   Spread(links, total / passes, static_cast<int>(passes));
   const int coolings = std::max(1, static_cast<int>(std::min(std::ceil(seconds / kLongestCooling), 1e6)));

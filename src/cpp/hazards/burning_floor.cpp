@@ -40,7 +40,6 @@ BurningFloor::BurningFloor(Links links, Fire fire, const AirModel& air, const Yi
   if (yields.warmth > 1.0) throw std::invalid_argument("warmth must be at most 1");
   if (static_cast<int>(doors_.size()) != links_.doors()) throw std::invalid_argument("each door must have a model");
   for (std::size_t door = 0; door < doors_.size(); ++door) {
-    base::CheckNotNegative(doors_[door].leakage, "leakage");
     base::Check(doors_[door].endures_s, "endures_s");
     Apply(static_cast<int>(door));
   }
@@ -48,14 +47,15 @@ BurningFloor::BurningFloor(Links links, Fire fire, const AirModel& air, const Yi
 
 bool BurningFloor::Ignite(int cell) {
   if (cell < 0 || cell >= links_.rows() * links_.cols()) throw std::invalid_argument("there is no such cell");
-  return fire_.Ignite(links_, links_.Padded(cell));
+  return fire_.Ignite(links_.Padded(cell));
 }
 
 void BurningFloor::SetDoor(int door, bool closed) {
   if (doors_.at(door).closed == closed) return;
   doors_[door].closed = closed;
+  const Links before = links_;
   Apply(door);
-  fire_.FollowLinks(links_);
+  fire_.FollowLinks(before, links_);
 }
 
 void BurningFloor::Advance(double seconds) {
@@ -72,8 +72,9 @@ void BurningFloor::Advance(double seconds) {
     heated_s_[door] += seconds;
     if (heated_s_[door] < model.endures_s) continue;
     is_burnt_through_[door] = true;
+    const Links before = links_;
     Apply(door);
-    fire_.FollowLinks(links_);
+    fire_.FollowLinks(before, links_);
   }
 }
 
@@ -108,7 +109,7 @@ std::vector<float> BurningFloor::Temperature(float ambient_c, float flame_c) con
 
 void BurningFloor::Apply(int door) {
   const bool holds = doors_[door].closed && !is_burnt_through_[door];
-  links_.SetDoor(door, holds ? doors_[door].leakage : 1.0);
+  links_.SetDoor(door, holds ? doors_[door].closed_share : doors_[door].open_share, !holds);
 }
 
 }  // namespace robotteamsim::hazards

@@ -1,5 +1,6 @@
 #include "robotteamsim/hazards/links.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <stdexcept>
 #include <utility>
@@ -9,7 +10,7 @@
 namespace robotteamsim::hazards {
 namespace {
 
-constexpr float kPassable = 0.5F;
+constexpr double kMostShare = 2.0;
 
 }  // namespace
 
@@ -25,7 +26,7 @@ Links::Links(int rows, int cols, const std::vector<std::uint8_t>& east, const st
       throw std::invalid_argument("a crossing must be of a door and a cell of the grid");
     }
   }
-  openness_.assign(doors, 1.0);
+  doors_.assign(doors, {});
   open_east_.assign(PaddedSize(), 0.0F);
   open_north_.assign(PaddedSize(), 0.0F);
   for (int cell = 0; cell < static_cast<int>(size); ++cell) {
@@ -36,32 +37,43 @@ Links::Links(int rows, int cols, const std::vector<std::uint8_t>& east, const st
   Update();
 }
 
-void Links::SetDoor(int door, double openness) {
-  base::CheckNotNegative(openness, "openness");
-  if (openness > 1.0) throw std::invalid_argument("openness must be at most 1");
-  openness_.at(door) = openness;
+void Links::SetDoor(int door, double share, bool passes_fire) {
+  base::CheckNotNegative(share, "share");
+  if (share > kMostShare) throw std::invalid_argument("share must be at most 2");
+  doors_.at(door) = {static_cast<float>(share), passes_fire};
   Update();
 }
 
 bool Links::IsOpen(int padded, int direction) const {
   switch (direction) {
     case 0:
-      return east_[padded] >= kPassable;
+      return passes_east_[padded] != 0;
     case 1:
-      return north_[padded] >= kPassable;
+      return passes_north_[padded] != 0;
     case 2:
-      return east_[padded - 1] >= kPassable;
+      return passes_east_[padded - 1] != 0;
     default:
-      return north_[padded - stride()] >= kPassable;
+      return passes_north_[padded - stride()] != 0;
   }
 }
 
 void Links::Update() {
   east_ = open_east_;
   north_ = open_north_;
+  passes_east_.assign(open_east_.begin(), open_east_.end());
+  passes_north_.assign(open_north_.begin(), open_north_.end());
   for (const Crossing& crossing : crossings_) {
-    std::vector<float>& links = crossing.is_east ? east_ : north_;
-    links[Padded(crossing.cell)] *= static_cast<float>(openness_[crossing.door]);
+    const DoorState& door = doors_[crossing.door];
+    const int padded = Padded(crossing.cell);
+    (crossing.is_east ? east_ : north_)[padded] *= door.share;
+    if (!door.passes_fire) (crossing.is_east ? passes_east_ : passes_north_)[padded] = 0;
+  }
+  largest_pair_ = 2.0;
+  for (const Crossing& crossing : crossings_) {
+    const std::vector<float>& links = crossing.is_east ? east_ : north_;
+    const int padded = Padded(crossing.cell), next = crossing.is_east ? 1 : stride();
+    const double pair = links[padded] + std::max(links[padded - next], links[padded + next]);
+    largest_pair_ = std::max(largest_pair_, pair);
   }
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from typing import Protocol
 
@@ -10,7 +11,7 @@ import numpy as np
 from robotteamsim import _core
 from robotteamsim.errors import PlacementError
 from robotteamsim.hazards.field import HazardField
-from robotteamsim.hazards.topology import Topology, check_free, fuel_of_cells, topology
+from robotteamsim.hazards.topology import Doorway, Topology, check_free, fuel_of_cells, topology
 from robotteamsim.rng import stream
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.building import Building
@@ -54,7 +55,7 @@ class HazardSource(Protocol):
 class Hazards:
     """Simulated fire and smoke. It depends only on the scenario, the doors, and the ignitions.
 
-    Random stream: ("fire",), one number per cell.
+    Random stream: ("fire",), one number per place of fuel.
     """
 
     def __init__(self, scenario: Scenario, building: Building) -> None:
@@ -70,10 +71,13 @@ class Hazards:
             self._cells.east,
             self._cells.north,
             list(self._cells.crossings),
-            [_door(door, self._fire) for door in self._plan.doors],
-            [_fuel(fuel.load_mj_m2, fuel.peak_kw_m2, fuel.growth_kw_s2, self._fire) for fuel in self._fire.fuel],
+            [
+                _door(door, doorway, self._fire)
+                for door, doorway in zip(self._plan.doors, self._cells.doorways, strict=True)
+            ],
+            _fuels(self._fire, stream(scenario.run.seed, "fire")),
             self._fuel,
-            stream(scenario.run.seed, "fire").exponential(size=self._cells.shape),
+            gap_m=self._fire.gap_m,
             cell_m=self._fire.cell_m,
             diffusivity_m2_s=self._fire.soot.diffusivity_m2_s,
             ambient_c=self._fire.heat.ambient_c,
@@ -193,17 +197,24 @@ def _burning_cell(plan: FloorPlan, key: str, position: Point, cells: Topology, k
     return row, col
 
 
-def _door(door: Door, fire: Fire) -> tuple[bool, float, float]:
-    """Return whether a door is closed at the start, its leakage when closed, and how long it endures flames [s]."""
+def _door(door: Door, doorway: Doorway, fire: Fire) -> tuple[bool, float, float, float]:
+    """Return whether a door is closed at the start, the shares of air that pass, and how long it endures flames [s]."""
     if door.kind == "fireproof" or door.name in fire.fireproof:
-        return door.closed, 0.0, -1.0
-    return door.closed, fire.soot.door_leakage, fire.heat.door_endures_s
+        return door.closed, doorway.open_share, 0.0, -1.0
+    return door.closed, doorway.open_share, doorway.closed_share(fire.soot.door_leakage), fire.heat.door_endures_s
 
 
-def _fuel(load_mj_m2: float, peak_kw_m2: float, growth_kw_s2: float, fire: Fire) -> tuple[float, float, float]:
-    """Return load [kJ] and peak [kW] of one cell, and its growth [kW/s^2]."""
-    area_m2 = fire.cell_m**2
-    return load_mj_m2 * 1e3 * area_m2, peak_kw_m2 * area_m2, growth_kw_s2
+def _fuels(fire: Fire, random: np.random.Generator) -> list[tuple[float, float, float]]:
+    """Return load [kJ] and peak [kW] of one cell, and growth [kW/s^2], of each place of fuel.
+
+    A place's growth is that of its class times a number of a uniform distribution of mean 1: over many trials, the mean
+    heat release rate at a time is that of the class.
+    """
+    area_m2, most = fire.cell_m**2, math.sqrt(3.0) * fire.growth_sd
+    return [
+        (fuel.load_mj_m2 * 1e3 * area_m2, fuel.peak_kw_m2 * area_m2, fuel.growth_kw_s2 * share)
+        for fuel, share in zip(fire.fuel, random.uniform(1.0 - most, 1.0 + most, len(fire.fuel)), strict=True)
+    ]
 
 
 def ambient_field(fire: Fire, building: Building) -> HazardField:

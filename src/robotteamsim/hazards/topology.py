@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,8 +11,42 @@ import shapely
 from robotteamsim.errors import PlacementError
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.fire import MAX_CELLS, Fire, Fuel
-from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.plan import Grid, Solid, door_corners, grid_shape, solids
+
+Link = tuple[int, bool]
+"""Index of a cell (row * cols + column), and whether the link is to its eastern neighbour, not its northern one."""
+
+_MOST_SHARE = 2.0
+"""Largest share of the air of a link through a doorway; a leaf of this width in cells crosses two links."""
+
+_LEAF_M = 0.5
+"""Length of the open doorway with which `soot.door_leakage` compares the leaf of a closed door."""
+
+
+@dataclass(frozen=True, slots=True)
+class Doorway:
+    """A doorway as air sees it on the grid.
+
+    width_m:    of the leaf.
+    num_links:  number of links that the leaf crosses, at least 1.
+    open_share: of the air of a link that passes each of them when the door is open: all links together are as wide as
+                the leaf, so the flow does not depend on the size of the cells.
+    """
+
+    width_m: float
+    num_links: int
+    open_share: float
+
+    def closed_share(self, leakage: float) -> float:
+        """Return the share that passes each link when the door is closed.
+
+        The open doorway and the leaf are in series: per height, the leaf conducts leakage * D * width / 0.5 m.
+        """
+        if leakage == 0.0:
+            return 0.0
+        leaf = (1.0 / leakage - 1.0) * self.num_links * _LEAF_M / self.width_m
+        return 1.0 / (1.0 / self.open_share + leaf)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,12 +57,14 @@ class Topology(Grid):
     in_solid:    bool, shape (rows, cols): whether the centre of a cell is in a wall or block.
     crossings:   of doors: the door's index in the plan, the cell's (row * cols + column), and whether the leaf is
                  between it and its eastern neighbour, not its northern one.
+    doorways:    of the doors of the plan, in its order.
     """
 
     east: np.ndarray
     north: np.ndarray
     in_solid: np.ndarray
     crossings: tuple[tuple[int, int, bool], ...]
+    doorways: tuple[Doorway, ...]
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -86,7 +122,17 @@ def topology(plan: FloorPlan, cell_m: float) -> Topology:
         links[np.unravel_index(still.query(along, predicate="intersects")[0], links.shape)] = False
     in_solid = np.zeros((rows, cols), dtype=bool)
     in_solid.flat[still.query(shapely.points(centres).ravel(), predicate="intersects")[0]] = True
-    return Topology(grid.origin_m, cell_m, east, north, in_solid, tuple(_crossings(plan, lines, cols)))
+    crossings = []
+    doorways = []
+    for index, (door, crossed) in enumerate(zip(plan.doors, _links_through(plan, lines, cols), strict=True)):
+        free = [(cell, is_east) for cell, is_east in crossed if (east if is_east else north).flat[cell]]
+        if not free:
+            cell, is_east = _nearest_link(door, grid, (rows, cols))
+            (east if is_east else north).flat[cell] = True
+            free = [(cell, is_east)]
+        crossings += [(index, cell, is_east) for cell, is_east in free]
+        doorways.append(_doorway(door, free, cell_m))
+    return Topology(grid.origin_m, cell_m, east, north, in_solid, tuple(crossings), tuple(doorways))
 
 
 def _lines(centres: np.ndarray, east: bool) -> np.ndarray:
@@ -96,16 +142,51 @@ def _lines(centres: np.ndarray, east: bool) -> np.ndarray:
     return lines
 
 
-def _crossings(plan: FloorPlan, lines: tuple[np.ndarray, np.ndarray], cols: int) -> Iterator[tuple[int, int, bool]]:
-    """Yield the door, the cell and the direction of each link that the leaf of a closed door crosses."""
+def _links_through(plan: FloorPlan, lines: tuple[np.ndarray, np.ndarray], cols: int) -> list[list[Link]]:
+    """Return, for each door, the links that the leaf of the closed door crosses."""
+    found: list[list[Link]] = [[] for _ in plan.doors]
     if not plan.doors:
-        return
+        return found
     leaves = [Solid(door.name, "door", door_corners(door), door).polygon for door in plan.doors]
     for along, is_east in zip(lines, (True, False), strict=True):
         door_ids, line_ids = shapely.STRtree(along).query(leaves, predicate="intersects")
-        for door, line in zip(door_ids.tolist(), line_ids.tolist(), strict=True):
+        ends = shapely.get_coordinates(along[line_ids]).reshape(-1, 2, 2)
+        # A centre may be in the leaf: the air must cross one link, not two in series.
+        crosses = np.array([_sides_differ(plan.doors[i], *pair) for i, pair in zip(door_ids, ends, strict=True)], bool)
+        for door, line in zip(door_ids[crosses].tolist(), line_ids[crosses].tolist(), strict=True):
             row, col = divmod(line, cols - 1 if is_east else cols)
-            yield door, row * cols + col, is_east
+            found[door].append((row * cols + col, is_east))
+    return found
+
+
+def _sides_differ(door: Door, first: np.ndarray, second: np.ndarray) -> bool:
+    """Return whether two points are on different sides of the middle of a door's leaf."""
+    (x, y), (x_end, y_end) = door.start, door.end
+    left = [(x_end - x) * (point[1] - y) - (y_end - y) * (point[0] - x) >= 0.0 for point in (first, second)]
+    return bool(left[0] != left[1])
+
+
+def _nearest_link(door: Door, grid: Grid, shape: tuple[int, int]) -> Link:
+    """Return the link through a doorway that is narrower than the cells and between their centres."""
+    rows, cols = shape
+    is_east = abs(door.end[1] - door.start[1]) >= abs(door.end[0] - door.start[0])
+    back_m = 0.5 * grid.resolution_m
+    x, y = (door.start[0] + door.end[0]) / 2, (door.start[1] + door.end[1]) / 2
+    row, col = grid.cell_at(x - back_m, y) if is_east else grid.cell_at(x, y - back_m)
+    row = max(min(row, rows - (1 if is_east else 2)), 0)
+    col = max(min(col, cols - (2 if is_east else 1)), 0)
+    return row * cols + col, is_east
+
+
+def _doorway(door: Door, links: list[Link], cell_m: float) -> Doorway:
+    """Return how the air passes a doorway.
+
+    A gradient of concentration along the door's normal n drives |n_x| of it through each eastern link.
+    """
+    width_m = math.dist(door.start, door.end)
+    normal_x, normal_y = abs(door.end[1] - door.start[1]) / width_m, abs(door.end[0] - door.start[0]) / width_m
+    links_m = cell_m * sum(normal_x if is_east else normal_y for _, is_east in links)
+    return Doorway(width_m, len(links), min(width_m / links_m, _MOST_SHARE))
 
 
 def fuel_of_cells(plan: FloorPlan, fire: Fire, cells: Topology) -> np.ndarray:

@@ -137,7 +137,13 @@ class Fire(Model):
     fireproof: Many[str] = Field(
         default=(), description="names of doors that never burn through; doors of kind fireproof never do"
     )
-    cell_m: float = Field(default=0.5, ge=0.1, le=5.0, description="size of a cell; doorways must be wider [m]")
+    cell_m: float = Field(
+        default=0.5, ge=0.1, le=5.0, description="size of a cell; doorways in oblique walls must be wider [m]"
+    )
+    growth_sd: float = Field(
+        default=0.2, ge=0.0, le=0.5, description="standard deviation of a place's growth coefficient over its mean"
+    )
+    gap_m: float = Field(default=1.0, ge=0.0, le=5.0, description="fire crosses ground without fuel of this width [m]")
     update_s: float = Field(default=1.0, ge=0.05, le=10.0, description="fire and smoke advance at this interval [s]")
     soot: Soot = Soot()
     heat: Heat = Heat()

@@ -81,7 +81,7 @@ TEST(Air, KeepsAllSootWhileDoorsChange) {
   Air air(WithoutLosses(), links);
   air.Add(links.Padded(3 * kCols + 2), 7.0, 3.0);
   for (int second = 0; second < 1000; ++second) {
-    links.SetDoor(0, second % 3 == 0 ? 1.0 : second % 3 == 1 ? 0.01 : 0.0);
+    links.SetDoor(0, second % 3 == 0 ? 1.0 : second % 3 == 1 ? 0.01 : 0.0, true);
     air.Advance(links, 1.0);
     EXPECT_NEAR(std::accumulate(air.soot().begin(), air.soot().end(), 0.0), 7.0, 7e-12);
   }
@@ -93,7 +93,7 @@ TEST(Air, PassesNoClosedDoor) {
   std::vector<Crossing> crossings;
   for (int row = 0; row < kRows; ++row) crossings.push_back({0, row * kCols + 9, true});
   Links links(kRows, kCols, all, all, crossings, 1);
-  links.SetDoor(0, 0.0);
+  links.SetDoor(0, 0.0, true);
   Air air(WithoutLosses(), links);
   air.Add(links.Padded(2), 1.0, 1.0);
   for (int second = 0; second < 500; ++second) air.Advance(links, 1.0);

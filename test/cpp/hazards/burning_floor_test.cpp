@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace robotteamsim::hazards {
@@ -20,7 +21,7 @@ BurningFloor OneFuel() {
   Links links(kRows, kCols, open, open, {}, 0);
   std::vector<int> fuel(kRows * kCols, -1);
   fuel[kCell] = 0;
-  Fire fire(links, {{1000.0, 50.0, 50.0}}, fuel, std::vector<double>(kRows * kCols, 1.0));
+  Fire fire(links, {{1000.0, 50.0, 50.0}}, fuel, 1.0);
   AirModel air;
   air.cell_m = 0.5;
   air.diffusivity_m2_s = 1e-9;
@@ -62,6 +63,40 @@ TEST(BurningFloor, IsAtLeastAsHotAsFlamesWhereItBurnsOnly) {
   floor.Advance(1.0);
   EXPECT_EQ(floor.States()[kCell], Burning::kBurntOut);
   EXPECT_NE(floor.Temperature(20.0F, 1e6F)[kCell], 1e6F);
+}
+
+/// Returns the soot beyond a door after a step, of which each link through the door passes a share.
+double SootBeyond(double open_share) {
+  const std::vector<std::uint8_t> open(kRows * kCols, 1);
+  std::vector<Crossing> crossings;
+  for (int row = 0; row < kRows; ++row) crossings.push_back({0, row * kCols + 3, true});
+  Links links(kRows, kCols, open, open, crossings, 1);
+  std::vector<int> fuel(kRows * kCols, -1);
+  fuel[kCell] = 0;
+  Fire fire(links, {{1000.0, 50.0, 50.0}}, fuel, 1.0);
+  AirModel air;
+  air.cell_m = 0.5;
+  air.diffusivity_m2_s = 0.01;
+  BurningFloor floor(std::move(links), std::move(fire), air, {0.004, 0.7}, {{false, open_share, 0.0, -1.0}});
+  floor.Ignite(kCell);
+  floor.Advance(1.0);
+  const std::vector<double> soot = floor.Soot();
+  return soot[4] + soot[kCols + 4] + soot[2 * kCols + 4];
+}
+
+TEST(BurningFloor, LinksThroughAnOpenDoorCarryItsShare) {
+  EXPECT_NEAR(SootBeyond(1.5), 1.5 * SootBeyond(1.0), 1e-8);
+  EXPECT_NEAR(SootBeyond(0.4), 0.4 * SootBeyond(1.0), 1e-8);
+}
+
+TEST(BurningFloor, RefusesSharesAndGapsThatCannotBe) {
+  EXPECT_THROW(SootBeyond(2.1), std::invalid_argument);
+  EXPECT_THROW(SootBeyond(-0.1), std::invalid_argument);
+  const std::vector<std::uint8_t> open(1, 1);
+  const Links links(1, 1, open, open, {}, 0);
+  for (const double gap : {-1.0, 101.0, std::nan("")}) {
+    EXPECT_THROW(Fire(links, {{1000.0, 50.0, 50.0}}, {0}, gap), std::invalid_argument);
+  }
 }
 
 TEST(BurningFloor, RefusesAHeightOfZeroAndTemperaturesThatAreNotFinite) {

@@ -41,12 +41,23 @@ class Doors:
         self.version += 1
 
 
+def rooms_with_door(low_m: float, high_m: float) -> dict[str, object]:
+    """ROOMS with another doorway."""
+    south, north = ROOMS["walls"]
+    return {
+        **ROOMS,
+        "walls": [{**south, "to": [6, low_m]}, {**north, "from": [6, high_m]}],
+        "doors": [{**ROOMS["doors"][0], "from": [6, low_m], "to": [6, high_m]}],
+    }
+
+
 def scenario(plan: Mapping[str, object], fire: Mapping[str, object], seed: int = 1, **sections: object) -> Scenario:
+    """A fire that grows exactly as its class, unless the fire has another `growth_sd`."""
     base = {
         "name": "burning",
         "plan": dict(plan),
         "robots": [{"start_pose": [1.0, 1.0, 0.0]}],
-        "fire": dict(fire),
+        "fire": {"growth_sd": 0.0, **fire},
         "run": {"seed": seed, "step_s": 1.0, "physics_substeps": 20},
     }
     return from_mapping({**base, **sections}, "burning")

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from burning import HALL, ROOMS, STEP_NS, Doors, advance, door_of_kind, everywhere, fire_of
+from burning import HALL, LARGE_HALL, ROOMS, STEP_NS, Doors, advance, door_of_kind, everywhere, fire_of
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.hazards import BURNING, BURNT_OUT, NOT_BURNING, Hazards
@@ -25,8 +25,8 @@ def one_cell(**fuel: object) -> Hazards:
     return fire_of(HALL, {"fuel": [here], **CENTRE})
 
 
-def carpet(seed: int, growth: str = "ultra_fast", **fuel: object) -> Hazards:
-    return fire_of(HALL, {"fuel": [everywhere(growth=growth, load_mj_m2=5000, **fuel)], **CENTRE}, seed)
+def carpet(seed: int, **keys: object) -> Hazards:
+    return fire_of(HALL, {"fuel": [everywhere(growth="ultra_fast", load_mj_m2=5000)], **CENTRE, **keys}, seed)
 
 
 def test_heat_release_rate_of_one_cell_grows_with_the_square_of_time_up_to_its_peak():
@@ -48,42 +48,51 @@ def test_cell_burns_out_when_its_fuel_is_spent():
     assert hazards.heat_release_kw == 0.0
 
 
-@pytest.mark.slow
-def test_fire_on_uniform_fuel_grows_with_the_square_of_time():
-    # From 4 times on in which one cell reaches its peak, 18 s; before, the fire is smaller than a few cells.
-    times_s = np.array([80, 120, 160, 200])
-    fires = [carpet(seed) for seed in range(40)]
-    means = []
-    begin = 1
-    for time_s in times_s:
-        for hazards in fires:
-            following = advance(hazards, time_s - begin + 1, begin=begin)
-        begin = following
-        means.append(np.mean([hazards.heat_release_kw for hazards in fires]))
-    assert np.array(means) == pytest.approx(0.1876 * times_s**2, rel=0.1)
+@pytest.mark.parametrize("cell_m", [0.25, 0.5, 1.0])
+@pytest.mark.parametrize(("growth", "kw_s2", "peak_kw_m2"), [("ultra_fast", 0.1876, 250.0), ("fast", 0.0469, 500.0)])
+def test_fire_on_uniform_fuel_grows_with_the_square_of_time_on_any_grid(cell_m, growth, kw_s2, peak_kw_m2):
+    fuel = everywhere(LARGE_HALL, growth=growth, peak_kw_m2=peak_kw_m2, load_mj_m2=5000)
+    fire = {"fuel": [fuel], "ignitions": [{"position": [20.1, 20.1]}], "cell_m": cell_m}
+    hazards, begin = fire_of(LARGE_HALL, fire), 1
+    for megawatts in (12, 25, 50):
+        end_s = round(math.sqrt(megawatts * 1e3 / kw_s2))
+        begin = advance(hazards, end_s - begin + 1, begin=begin)
+        assert hazards.heat_release_kw == pytest.approx(kw_s2 * end_s**2, rel=0.05)
 
 
 @pytest.mark.slow
+def test_mean_of_many_fires_grows_with_the_square_of_time():
+    fires = [carpet(seed, growth_sd=0.2, cell_m=1.0) for seed in range(400)]
+    for hazards in fires:
+        advance(hazards, 253)
+    shares = np.array([hazards.heat_release_kw for hazards in fires]) / (0.1876 * 253**2)
+    # The standard error of the mean is 0.01.
+    assert shares.mean() == pytest.approx(1.0, abs=0.05)
+    assert shares.std(ddof=1) == pytest.approx(0.2, abs=0.03)
+
+
+def test_heat_release_does_not_depend_on_the_interval_of_the_updates():
+    fuel = {"fuel": [everywhere(growth="ultra_fast")], **CENTRE}
+    often, seldom = fire_of(HALL, fuel), fire_of(HALL, {**fuel, "update_s": 5.0})
+    for hazards in (often, seldom):
+        advance(hazards, 150)
+    assert often.heat_release_kw == pytest.approx(seldom.heat_release_kw, rel=1e-9)
+
+
 def test_fire_spreads_equally_in_all_directions():
-    # Radii of the burnt area in eight directions, over many fires.
-    areas = np.zeros(8)
-    rows, cols = np.mgrid[0:40, 0:40]
-    direction = np.round(np.arctan2(rows - 20, cols - 20) / (math.pi / 4)).astype(int) % 8
-    for seed in range(150):
-        hazards = carpet(seed)
-        advance(hazards, 260)
-        burnt = hazards.field.states != NOT_BURNING
-        burnt[20, 20] = False  # belongs to no direction
-        areas += np.bincount(direction[burnt], minlength=8)
-    # Cells on the border between two directions count for one of them; a disc shows how many.
-    disc = np.hypot(rows - 20, cols - 20) <= math.sqrt(areas.sum() / 150 / math.pi)
-    disc[20, 20] = False
-    radii = np.sqrt(areas / np.bincount(direction[disc], minlength=8))
-    assert radii / radii.mean() == pytest.approx(np.ones(8), abs=0.05)
+    fuel = everywhere(growth="ultra_fast", load_mj_m2=5000)
+    hazards = fire_of(HALL, {"fuel": [fuel], "ignitions": [{"position": [9.95, 9.95]}], "cell_m": 0.1})
+    advance(hazards, 300)
+    rows, cols = np.nonzero(hazards.field.states != NOT_BURNING)
+    x_m, y_m = 0.1 * (cols - 99), 0.1 * (rows - 99)
+    radii = [np.max(x_m * math.cos(angle) + y_m * math.sin(angle)) for angle in np.arange(0.0, 2 * math.pi, 0.1)]
+    assert radii == pytest.approx(np.full(len(radii), np.mean(radii)), rel=0.02)
+    # 300 s at the speed of the front, sqrt(a / (pi q)), and half a cell: flames begin at the edge of a cell.
+    assert np.mean(radii) == pytest.approx(300 * math.sqrt(0.1876 / (math.pi * 250.0)) + 0.05, rel=0.02)
 
 
 def test_same_seed_gives_the_same_fire_and_another_seed_another():
-    first, again, other = carpet(3), carpet(3), carpet(4)
+    first, again, other = (carpet(seed, growth_sd=0.2) for seed in (3, 3, 4))
     for hazards in (first, again, other):
         advance(hazards, 200)
     assert np.array_equal(first.field.states, again.field.states)
@@ -128,14 +137,35 @@ def test_normal_door_burns_through_after_its_time_next_to_flames():
     assert (hazards.field.states[:, 12:] == BURNING).any()
 
 
-def test_fire_does_not_jump_over_ground_without_fuel_that_is_wider_than_its_reach():
-    strips = [everywhere(growth="ultra_fast", load_mj_m2=5000)]
+def test_fire_does_not_pass_a_door_that_closes_before_it_is_there_nor_wait_behind_one():
+    fuel = [everywhere(ROOMS, growth="ultra_fast", load_mj_m2=5000)]
+    hazards, doors = fire_of(door_of_kind("fireproof"), {"fuel": fuel, **LEFT, "cell_m": 0.25}), Doors(door=False)
+    # The front moves at 15.5 mm/s: it needs 181 s to the door.
+    begin = advance(hazards, 170, doors)
+    doors.set("door", True)
+    begin = advance(hazards, 500, doors, begin)
+    assert (hazards.field.states[:, 24:] == NOT_BURNING).all()
+    doors.set("door", False)
+    begin = advance(hazards, 5, doors, begin)
+    assert (hazards.field.states[:, 24:] == NOT_BURNING).all()
+    advance(hazards, 100, doors, begin)
+    rows, cols = np.nonzero(hazards.field.states[:, 24:] == BURNING)
+    reached_m = 0.25 * np.max(np.hypot(cols + 0.5, np.maximum(0.25 * np.abs(rows - 11.5) - 0.6, 0.0) / 0.25))
+    assert reached_m == pytest.approx(105 * math.sqrt(0.1876 / (math.pi * 250.0)), abs=0.3)
+
+
+@pytest.mark.parametrize("cell_m", [0.25, 0.5, 1.0])
+@pytest.mark.parametrize(("gap_m", "crosses"), [(1.0, True), (2.0, False)])
+def test_fire_crosses_ground_without_fuel_of_a_width_in_metres(cell_m, gap_m, crosses):
+    strips = [everywhere(growth="ultra_fast", load_mj_m2=5000), everywhere(growth="ultra_fast", load_mj_m2=5000)]
     strips[0]["polygon"] = [[0, 0], [9, 0], [9, 20], [0, 20]]
-    strips.append({**strips[0], "name": "beyond", "polygon": [[11, 0], [20, 0], [20, 20], [11, 20]]})
-    hazards = fire_of(HALL, {"fuel": strips, "ignitions": [{"position": [8, 10]}]})
+    begin_m = 9 + gap_m
+    strips[1] |= {"name": "beyond", "polygon": [[begin_m, 0], [20, 0], [20, 20], [begin_m, 20]]}
+    hazards = fire_of(HALL, {"fuel": strips, "ignitions": [{"position": [8.1, 10.1]}], "cell_m": cell_m})
     advance(hazards, 600)
-    assert (hazards.field.states[:, :18] == BURNING).sum() > 300
-    assert (hazards.field.states[:, 18:] == NOT_BURNING).all()
+    edge = round(9 / cell_m)
+    assert (hazards.field.states[:, :edge] == BURNING).sum() * cell_m**2 > 75
+    assert (hazards.field.states[:, edge:] == BURNING).any() == crosses
 
 
 def test_room_ends_at_its_walls_and_doors():

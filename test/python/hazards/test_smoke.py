@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 import pytest
-from burning import HALL, LARGE_HALL, ROOMS, Doors, advance, fire_of
+from burning import HALL, LARGE_HALL, ROOMS, Doors, advance, fire_of, rooms_with_door
 
 from robotteamsim import _core
 from robotteamsim.hazards import Hazards
@@ -76,6 +76,49 @@ def test_leak_of_a_closed_door_lets_less_smoke_through_than_an_open_one():
 
     assert 0.0 < beyond(True, 0.01) < 0.2 * beyond(False, 0.01)
     assert beyond(True, 0.0) == 0.0
+
+
+@pytest.mark.parametrize("cell_m", [0.25, 0.5, 1.0])
+@pytest.mark.parametrize(("low_m", "high_m"), [(2.4, 3.6), (2.6, 3.5), (2.85, 3.45)])
+def test_leak_of_a_closed_door_depends_on_its_width_and_not_on_the_grid(cell_m, low_m, high_m):
+    assert beyond(cell_m, low_m, high_m, True, 1500) == pytest.approx(leaked(high_m - low_m, 1500), rel=0.06)
+
+
+def test_leak_does_not_depend_on_whether_the_centres_of_cells_are_in_the_leaf():
+    # Everything is 0.125 m farther to the right: with cells of 0.25 m, centres are in walls and leaf.
+    plan = rooms_with_door(2.4, 3.6)
+    for element in (*plan["walls"], *plan["doors"]):
+        element.update({end: [element[end][0] + 0.125, element[end][1]] for end in ("from", "to")})
+    bin_ = {"name": "bin", "polygon": [[2, 2], [3, 2], [3, 3], [2, 3]], "growth": "ultra_fast", "load_mj_m2": 1.0}
+    hazards = fire_of(plan, {"fuel": [bin_], "ignitions": [{"position": [2.6, 2.6]}], "cell_m": 0.25})
+    advance(hazards, 1500, Doors(door=True))
+    soot = hazards.field.soot_g_m3.astype(float)
+    assert soot[:, 25:].sum() / soot.sum() == pytest.approx(leaked(1.2, 1500), rel=0.1)
+
+
+def leaked(width_m: float, seconds: float) -> float:
+    """Share of the soot beyond a closed door between two rooms of 36 m^2 in which it is spread evenly.
+
+    The leaf of leakage 0.01 conducts 0.01 * D * width / 0.5 m, so the difference decays at twice that over 36 m^2.
+    """
+    return 0.5 * (1.0 - math.exp(-2 * 0.01 * 0.15 * width_m / 0.5 * seconds / 36.0))
+
+
+@pytest.mark.parametrize(("low_m", "high_m"), [(2.4, 3.6), (2.6, 3.5), (2.3, 3.2), (2.85, 3.45)])
+def test_flow_through_an_open_door_depends_little_on_the_grid(low_m, high_m):
+    shares = [beyond(cell_m, low_m, high_m, False, 300) for cell_m in (0.25, 0.5, 1.0)]
+    assert shares == pytest.approx(np.full(3, shares[0]), rel=0.2)
+    assert shares[:2] == pytest.approx(np.full(2, shares[0]), rel=0.1)
+
+
+def beyond(cell_m: float, low_m: float, high_m: float, closed: bool, seconds: int) -> float:
+    """Share of the soot in the other room."""
+    bin_ = {"name": "bin", "polygon": [[2, 2], [3, 2], [3, 3], [2, 3]], "growth": "ultra_fast", "load_mj_m2": 1.0}
+    fire = {"fuel": [bin_], "ignitions": [{"position": [2.6, 2.6]}], "cell_m": cell_m}
+    hazards = fire_of(rooms_with_door(low_m, high_m), fire)
+    advance(hazards, seconds, Doors(door=closed))
+    soot = hazards.field.soot_g_m3.astype(float)
+    return float(soot[:, soot.shape[1] // 2 :].sum() / soot.sum())
 
 
 @pytest.mark.parametrize("soot", [-1.0, math.nan, math.inf])
