@@ -128,7 +128,7 @@ def outcome_of() -> Callable[..., Outcome]:
             "distance_m": 20.0,
             "contact_s": 0.0,
             "steps": 1001,
-            "trajectory_hash": "ab" * 32,
+            "trajectory_hash": f"{trial.cell:032x}{trial.seed:032x}",
             "details": "{}",
             "paths": None,
             "wall_s": 0.5,

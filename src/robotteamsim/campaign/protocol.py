@@ -108,8 +108,8 @@ def full_search() -> SearchProtocol:
 
 
 def quick_patrol(building: str = "garage", graph: str | None = None) -> PatrolProtocol:
-    """Return a small patrol protocol."""
-    return PatrolProtocol(PATROLLING, building, graph, (2, 4), trials=3, duration_s=600.0)
+    """Return a small patrol protocol, which runs within some minutes on two cores."""
+    return PatrolProtocol(PATROLLING, building, graph, (1, 2, 4), trials=10, duration_s=600.0)
 
 
 def full_patrol(building: str = "garage", graph: str | None = None) -> PatrolProtocol:
@@ -141,7 +141,12 @@ def search_design(protocol: SearchProtocol) -> Design:
 
 
 def patrol_design(protocol: PatrolProtocol) -> Design:
-    """Return the design of a patrol protocol, without areas and victims. Raises: CampaignError, ScenarioError."""
+    """Return the design of a patrol protocol, without areas and victims; the robots start at random poses.
+
+    From one start, a controller without chance would drive the same patrol with every seed.
+
+    Raises: CampaignError, ScenarioError.
+    """
     _check_lists(protocol.controllers, (protocol.building,), (0.0,), protocol.robots)
     for controller in protocol.controllers:
         if controller not in PATROLLING:
@@ -155,7 +160,11 @@ def patrol_design(protocol: PatrolProtocol) -> Design:
     patrol = base.mission.patrol if protocol.graph else _lattice(base)
     changes = {"areas": (), "victims": (), "base": None, "time_limit_s": protocol.duration_s, "patrol": patrol}
     mission = _section(Mission, base.mission, "--duration: ", **changes)
-    base = base.model_copy(update={"mission": mission})
+    assert isinstance(base.robots, Team)
+    start = base.robots.start or base.robots.start_poses[0]
+    place = f"{protocol.building}: robots."
+    team = _section(Team, base.robots, place, start=start, start_poses=(), formation="random")
+    base = base.model_copy(update={"mission": mission, "robots": team})
     cells = [
         Cell((robots, controller), cell)
         for robots, controller, cell in _teams(base, protocol.robots, protocol.controllers)

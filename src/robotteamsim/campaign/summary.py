@@ -3,7 +3,7 @@
 import json
 import math
 import statistics
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -13,6 +13,9 @@ from robotteamsim.wording import column_groups, counted
 
 UNLIMITED = 10**9
 """Width of a table that is not for a terminal."""
+
+_MAX_COPIES = 8
+"""Number of cells that a note lists."""
 
 DELIVERY_QUANTITIES = ("discoveries_delivered", "mean_delivery_delay_s", "max_delivery_delay_s")
 QUANTITIES = (
@@ -40,6 +43,7 @@ class CellSummary:
 
     settings:   the cell's value of each key of the design.
     trials:     without failed ones.     timed_out: those that ended at the time limit, with that as their time.
+    different:  number of different trajectories; below `trials` if missions of the cell are copies of each other.
     statistics: by name in QUANTITIES, over the trials that have it; DELIVERY_QUANTITIES need a base.
     """
 
@@ -47,6 +51,7 @@ class CellSummary:
     trials: int
     failed: int
     timed_out: int
+    different: int
     statistics: dict[str, Spread]
 
 
@@ -64,10 +69,35 @@ def summarise(design: Design, outcomes: Sequence[Outcome]) -> tuple[CellSummary,
                 trials=len(good),
                 failed=len(own) - len(good),
                 timed_out=sum(outcome.end == "time_limit" for outcome in good),
+                different=num_different(good),
                 statistics={name: spread(values) for name, values in known.items() if values},
             )
         )
     return tuple(summaries)
+
+
+def num_different(outcomes: Sequence[Outcome]) -> int:
+    """Return the number of different trajectories of missions that have ended."""
+    return len({outcome.trajectory_hash for outcome in outcomes})
+
+
+def copies_note(cells: Mapping[str, tuple[int, int]]) -> str:
+    """Return a note about cells in which missions have the same trajectories; "" if there are none.
+
+    Args: cells: number of missions and of different trajectories of each cell, by its name.
+    """
+    listed = [
+        f"{name}: {counted(missions, 'mission')}, {different} different"
+        for name, (missions, different) in cells.items()
+        if different < missions
+    ]
+    if not listed:
+        return ""
+    more = f"; and {counted(len(listed) - _MAX_COPIES, 'more setting')}" if len(listed) > _MAX_COPIES else ""
+    return (
+        "Identical missions: robots drove the same trajectories with several seeds. Means and intervals count each of "
+        f"these missions, so the intervals are too narrow. {'; '.join(listed[:_MAX_COPIES])}{more}."
+    )
 
 
 def spread(values: Sequence[float]) -> Spread:
@@ -96,7 +126,7 @@ def summary_table(design: Design, summaries: Sequence[CellSummary], width: int =
         columns |= dict(zip(("delivered", "mean delay [s]", "max delay [s]"), DELIVERY_QUANTITIES, strict=True))
     lines = [[*design.keys, "trials", *columns]]
     for summary in summaries:
-        values = [_setting(value) for value in summary.settings.values()]
+        values = [setting_text(value) for value in summary.settings.values()]
         count = f"{summary.trials}" + (f" + {summary.failed} failed" if summary.failed else "")
         spreads = [summary.statistics.get(name) for name in columns.values()]
         lines.append([*values, count, *(_spread(spread) for spread in spreads)])
@@ -130,7 +160,8 @@ def aligned(lines: Sequence[Sequence[str]], num_first: int, total_width: int) ->
     return "\n\n".join(blocks)
 
 
-def _setting(value: Any) -> str:
+def setting_text(value: Any) -> str:
+    """Return a value of a key as a short text."""
     text = value if isinstance(value, str) else json.dumps(value)
     return text if len(text) <= 30 else f"{text[:27]}..."
 

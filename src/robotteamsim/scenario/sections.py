@@ -166,9 +166,10 @@ class Team(Robot):
     )
     start: PlanarPose | None = Field(default=None, description="centre and heading of the formation [m, m, rad]")
     spacing_m: float = Field(default=0.8, gt=0.0, le=20.0, description="between neighbours in the formation [m]")
-    formation: Literal["square", "spiral"] = Field(
+    formation: Literal["square", "spiral", "random"] = Field(
         default="square",
-        description="a square grid, or the spiral of Theodorus with spacing_m between successive robots",
+        description="a square grid; the spiral of Theodorus with spacing_m between successive robots; or poses that "
+        "`run.seed` draws uniformly from the floor that can be reached from the start, at least spacing_m apart",
     )
     start_poses: Many[PlanarPose] = Field(default=(), description="one pose per robot, in id order")
 

@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import shapely
 
-from robotteamsim import _core
+from robotteamsim import _core, rng
 from robotteamsim.errors import PlacementError
 from robotteamsim.scenario.base import PlanarPose
 from robotteamsim.scenario.building import Building
@@ -21,6 +21,7 @@ CLEARANCE_M = 0.05
 """Clearance between a formation's robots and solids, in addition to the radius."""
 
 _REACH_RESOLUTION_M = 0.1
+_DRAWN_AT_ONCE = 64
 _MAX_REACH_CELLS = 2000
 """Largest number of cells along a side; the cells of larger plans are larger."""
 
@@ -32,21 +33,26 @@ def formation(
     *,
     others: Sequence[PlanarPose] = (),
     section: str = "robots",
+    seed: int = 0,
 ) -> list[PlanarPose]:
     """Return poses for the robots of a team that have none, all with the heading of the start.
 
     A square grid of `spacing_m` in the frame of `start` (without one: the first start pose), centred on it; or, with
     `formation: spiral`, the spiral of Theodorus around it. Places that touch a solid, are outside, are taken or cannot
     be reached from the start are skipped, and the next nearest places are used. The front row comes first.
+    `formation: random` draws places and headings; those of the first robots do not depend on the number of robots.
 
     Args:   taken: poses of the team's other robots.
             others: poses of other teams, which must not touch it.
             section: key of the team, for errors.
+            seed: of random poses.
     Raises: PlacementError: the start itself is not free, or there is not enough room.
     """
     plan, start = building.plan, team.start or team.start_poses[0]
     wanted = team.count - len(taken)
     room = _Room(building, start, team, [*taken, *others], section)
+    if team.formation == "random":
+        return _random(team, room, start, wanted, rng.stream(seed, "random_starts", section))
     return (_spiral if team.formation == "spiral" else _square)(plan, team, room, start, wanted)
 
 
@@ -86,6 +92,20 @@ def _spiral(plan: FloorPlan, team: Team, room: _Room, start: PlanarPose, wanted:
     if len(poses) < wanted:
         raise _no_room(room.section, team, start, len(poses) + team.count - wanted)
     return poses[:wanted]
+
+
+def _random(team: Team, room: _Room, start: PlanarPose, wanted: int, dice: np.random.Generator) -> list[PlanarPose]:
+    """Return poses that are drawn one after the other, uniformly from all free cells that are not near a former one."""
+    poses: list[PlanarPose] = []
+    cells_m = dice.permutation(room.reached_m())
+    for begin in range(0, len(cells_m), _DRAWN_AT_ONCE):
+        points = cells_m[begin : begin + _DRAWN_AT_ONCE]
+        for x, y in points[room.has_place(points)].round(3).tolist():
+            if all(math.dist((x, y), pose[:2]) >= team.spacing_m for pose in poses):
+                poses.append((x, y, float(dice.uniform(-math.pi, math.pi))))
+                if len(poses) == wanted:
+                    return poses
+    raise _no_room(room.section, team, start, len(poses) + team.count - wanted)
 
 
 def _no_room(section: str, team: Team, start: PlanarPose, found: int) -> PlacementError:
@@ -135,6 +155,13 @@ class _Room:
         reached = np.array([self._reached[cell] for cell in cells], dtype=bool)
         free[inside] = clear & alone & reached
         return free
+
+    def reached_m(self) -> np.ndarray:
+        """Return the centres of cells that a robot reaches from the start, and of some around them, shape (n, 2)."""
+        rows, columns = np.nonzero(self._reached)
+        steps = np.stack([columns, rows], axis=1) + 0.5
+        centres_m: np.ndarray = steps * self._grid.resolution_m + np.array(self._grid.origin_m)
+        return centres_m
 
     def _reached_from(self, start: PlanarPose) -> np.ndarray:
         """Return the cells that a robot reaches from the start, and two cells around them; bool, shape (rows, cols)."""

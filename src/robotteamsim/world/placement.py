@@ -24,16 +24,22 @@ Robots = Team | tuple[PlacedRobot, ...]
 
 
 class _Members(NamedTuple):
-    """The parts of a scenario that have a body: robots, firefighters, and a command centre at a place."""
+    """The parts of a scenario that have a body: robots, firefighters, and a command centre at a place.
+
+    seed: of random start poses; 0 if there are none, so that missions of different seeds share a placement.
+    """
 
     robots: Robots
     firefighters: Firefighters | None
     centre: Point | None
+    seed: int
 
     @classmethod
     def of(cls, scenario: Scenario) -> _Members:
         centre = scenario.command_centre
-        return cls(scenario.robots, scenario.firefighters, centre if isinstance(centre, tuple) else None)
+        teams = [team for team in (scenario.robots, scenario.firefighters) if isinstance(team, Team)]
+        seed = scenario.run.seed if any(team.formation == "random" for team in teams) else 0
+        return cls(scenario.robots, scenario.firefighters, centre if isinstance(centre, tuple) else None, seed)
 
 
 def placed_robots(scenario: Scenario, building: Building) -> tuple[PlacedRobot, ...]:
@@ -137,11 +143,11 @@ def _blamed(scenario: Scenario) -> Iterator[None]:
 
 
 def _placed(building: Building, members: _Members) -> tuple[PlacedRobot, ...]:
-    plan, (robots, firefighters, centre) = building.plan, members
-    placed = _placed_team(building, robots, "robots") if isinstance(robots, Team) else _checked_list(plan, robots)
+    plan, (robots, firefighters, centre, seed) = building.plan, members
+    placed = _placed_team(building, robots, "robots", seed) if isinstance(robots, Team) else _checked_list(plan, robots)
     if firefighters is not None:
         others = [robot.start_pose for robot in placed]
-        placed += _placed_team(building, firefighters, "firefighters", others)
+        placed += _placed_team(building, firefighters, "firefighters", seed, others)
     if centre is not None:
         body = centre_body(centre)
         _check_poses(plan, [body.start_pose], [body], ["command_centre"], "the command centre")
@@ -156,12 +162,12 @@ def _checked_list(plan: FloorPlan, robots: tuple[PlacedRobot, ...]) -> tuple[Pla
 
 
 def _placed_team(
-    building: Building, team: Team, section: str, others: Sequence[PlanarPose] = ()
+    building: Building, team: Team, section: str, seed: int, others: Sequence[PlanarPose] = ()
 ) -> tuple[PlacedRobot, ...]:
     poses = list(team.start_poses[: team.count])
     _check_poses(building.plan, poses, [team] * len(poses), [f"{section}.start_poses.{i}" for i in range(len(poses))])
     if len(poses) < team.count:
-        poses += formation(building, team, taken=poses, others=others, section=section)
+        poses += formation(building, team, taken=poses, others=others, section=section, seed=seed)
     shared = {key: getattr(team, key) for key in Robot.model_fields}
     at_start = team.count - team.reserve
     return tuple(PlacedRobot(**shared, start_pose=pose, present=i < at_start) for i, pose in enumerate(poses))

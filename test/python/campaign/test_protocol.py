@@ -8,8 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from robotteamsim import __version__
 from robotteamsim.campaign.protocol import (
     BUILDINGS,
+    PATROLLING,
     PatrolProtocol,
     SearchProtocol,
     control_of,
@@ -18,6 +20,7 @@ from robotteamsim.campaign.protocol import (
     quick_search,
     search_design,
 )
+from robotteamsim.campaign.trial import run_trial
 from robotteamsim.errors import CampaignError, RobotTeamSimError
 from robotteamsim.scenario import load
 from robotteamsim.setup import resolve
@@ -85,6 +88,25 @@ def test_patrol_has_a_graph_and_neither_areas_nor_victims():
     assert len(cell.scenario.mission.patrol.graph.vertices) == 3
     assert (cell.scenario.mission.areas, cell.scenario.mission.victims) == ((), ())
     assert cell.scenario.mission.time_limit_s == 60.0
+
+
+@pytest.mark.parametrize("controller", PATROLLING)
+def test_patrols_of_other_seeds_start_elsewhere_and_drive_other_trajectories(controller):
+    design = patrol_design(PatrolProtocol((controller,), "garage", None, (2,), trials=3, duration_s=20.0))
+    hashes = [run_trial(design.cells[0].scenario, trial, __version__).trajectory_hash for trial in design.all_trials()]
+    assert len(set(hashes)) == 3
+
+
+def test_all_controllers_of_a_patrol_have_the_same_starts():
+    design = patrol_design(PatrolProtocol(PATROLLING, "garage", None, (2, 4), trials=1, duration_s=20.0))
+    (seed,) = {trial.seed for trial in design.all_trials()}
+    starts = {}
+    for cell in design.cells:
+        run = cell.scenario.run.model_copy(update={"seed": seed})
+        robots = resolve(cell.scenario.model_copy(update={"run": run})).robots
+        starts.setdefault(cell.values[0], set()).add(tuple(robot.start_pose for robot in robots))
+    ((two,), (four,)) = starts[2], starts[4]
+    assert four[:2] == two
 
 
 @pytest.mark.parametrize(

@@ -72,7 +72,7 @@ def test_csv_has_a_line_per_trial_by_cell_then_number(short_design, outcome_of, 
         "control.algorithm,voice.noise_db,trial,seed,end,time_s,areas_explored,num_areas,victims_saved,num_victims,"
         "endangered_links,discoveries_delivered,mean_delivery_delay_s,max_delivery_delay_s,distance_m,contact_s,steps,"
         "trajectory_hash,error",
-        f"rdpso,10.0,1,{trials[0].seed},areas_explored,100.0,4,4,1,1,0,,,,20.0,0.0,1001,{'ab' * 32},",
+        f"rdpso,10.0,1,{trials[0].seed},areas_explored,100.0,4,4,1,1,0,,,,20.0,0.0,1001,{0:032x}{trials[0].seed:032x},",
         f"random_walk,10.0,2,{trials[3].seed},,,,,,,,,,,,,,,KeyError: 7",
     ]
 

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from robotteamsim.campaign import Trial, make_design
-from robotteamsim.campaign.summary import Spread, exclusion_note, spread, summarise, summary_table
+from robotteamsim.campaign.summary import Spread, copies_note, exclusion_note, spread, summarise, summary_table
 
 
 def test_interval_is_students():
@@ -75,3 +75,15 @@ def test_report_counts_missions_that_end_by_exclusion(outcome_of):
     first, second = ended("all_excluded", 140.0), ended("all_excluded", 129.0)
     assert exclusion_note([*others, first]) == f"1 mission ended at 140 s {counts}"
     assert exclusion_note([first, *others, second]) == f"2 missions ended at 129 to 140 s {counts}"
+
+
+def test_missions_with_the_same_trajectories_are_reported_with_their_cell(short_design, outcome_of, failed_outcome_of):
+    design = short_design("voice.noise_db=10,20", trials=4)
+    trials = [trial for trial in design.all_trials() if trial.number < 4]
+    outcomes = [outcome_of(trial, **({"trajectory_hash": "same"} if trial.cell else {})) for trial in trials]
+    outcomes += [failed_outcome_of(trial) for trial in design.all_trials() if trial.number == 4]
+    other, copied = summarise(design, outcomes)
+    assert ((other.trials, other.different), (copied.trials, copied.different)) == ((3, 3), (3, 1))
+    assert copies_note({"10 dB": (3, 3), "none": (0, 0)}) == ""
+    assert copies_note({"10 dB": (3, 3), "20 dB": (3, 1)}).endswith("too narrow. 20 dB: 3 missions, 1 different.")
+    assert copies_note({f"{i}": (2, 1) for i in range(9)}).endswith("7: 2 missions, 1 different; and 1 more setting.")

@@ -69,6 +69,17 @@ def test_member_that_was_not_heard_pulls_with_full_weight(keeper):
     assert y == 50.0
 
 
+def test_member_that_is_not_heard_where_its_link_would_be_safe_drives_nobody_away(keeper):
+    # Such a member was lost or went elsewhere. The attractor is 25.4 m from its last place, so it would push.
+    assert keeper().pull(HERE, {1: (11.0, 50.0)}, {2: (15.0, 50.0)}) == (HERE, 0.0)
+    assert keeper().pull(HERE, {}, {2: (15.0, 50.0)}) == (HERE, 0.0)
+    # The links to the others are kept as if it were not there.
+    assert keeper().pull(HERE, {1: (50.0, 50.0)}, {2: (15.0, 50.0)}) == keeper().pull(HERE, {1: (50.0, 50.0)}, {})
+    # As printed, it counts fully.
+    printed = keeper(control={"communication": LinkTuning(gated=False)})
+    assert printed.pull(HERE, {}, {2: (15.0, 50.0)})[1] == 0.4
+
+
 def test_robot_alone_is_not_pulled(keeper):
     assert keeper().pull(HERE, {}, {}) == (HERE, 0.0)
 

@@ -163,3 +163,11 @@ def test_robot_that_leaves_and_comes_back_at_once_has_lost_its_messages():
     again.remove_robot(1)
     again.spawn_robot(1)
     assert not [message for inbox in again.step().inboxes for message in inbox if message.sender == 1]
+
+
+@pytest.mark.parametrize(("seed", "at_s", "lost"), [(504, 35.6, 1), (506, 56.9, 1)])
+def test_others_of_a_swarm_explore_all_areas_after_a_robot_is_lost(seed, at_s, lost):
+    # Before, the place where it was last heard pushed them away until all were excluded.
+    keys = [f"run.seed={seed}", f"schedule=[{{at_s: {at_s}, remove: {lost}}}]"]
+    result = Simulation(load("garage_sar", keys)).run()
+    assert (result.end, result.areas_explored) == ("areas_explored", 5)

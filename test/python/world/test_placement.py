@@ -13,7 +13,7 @@ from robotteamsim.errors import PlacementError
 from robotteamsim.scenario import Scenario, load
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.plan import obstacles
-from robotteamsim.scenario.sections import Laser, PlacedRobot, Team
+from robotteamsim.scenario.sections import Laser, PlacedRobot, Run, Team
 from robotteamsim.setup import resolve
 
 HALL = FloorPlan(name="hall", bounds=Bounds(max=(20.0, 10.0)))
@@ -39,8 +39,8 @@ def room(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     return "room.yaml"
 
 
-def _placed(plan: FloorPlan, team: Team) -> tuple[PlacedRobot, ...]:
-    return resolve(Scenario(name="team", plan=plan, robots=team)).robots
+def _placed(plan: FloorPlan, team: Team, seed: int = 1) -> tuple[PlacedRobot, ...]:
+    return resolve(Scenario(name="team", plan=plan, robots=team, run=Run(seed=seed))).robots
 
 
 def _positions(plan: FloorPlan, team: Team) -> np.ndarray:
@@ -109,6 +109,37 @@ def test_large_team_fits_into_the_garage_clear_of_walls_and_each_other(count: in
     assert np.min(shapely.distance(obstacles(scenario.plan), shapely.points(positions))) >= scenario.robots.radius_m
     apart = np.linalg.norm(positions[:, None] - positions[None], axis=2) + np.eye(count) * 1e3
     assert apart.min() >= scenario.robots.spacing_m - 1e-9
+
+
+def test_random_poses_depend_on_the_seed_and_are_apart_in_the_floor_that_the_start_reaches() -> None:
+    wall = Wall(name="w", start=(5.5, 0.0), end=(5.5, 10.0))
+    plan = HALL.model_copy(update={"walls": (wall,)})
+    found = {}
+    for seed, count in ((1, 12), (1, 12), (1, 5), (2, 12)):
+        team = Team(count=count, start=(4.5, 5.0, 0.0), formation="random")
+        poses = [robot.start_pose for robot in _placed(plan, team, seed)]
+        assert found.setdefault((seed, count), poses) == poses
+        at = np.array(poses)[:, :2]
+        assert at[:, 0].max() < 5.5 - 0.2
+        apart_m = np.hypot(*(at[:, None] - at[None]).transpose(2, 0, 1))
+        assert apart_m[~np.eye(count, dtype=bool)].min() >= team.spacing_m
+    assert found[1, 5] == found[1, 12][:5] != found[2, 12][:5]
+
+
+def test_random_poses_are_spread_uniformly() -> None:
+    team = Team(count=20, start=(5.0, 5.0, 0.0), formation="random", spacing_m=0.4)
+    counts = np.zeros(4)
+    for seed in range(50):
+        poses = np.array([robot.start_pose for robot in _placed(HALL, team, seed)])
+        counts += np.histogram(poses[:, 0], bins=4, range=(0.25, HALL.bounds.max[0] - 0.25))[0]
+    # 1000 robots in four equal parts: 250 in each, standard deviation 14.
+    assert np.abs(counts - 250.0).max() < 55.0
+
+
+def test_random_team_without_room_is_rejected_with_count_and_place() -> None:
+    closet = FloorPlan(name="closet", bounds=Bounds(max=(2.0, 2.0)))
+    with pytest.raises(PlacementError, match=r"robots.count: 90 robots 0.8 m apart do not fit around \[1, 1\]"):
+        _placed(closet, Team(count=90, start=(1.0, 1.0, 0.0), formation="random"))
 
 
 def test_team_without_room_is_rejected_with_count_and_place() -> None:

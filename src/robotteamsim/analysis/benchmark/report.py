@@ -25,6 +25,7 @@ from robotteamsim.analysis.report.page import FOLDER, Report, render, report_fil
 from robotteamsim.analysis.report.pictures import Picture, picture
 from robotteamsim.analysis.report.tables import Table, difference_table
 from robotteamsim.campaign import Design, Outcome
+from robotteamsim.campaign.summary import copies_note, num_different
 from robotteamsim.errors import CampaignError
 from robotteamsim.wording import counted
 
@@ -47,7 +48,7 @@ _READING_SEARCH = (
 _READING_PATROL = (
     ("idleness", "Time for which no robot has been at a vertex; 0 at the start of the mission [machado2002]."),
     ("mean", "Over time, then over vertices. The greatest idleness is the largest value of any vertex at any time."),
-    ("differences", "Pairs have the same seed. Look at the interval before p."),
+    ("differences", "Pairs have the same starts. Look at the interval before p."),
 )
 
 
@@ -140,6 +141,14 @@ def _notes(design: Design, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
         notes.append(f"This benchmark is unfinished: {len(outcomes)} of {total} missions are done.")
     if failed:
         notes.append(f"Omitted: {counted(failed, 'failed mission')}; the store contains the tracebacks.")
+    good = [outcome for outcome in outcomes if not outcome.failed]
+    counts = {}
+    for index, cell in enumerate(design.cells):
+        own = [outcome for outcome in good if outcome.cell == index]
+        name = ", ".join(f"{key} = {value}" for key, value in zip(design.keys, cell.values, strict=True))
+        counts[name] = len(own), num_different(own)
+    if copies := copies_note(counts):
+        notes.append(copies)
     return tuple(notes)
 
 

@@ -22,6 +22,7 @@ from robotteamsim.analysis.report.statistics import TABLES
 from robotteamsim.analysis.report.tables import Table, campaign_tables
 from robotteamsim.analysis.report.wording import interval_text, listed, p_text
 from robotteamsim.campaign import StoredCampaign
+from robotteamsim.campaign.summary import copies_note
 from robotteamsim.recording.files import atomically, prepare_folder
 from robotteamsim.wording import counted
 
@@ -164,6 +165,8 @@ def campaign_notes(campaign: Campaign, missions: ShownMissions | None) -> tuple[
         )
     if campaign.failed:
         notes.append(f"Omitted: {counted(campaign.failed, 'failed trial')}; the store contains the tracebacks.")
+    if copies := copies_note({cell.name: (cell.trials, cell.different) for cell in campaign.cells}):
+        notes.append(copies)
     if campaign.empty:
         notes.append(f"Omitted, because no mission has ended: {listed(list(campaign.empty))}.")
     if len(campaign.cells) > figures.MAX_PANELS:

@@ -12,6 +12,7 @@ import numpy as np
 
 from robotteamsim.campaign import Outcome, StoredCampaign, decode_paths
 from robotteamsim.campaign.design import settings_difference
+from robotteamsim.campaign.summary import num_different
 from robotteamsim.errors import CampaignError, RobotTeamSimError
 from robotteamsim.mission.status import COMPLETED
 from robotteamsim.palette import OURS
@@ -65,7 +66,7 @@ class Cell:
 
     name:     its settings in short, such as "20 dB".
     scenario: the scenario with these settings; None if a file that it names is missing.
-    missions: all that have ended.
+    missions: all that have ended.    different: number of different trajectories among them.
     paths_m:  positions of each mission once a second, shape (samples, robots, 2), in `map`.
     """
 
@@ -75,6 +76,7 @@ class Cell:
     trials: int
     failed: int
     missions: Sample
+    different: int
     paths_m: tuple[np.ndarray, ...]
 
 
@@ -161,6 +163,7 @@ def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
                 trials=len(good),
                 failed=len(own) - len(good),
                 missions=_sample(good, limit_s),
+                different=num_different(good),
                 paths_m=tuple(decode_paths(outcome.paths) for outcome in good if outcome.paths is not None),
             )
         )

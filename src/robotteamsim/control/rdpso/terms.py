@@ -187,7 +187,8 @@ class LinkKeeper:
         """Return x_CB and the weight of the term; if the weight is 0, x_CB is the robot's own position.
 
         Args: heard: positions of the other members of the swarm that sent an update in this iteration, by robot id.
-              missing: last positions of those that did not; if there are any, the swarm counts as split (C_s = 0).
+              missing: last positions of those that did not; if there are any, the swarm counts as split (C_s = 0),
+              unless the term is gated and the link to the nearest of these positions would be safe.
               c4: the largest weight of the term; None: that of the scenario.
         """
         members = missing or heard
@@ -198,6 +199,9 @@ class LinkKeeper:
         else:
             neighbour = _core.base.nearest_point(position, list(members.values()))
         proximity, endangered, signal_dbm = self._link_to(position, neighbour)
+        if missing and self._is_gated and proximity >= endangered:
+            # No place has a better link to it: it is lost, or somewhere else.
+            return self.pull(position, heard, {}, c4)
         weight = self._c4 if c4 is None else c4
         if self._is_gated:
             weight = swarm.communication_weight(weight, proximity, endangered, not missing)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import math
 
@@ -56,6 +57,14 @@ def test_tables_contain_the_means_and_the_bound(outcomes):
     profile = {row["controller"]: row for row in table(made, "profiles")}
     assert profile["clairvoyant"]["within 1.5"].startswith("100")
     assert made.notes == ()
+
+
+def test_missions_that_are_copies_of_each_other_are_reported(outcomes):
+    copies = [dataclasses.replace(each, trajectory_hash="same") if each.cell == 1 else each for each in outcomes]
+    (note,) = make_search_report(DESIGN, copies, "command", lower_bounds(DESIGN, outcomes)).notes
+    assert note.endswith(
+        "building = warehouse, noise_db = 20.0, robots = 3, controller = random_walk: 2 missions, 1 different."
+    )
 
 
 def test_unfinished_benchmark_says_so_and_an_empty_one_is_rejected(outcomes):
