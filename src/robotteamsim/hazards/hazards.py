@@ -195,7 +195,7 @@ def _burning_cell(plan: FloorPlan, key: str, position: Point, cells: Topology, k
 
 def _door(door: Door, fire: Fire) -> tuple[bool, float, float]:
     """Return whether a door is closed at the start, its leakage when closed, and how long it endures flames [s]."""
-    if door.kind == "fireproof" or door.name in fire.fireproof:
+    if not fire.burns_through(door):
         return door.closed, 0.0, -1.0
     return door.closed, fire.soot.door_leakage, fire.heat.door_endures_s
 
