@@ -121,6 +121,7 @@ class Mission:
         """Add a victim, or move an existing one; they then wait (again) to be heard and saved."""
         if self._casualties is not None:
             self._casualties.forget(name)
+        self._base.forget("victim", name)
         index = self._victims.place(name, position_m)
         if self._rescue is not None:
             self._rescue.forget(index, name)
@@ -239,8 +240,10 @@ class Mission:
 
     def _judge_deliveries(self, base_inbox: Sequence[Message]) -> None:
         time_s = self._elapsed_ns / 1e9
-        for found in self._base.deliver(base_inbox, time_s):
-            self._add(events.DiscoveryDelivered(found.name, time_s - found.time_s, robot_id=found.robot_id))
+        for found, is_first in self._base.deliver(base_inbox, time_s):
+            self._is_task_new = True
+            if is_first:
+                self._add(events.DiscoveryDelivered(found.name, time_s - found.time_s, robot_id=found.robot_id))
             self._note_report(found)
 
     def _note_report(self, found: Discovery) -> None:
