@@ -199,7 +199,7 @@ def _burning_cell(plan: FloorPlan, key: str, position: Point, cells: Topology, k
 
 def _door(door: Door, doorway: Doorway, fire: Fire) -> tuple[bool, float, float, float]:
     """Return whether a door is closed at the start, the shares of air that pass, and how long it endures flames [s]."""
-    if door.kind == "fireproof" or door.name in fire.fireproof:
+    if not fire.burns_through(door):
         return door.closed, doorway.open_share, 0.0, -1.0
     return door.closed, doorway.open_share, doorway.closed_share(fire.soot.door_leakage), fire.heat.door_endures_s
 

@@ -29,10 +29,10 @@ class Mission:
     """Judges one mission, step by step, only from the input of `step`; it has no access to the world.
 
     The mission's clock counts the steps while the mission is running, not those before the start, while paused or after
-    the end. When a robot hears a voice, the unsaved victim nearest to the loudest place that the robot perceives counts
-    as heard. If there is a base, `scenario.base`, a mission whose areas are all explored continues until all
-    discoveries have been delivered to the base. If firefighters save the victims, `Rescue` judges them, and the mission
-    ends when all of them are safe or dead.
+    the end. All events of a step have its time, see `StepRecord`. When a robot hears a voice, the unsaved victim
+    nearest to the loudest place that the robot perceives counts as heard. If there is a base, `scenario.base`, a
+    mission whose areas are all explored continues until all discoveries have been delivered to the base. If
+    firefighters save the victims, `Rescue` judges them, and the mission ends when all of them are safe or dead.
     """
 
     def __init__(self, setup: Setup) -> None:
@@ -65,7 +65,8 @@ class Mission:
         self._elapsed_ns = self._last_step_ns = 0
         self._team_was_running = False
         self._num_explored = self._epoch = 0
-        self._events: list[Event] = []
+        self._news: list[events.Happening] = []
+        """What has happened since the last step."""
         self._is_task_new = False
         """Whether the task has changed in this step without an event."""
         self.task = Task()
@@ -120,6 +121,7 @@ class Mission:
         """Add a victim, or move an existing one; they then wait (again) to be heard and saved."""
         if self._casualties is not None:
             self._casualties.forget(name)
+        self._base.forget("victim", name)
         index = self._victims.place(name, position_m)
         if self._rescue is not None:
             self._rescue.forget(index, name)
@@ -130,6 +132,9 @@ class Mission:
 
     def step(self, now: MissionInput) -> tuple[Event, ...]:
         """Judge one step and return the events since the last one, in order."""
+        if self._team_was_running:
+            self._elapsed_ns += now.sim_time_ns - self._last_step_ns
+        self._last_step_ns = now.sim_time_ns
         for change in self._world.changes(now):
             self._add(change)
             self._epoch += isinstance(change, events.DoorChanged)  # the voice map changes
@@ -139,21 +144,18 @@ class Mission:
         if now.moved and self._victims.move(now.moved):
             self._places = self._all_places()
             self._heard_places_m.clear()
-        if self._team_was_running:
-            self._elapsed_ns += now.sim_time_ns - self._last_step_ns
-        self._last_step_ns = now.sim_time_ns
         for change in self._world.departures_and_arrivals(now):
             self._add(change)
         if self._state == "running":
             self._judge(now)
         self._team_was_running = self._state == "running"
-        if not (self._events or self._is_task_new):  # nothing but the time has changed
+        if not (self._news or self._is_task_new):  # nothing but the time has changed
             self.status = msgspec.structs.replace(self.status, time_s=self._elapsed_ns / 1e9)
             return ()
         self._is_task_new = False
         self.status = self._make_status()
-        happened, self._events = tuple(self._events), []
-        return happened
+        news, self._news = self._news, []
+        return tuple(Event(self._elapsed_ns / 1e9, what, what.words(self._member)) for what in news)
 
     def _judge(self, now: MissionInput) -> None:
         self._judge_voices(now.voices)
@@ -238,8 +240,10 @@ class Mission:
 
     def _judge_deliveries(self, base_inbox: Sequence[Message]) -> None:
         time_s = self._elapsed_ns / 1e9
-        for found in self._base.deliver(base_inbox, time_s):
-            self._add(events.DiscoveryDelivered(found.name, time_s - found.time_s, robot_id=found.robot_id))
+        for found, is_first in self._base.deliver(base_inbox, time_s):
+            self._is_task_new = True
+            if is_first:
+                self._add(events.DiscoveryDelivered(found.name, time_s - found.time_s, robot_id=found.robot_id))
             self._note_report(found)
 
     def _note_report(self, found: Discovery) -> None:
@@ -292,7 +296,7 @@ class Mission:
         self.status = self._make_status()
 
     def _add(self, what: events.Happening) -> None:
-        self._events.append(Event(self._elapsed_ns / 1e9, what, what.words(self._member)))
+        self._news.append(what)
 
     def _make_status(self) -> MissionStatus:
         num_left = len(self._areas) - self._num_explored

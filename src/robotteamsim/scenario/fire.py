@@ -8,6 +8,7 @@ import shapely
 from pydantic import Field, model_validator
 
 from robotteamsim.scenario.base import Many, Model, Name, Point, by_index, check_names, wrong
+from robotteamsim.scenario.floor_plan import Door
 
 Growth = Literal["slow", "medium", "fast", "ultra_fast"]
 
@@ -166,6 +167,10 @@ class Fire(Model):
     def update_ns(self) -> int:
         """Interval of the updates [ns]."""
         return round(self.update_s * 1e9)
+
+    def burns_through(self, door: Door) -> bool:
+        """Whether flames open this door if it is closed. Those of FDS open none."""
+        return self.fds is None and door.kind != "fireproof" and door.name not in self.fireproof
 
     def updates_at(self, sim_time_ns: int, step_ns: int) -> bool:
         """Whether fire and smoke advance in the step with this stamp [ns]; never in the first step.

@@ -26,6 +26,13 @@ from robotteamsim.world.people import PersonState
 class StepRecord(msgspec.Struct, frozen=True, kw_only=True, eq=False):
     """The record of one step; sequences are in robot id order.
 
+    A step has one stamp, the time of the world at its end: step k of length T has the stamp k T. All that happens in it
+    happens at this stamp, changes by a schedule included. The mission's clock, `mission.time_s`, is 0 at the stamp of
+    the step in which the mission starts, and stops while the mission is paused. In a mission that starts with the first
+    step, it is the time at which the step begins, so a change that is scheduled at 20 s happens at 20 s. ROS messages,
+    bags and trajectories have stamps; all that shows a mission to people (terminal, mission.json, reports, views,
+    films) has the mission's clock, in bags the time since the stamp at which it is 0.
+
     step_index: 1 for the first step.     sim_time_ns: its stamp [ns].
     inboxes:    messages that arrived in this step, sent in the one before.
     decisions:  of the controllers; their outboxes arrive in the next step.
@@ -91,7 +98,8 @@ class RobotTotals(msgspec.Struct, frozen=True):
 class Result(msgspec.Struct, frozen=True):
     """The outcome of a trial.
 
-    time_s: of the mission's clock.  wall_s: of the computation, the only value that differs between equal runs.
+    time_s: of the mission's clock, see `StepRecord`.     sim_time_s: stamp of the last step [s].
+    wall_s: of the computation, the only value that differs between equal runs.
     discoveries_delivered: discoveries delivered to the base; None: there is no base.
     mean_delivery_delay_s, max_delivery_delay_s: from discovery to delivery [s]; None: none was delivered.
     """

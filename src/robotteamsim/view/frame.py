@@ -50,7 +50,7 @@ class ShownEvent(msgspec.Struct, frozen=True):
 class Frame(msgspec.Struct, frozen=True):
     """One moment of a mission.
 
-    time_s:  since the start of the world, or of the recorded mission [s].
+    time_s:  of the mission's clock, see `StepRecord`; in a bag, since the start of the mission [s].
     poses:   of each robot; None: it is absent.
     swarms:  of each robot; -1: it is excluded.
     links:   that exist.
@@ -92,7 +92,7 @@ def frame_of(
     world, mission = simulation.world, simulation.mission
     status, enclosed = mission.status, enclosed_of(record.people)
     return Frame(
-        time_s=record.sim_time_s,
+        time_s=record.mission.time_s,
         poses=tuple(poses),
         swarms=tuple(OUTSIDE if decision.excluded else decision.swarm for decision in record.decisions),
         links=links_of(record.network.adjacency, record.network.rssi_dbm),

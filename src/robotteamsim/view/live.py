@@ -293,7 +293,7 @@ class LiveMission:
 
     def _note(self, record: StepRecord) -> None:
         self._record = record
-        self._events += shown_events(record.events, record.sim_time_s)
+        self._events += shown_events(record.events, record.mission.time_s)
         self._fallen |= fallen_of(record.events)
         if record.hazards is not None:
             self._hazards = record.hazards
@@ -314,7 +314,7 @@ class LiveMission:
     def _new_maps(self, shown: frozenset[str]) -> dict[str, LayerMap]:
         """Return the maps that somebody shows and that have changed, by name."""
         maps: dict[str, LayerMap] = {}
-        time_s, voice = self._record.sim_time_s, self._simulation.hearing.sensor
+        time_s, voice = self._record.mission.time_s, self._simulation.hearing.sensor
         if "voice" in shown and voice.version != self._voice_version:
             self._voice_version = voice.version
             maps["voice"] = field_layer(time_s, voice.map(), 0.0)

@@ -59,11 +59,11 @@ class FrameRecorder(Observer):
     def step(self, record: StepRecord) -> None:
         """Keep the frame of a step, if one is due, and its events."""
         found, index = self.recording, record.step_index - 1
-        found.events += shown_events(record.events, record.sim_time_s)
+        found.events += shown_events(record.events, record.mission.time_s)
         if record.voice_map is not None:
-            found.voice.append(field_layer(record.sim_time_s, record.voice_map, 0.0))
+            found.voice.append(field_layer(record.mission.time_s, record.voice_map, 0.0))
         if record.hazards is not None:
-            maps = hazard_layers(record.sim_time_s, record.hazards)
+            maps = hazard_layers(record.mission.time_s, record.hazards)
             keep_map(found.fire, maps["fire"])
             keep_map(found.smoke, maps["smoke"], SMOKE_S)
         self._fallen |= fallen_of(record.events)

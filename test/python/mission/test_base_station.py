@@ -89,7 +89,19 @@ def test_discovery_of_a_victim_replaces_the_earlier_one(hall_scenario):
     again = msgspec.structs.replace(ANN, robot_id=0, position_m=(1.0, 1.0), time_s=20.0)
     station.add(again)
     assert station.undelivered == (again,)
-    assert station.deliver((), 21.0) == [again]  # the base found her itself
+    assert station.deliver((), 21.0) == [(again, True)]  # the base found her itself
+
+
+def test_a_victim_who_is_found_again_counts_once_unless_they_were_placed_again(hall_scenario):
+    station = BaseStation(with_base(hall_scenario))
+    again = msgspec.structs.replace(ANN, robot_id=0, time_s=20.0)
+    for forgotten, is_first, count in ((False, True, 1), (False, False, 1), (True, True, 2)):
+        if forgotten:
+            station.forget("victim", "ann")
+        station.add(again)
+        assert station.deliver((), 21.0) == [(again, is_first)]
+        assert station.delivered.count == count
+        assert station.undelivered == ()
 
 
 def test_mean_and_longest_delay_of_three_discoveries():

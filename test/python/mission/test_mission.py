@@ -250,8 +250,8 @@ def test_abort_ends_the_mission_once(course):
     course.step()
     course.mission.abort()
     course.mission.abort()
-    assert course.kinds() == ["end"]
-    assert course.mission.status.end == "aborted"
+    assert [(event.kind, event.time_s) for event in course.step()] == [("end", 0.1)]
+    assert (course.mission.status.end, course.mission.status.time_s) == ("aborted", 0.1)
 
 
 def test_time_does_not_advance_while_paused(course):

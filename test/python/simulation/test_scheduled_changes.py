@@ -57,6 +57,16 @@ def test_change_takes_effect_in_the_first_step_that_begins_at_its_time_or_later(
     assert [simulation.step().noise_db for _ in range(5)] == [20.0, 20.0, 20.0, 30.0, 30.0]
 
 
+def test_all_events_of_a_step_have_the_time_at_which_it_begins():
+    changes = "{at_s: 2, door: plant_door, closed: true}, {at_s: 2, noise_db: 20}, {at_s: 2, remove: 1}"
+    simulation = garage(f"schedule=[{changes}, {{at_s: 2, victim: eve, position: [10, 3]}}]")
+    records = [simulation.step() for _ in range(21)]
+    events = records[-1].events
+    assert {"door", "noise", "robot_removed", "victim"} <= {event.kind for event in events}
+    assert {event.time_s for event in events} == {2.0} == {records[-1].mission.time_s}
+    assert records[-1].sim_time_s == 2.1
+
+
 def test_scheduled_door_is_one_fact_for_world_and_mission():
     simulation = garage("schedule=[{at_s: 0.1, door: stair_door, closed: false}]")
     first, second = simulation.step(), simulation.step()

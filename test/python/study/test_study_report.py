@@ -64,7 +64,8 @@ def test_first_paragraph_says_that_agreement_of_means_is_calibration(study):
     first = re.sub("<[^>]*>", "", page[page.index("<p ") : page.index("</p>")])
     assert first.startswith("The floor plan is ours, because that of the dissertation is lost")
     assert "is therefore calibration and confirms nothing. The test is what was not fitted: trend, spread," in first
-    assert first.endswith("The 2 trends among them follow from the fitted means.")
+    assert "But 3 of them, trends and the median at 30 dB, follow from the fitted means." in first
+    assert first.endswith("the published missions are the same, so they are not replications.")
     assert page.index("</p>") < page.index('class="badge ')
     assert page.index('id="not-fitted"') < page.index('id="fitted"')
 

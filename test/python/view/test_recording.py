@@ -20,6 +20,7 @@ from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording import BagWriter, McapWriter
 from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.recording.results import EventList
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Door
 from robotteamsim.scenario.scenario import Scenario
@@ -80,20 +81,22 @@ def test_a_bag_shows_the_same_mission(
 ) -> None:
     simulation = Simulation(hall_scenario())
     recorder = FrameRecorder(simulation)
-    simulation.run([recorder, writer(tmp_path / name)])
+    listed = EventList()
+    result = simulation.run([recorder, listed, writer(tmp_path / name)])
+    assert [event.time_s for event in recorder.recording.events] == [event.time_s for event in listed.events]
     bag = recording_of_bag([tmp_path / name], hall_scenario())
     by_time = {round(frame.time_s, 3): frame for frame in recorder.recording.frames}
-    step_s = simulation.scenario.run.step_s
     compared = 0
     for frame in bag.frames:
-        own = by_time.get(round(frame.time_s + step_s, 3))
+        own = by_time.get(round(frame.time_s, 3))
         if own is not None:
             compared += 1
             assert frame.links == own.links
             assert frame.explored == own.explored
             assert frame.victims == own.victims
     assert compared > 100
-    assert [event.text for event in bag.events] == [event.text for event in recorder.recording.events]
+    assert bag.events == recorder.recording.events
+    assert [frame.time_s for frame in (bag.frames[0], bag.frames[-1])] == [0.0, result.time_s]
 
 
 def test_a_bag_shows_the_lasers_the_doors_and_the_voice_map(
@@ -118,6 +121,7 @@ def test_a_bag_shows_the_lasers_the_doors_and_the_voice_map(
     assert len(bag.voice) == len(own.voice) == 2
     for layer, other in zip(bag.voice, own.voice, strict=True):
         np.testing.assert_array_equal(layer.values, other.values)
+        assert layer.time_s == other.time_s
 
 
 def test_a_bag_with_impossible_numbers_is_rejected_in_one_line(

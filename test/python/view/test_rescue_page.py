@@ -242,7 +242,7 @@ def test_live_page_shows_the_burning_cells(browser: Browser, server: ViewServer)
     with opened(browser, server.url) as page:
         for _ in range(101):
             server.mission.execute(Step())
-        wanted = {"time": "10.2", "burning": str(np.count_nonzero(hazards.states == BURNING))}
+        wanted = {"time": "10.1", "burning": str(np.count_nonzero(hazards.states == BURNING))}
         wanted["smoky"] = str(np.count_nonzero((smoke_cells(hazards) + 2) // 4))
         page.wait_for_function(
             f"(() => {{ const found = document.querySelector('.view').dataset, wanted = {json.dumps(wanted)};"

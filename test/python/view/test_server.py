@@ -132,7 +132,7 @@ def test_a_restart_that_fails_leaves_the_mission_as_it_is(
     update = taken(mission, viewer)
     assert not update.restarted
     assert update.status["seed"] == 1
-    assert update.frames[-1].time_s == pytest.approx(0.2)
+    assert update.frames[-1].time_s == pytest.approx(0.1)
 
 
 def test_changes_of_a_paused_mission_are_shown_before_the_next_step(mission: LiveMission) -> None:

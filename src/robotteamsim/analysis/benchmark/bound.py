@@ -19,6 +19,7 @@ from robotteamsim.errors import CampaignError
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.plan import obstacles
+from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.setup import Setup
 
@@ -45,15 +46,19 @@ class Bound:
 
 
 def search_bound(setup: Setup) -> Bound:
-    """Return the bound of one mission. Raises: CampaignError: its schedule would change what the bound assumes."""
+    """Return the bound of one mission.
+
+    Raises: CampaignError: a schedule, or victims who walk or flee, would change what the bound assumes.
+    """
     scenario = setup.scenario
     if scenario.schedule:
         raise CampaignError(f"{scenario.name}: schedule: not allowed: the bound assumes that nothing is changed")
-    if any(victim.walks for victim in scenario.mission.victims):
+    if any(victim.walks or victim.flees for victim in scenario.mission.victims):
         raise CampaignError(f"{scenario.name}: mission.victims: the bound assumes that nobody walks")
     mission = scenario.mission
     robots = [robot for robot in setup.robots if robot.present]
-    floor = setup.building.shared(OptimisticFloor, min(map(_narrowest_m, robots)) - CONTACT_M)
+    clearance_m = min(map(_narrowest_m, robots)) - CONTACT_M
+    floor = setup.building.shared(OptimisticFloor, clearance_m, _burning_doors(scenario))
     starts_m = [robot.start_pose[:2] for robot in robots]
     victims_m = [victim.position for victim in mission.victims]
     from_starts, legs = floor.lengths_m(starts_m, victims_m, mission.save_distance_m)
@@ -71,8 +76,11 @@ class OptimisticFloor:
     shortest path between vertices, minus the distances from the path's ends to them.
     """
 
-    def __init__(self, building: Building, clearance_m: float) -> None:
+    def __init__(self, building: Building, clearance_m: float, without_doors: frozenset[str] = frozenset()) -> None:
+        """Args: clearance_m: of a robot's centre, at least.  without_doors: names of doors that are no obstacle."""
         plan = building.plan
+        doors = tuple(door for door in plan.doors if door.name not in without_doors)
+        solid_m = obstacles(plan.model_copy(update={"doors": doors}))
         (x_low, y_low), (x_high, y_high) = plan.bounds.min, plan.bounds.max
         width_m, height_m = x_high - x_low, y_high - y_low
         self.cell_m = min(max(math.sqrt(width_m * height_m / _VERTICES), _FINEST_M), _COARSEST_M)
@@ -87,7 +95,7 @@ class OptimisticFloor:
         solid = np.zeros((rows, columns), dtype=bool)
         if nearer_m > 0.0:
             inner = np.s_[1:-1, 1:-1]
-            solid[inner] = shapely.dwithin(obstacles(plan), shapely.points(x[inner], y[inner]), nearer_m)
+            solid[inner] = shapely.dwithin(solid_m, shapely.points(x[inner], y[inner]), nearer_m)
         self._shape = rows + 1, columns + 1
         self._free = np.zeros(self._shape, dtype=bool)
         for row, column in ((0, 0), (0, 1), (1, 0), (1, 1)):
@@ -148,6 +156,13 @@ def _shifted(index: np.ndarray, d_row: int, d_column: int) -> tuple[np.ndarray, 
     first = index[: rows - d_row, max(0, -d_column) : columns - max(0, d_column)]
     second = index[d_row:, max(0, d_column) : columns - max(0, -d_column)]
     return first.ravel(), second.ravel()
+
+
+def _burning_doors(scenario: Scenario) -> frozenset[str]:
+    """Return the names of the closed doors that a fire may open: for a lower bound they do not exist."""
+    if scenario.fire is None:
+        return frozenset()
+    return frozenset(door.name for door in scenario.plan.doors if door.closed and scenario.fire.burns_through(door))
 
 
 def _narrowest_m(robot: PlacedRobot) -> float:

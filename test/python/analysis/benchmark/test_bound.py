@@ -13,8 +13,10 @@ from robotteamsim.analysis.benchmark.bound import OCTILE, OptimisticFloor, searc
 from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.trial import run_trial
 from robotteamsim.errors import CampaignError
+from robotteamsim.scenario import from_mapping
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.floor_plan import Wall
+from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import Mission, PlacedRobot, Victim, Voice
 from robotteamsim.setup import resolve
@@ -91,6 +93,83 @@ def test_no_mission_is_faster_than_its_bound(hall_scenario, algorithm):
             solved += 1
             assert bound_s <= max(saved)
     assert solved >= 2
+
+
+ROOMS = {
+    "name": "rooms",
+    "bounds": {"max": [60, 10]},
+    "walls": [
+        {"name": "south", "from": [0, 0], "to": [60, 0]},
+        {"name": "north", "from": [0, 10], "to": [60, 10]},
+        {"name": "west", "from": [0, 0], "to": [0, 10]},
+        {"name": "east", "from": [60, 0], "to": [60, 10]},
+        {"name": "left", "from": [0, 5], "to": [3, 5]},
+        {"name": "right", "from": [4.2, 5], "to": [58, 5]},
+    ],
+}
+"""Two rooms with a closed door at x = 3 m between them, and a gap at the other end, 54 m away."""
+
+BOXES = {"name": "boxes", "polygon": [[3, 3.5], [4.2, 3.5], [4.2, 5], [3, 5]], "growth": "ultra_fast", "load_mj_m2": 1}
+FIRE = {
+    "fuel": [BOXES],
+    "ignitions": [{"position": [3.6, 4.75]}],
+    "heat": {"door_endures_s": 0.0, "robot_limit_c": 2000.0, "block_c": 2000.0},
+}
+
+
+def rooms(fire: dict[str, object] | None, **door: object) -> Scenario:
+    """A robot on one side of the door, a victim on the other."""
+    return from_mapping(
+        {
+            "name": "rooms",
+            "plan": {**ROOMS, "doors": [{"name": "door", "from": [3, 5], "to": [4.2, 5], "closed": True, **door}]},
+            "robots": [{"start_pose": [2.0, 2.0, 0.0]}],
+            "fire": fire,
+            "mission": {
+                "areas": [{"name": "far", "center": [50, 8]}],
+                "victims": [{"name": "ann", "position": [3.6, 8.0]}],
+                "time_limit_s": 300.0,
+            },
+            "control": {"algorithm": "search"},
+        },
+        "rooms",
+    )
+
+
+@pytest.mark.parametrize(
+    ("fire", "door", "is_open"),
+    [
+        (FIRE, {}, True),
+        (FIRE, {"motion": "swing"}, True),
+        (FIRE, {"kind": "fireproof"}, False),
+        ({**FIRE, "fireproof": ["door"]}, {}, False),
+        (None, {}, False),
+    ],
+)
+def test_bound_has_no_closed_doors_that_a_fire_may_open(fire, door, is_open):
+    time_s = search_bound(resolve(rooms(fire, **door))).time_s
+    if is_open:
+        assert time_s == pytest.approx((math.dist((2.0, 2.0), (3.6, 8.0)) - 1.0) / SPEED_MPS)
+    else:
+        assert time_s > 100.0 / SPEED_MPS
+
+
+@pytest.mark.slow
+def test_no_mission_through_a_burnt_door_is_faster_than_its_bound():
+    scenario = rooms(FIRE)
+    outcome = run_trial(scenario, Trial(0, 1, 0), __version__)
+    saved_s = json.loads(outcome.details)["victims"]["ann"]["saved_s"]
+    assert search_bound(resolve(scenario)).time_s <= saved_s < 100.0 / SPEED_MPS
+
+
+@pytest.mark.parametrize("moves", [{"wander": {"center": (9.0, 4.0), "radius_m": 2.0}}, {"flees": True}])
+def test_victims_who_move_are_rejected_because_they_would_break_the_bound(hall_scenario, moves):
+    mission = {
+        "victims": [{"name": "ann", "position": (9.0, 4.0), **moves}],
+        "exits": [{"name": "door", "center": (3.0, 5.0)}],
+    }
+    with pytest.raises(CampaignError, match=r"hall: mission\.victims: the bound assumes that nobody walks"):
+        search_bound(resolve(hall_scenario(mission=Mission(**mission))))
 
 
 def test_schedule_is_rejected_because_it_would_break_the_bound(hall_scenario):
