@@ -215,7 +215,7 @@ def test_people_whom_a_fire_encloses_wait_and_report_it():
 def test_removed_firefighter_leaves_the_victim_to_another():
     simulation = started(rescue(mission={"victims": [{"name": "ann", "position": [12.0, 2.0]}]}))
     simulation.remove_robot(until(simulation, is_carried)[-1].mission.task.assistance[0].robot_id)
-    states = [simulation.step().mission.victims[0] for _ in range(2000)]
+    states = [record.mission.victims[0] for record in until(simulation, has_ended)]
     assert states[0] == "waiting"
     assert states[-1] == "safe"
 

@@ -73,7 +73,7 @@ def _scenario(seed: int | None = None) -> Scenario:
 
 
 class _Truth:
-    """Keeps what the page has to show, by time [s]."""
+    """Keeps what the page has to show, by time on the mission's clock [s]."""
 
     def __init__(self) -> None:
         self.burning: list[tuple[float, int]] = []
@@ -84,8 +84,8 @@ class _Truth:
 
     def step(self, record: StepRecord) -> None:
         if record.hazards is not None:
-            self.burning.append((record.sim_time_s, int(np.count_nonzero(record.hazards.states == BURNING))))
-        self.states.append((record.sim_time_s, record.mission.victims))
+            self.burning.append((record.mission.time_s, int(np.count_nonzero(record.hazards.states == BURNING))))
+        self.states.append((record.mission.time_s, record.mission.victims))
 
     def end(self, result: Result) -> None:
         pass
