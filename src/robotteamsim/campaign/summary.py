@@ -54,6 +54,11 @@ class CellSummary:
     different: int
     statistics: dict[str, Spread]
 
+    @property
+    def name(self) -> str:
+        """The settings in one line; "" where there are none."""
+        return ", ".join(f"{key} = {_setting(value)}" for key, value in self.settings.items())
+
 
 def summarise(design: Design, outcomes: Sequence[Outcome]) -> tuple[CellSummary, ...]:
     """Return the summary of each cell, in the design's order."""
@@ -126,7 +131,7 @@ def summary_table(design: Design, summaries: Sequence[CellSummary], width: int =
         columns |= dict(zip(("delivered", "mean delay [s]", "max delay [s]"), DELIVERY_QUANTITIES, strict=True))
     lines = [[*design.keys, "trials", *columns]]
     for summary in summaries:
-        values = [setting_text(value) for value in summary.settings.values()]
+        values = [_setting(value) for value in summary.settings.values()]
         count = f"{summary.trials}" + (f" + {summary.failed} failed" if summary.failed else "")
         spreads = [summary.statistics.get(name) for name in columns.values()]
         lines.append([*values, count, *(_spread(spread) for spread in spreads)])
@@ -160,8 +165,7 @@ def aligned(lines: Sequence[Sequence[str]], num_first: int, total_width: int) ->
     return "\n\n".join(blocks)
 
 
-def setting_text(value: Any) -> str:
-    """Return a value of a key as a short text."""
+def _setting(value: Any) -> str:
     text = value if isinstance(value, str) else json.dumps(value)
     return text if len(text) <= 30 else f"{text[:27]}..."
 

@@ -18,7 +18,7 @@ from robotteamsim.campaign import Design, Outcome, Store, check_folder, make_des
 from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.factors import DesignFile, Factor, parse_override, parse_sweep, read_design_file
 from robotteamsim.campaign.runner import local_workers, run_trials, scheduler_at
-from robotteamsim.campaign.summary import UNLIMITED, copies_note, exclusion_note, setting_text, summarise, summary_table
+from robotteamsim.campaign.summary import UNLIMITED, copies_note, exclusion_note, summarise, summary_table
 from robotteamsim.cli.parser import SCENARIO_HELP, address, number, path_of, positive_whole_number, whole_number
 from robotteamsim.cli.progress import CampaignProgress
 from robotteamsim.cli.run_command import add_code_option, add_set_option
@@ -232,10 +232,7 @@ def _print_tables(design: Design, outcomes: tuple[Outcome, ...]) -> None:
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else UNLIMITED
     summaries = summarise(design, outcomes)
     print(summary_table(design, summaries, width))
-    names = [", ".join(f"{key} = {setting_text(value)}" for key, value in of.settings.items()) for of in summaries]
-    counts = {
-        name or design.scenario.name: (of.trials, of.different) for name, of in zip(names, summaries, strict=True)
-    }
+    counts = {cell.name or design.scenario.name: (cell.trials, cell.different) for cell in summaries}
     for note in (exclusion_note(outcomes), copies_note(counts)):
         if note:
             print(f"\n{note}")

@@ -25,7 +25,7 @@ from robotteamsim.analysis.report.page import FOLDER, Report, render, report_fil
 from robotteamsim.analysis.report.pictures import Picture, picture
 from robotteamsim.analysis.report.tables import Table, difference_table
 from robotteamsim.campaign import Design, Outcome
-from robotteamsim.campaign.summary import copies_note, num_different
+from robotteamsim.campaign.summary import copies_note, summarise
 from robotteamsim.errors import CampaignError
 from robotteamsim.wording import counted
 
@@ -141,13 +141,7 @@ def _notes(design: Design, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
         notes.append(f"This benchmark is unfinished: {len(outcomes)} of {total} missions are done.")
     if failed:
         notes.append(f"Omitted: {counted(failed, 'failed mission')}; the store contains the tracebacks.")
-    good = [outcome for outcome in outcomes if not outcome.failed]
-    counts = {}
-    for index, cell in enumerate(design.cells):
-        own = [outcome for outcome in good if outcome.cell == index]
-        name = ", ".join(f"{key} = {value}" for key, value in zip(design.keys, cell.values, strict=True))
-        counts[name] = len(own), num_different(own)
-    if copies := copies_note(counts):
+    if copies := copies_note({cell.name: (cell.trials, cell.different) for cell in summarise(design, outcomes)}):
         notes.append(copies)
     return tuple(notes)
 
