@@ -103,6 +103,7 @@ def test_several_maps_share_one_bar_and_one_scale(hill):
     assert bar.get_title() == "dB"
 
 
+@pytest.mark.slow
 def test_long_titles_of_maps_stay_over_their_maps(hill):
     long = replace(hill, title="radio.wall_loss_db=[0,0,0,0], radio.pillars=false, radio.door_loss_db=0: " * 2)
     figure = draw_fields([long, hill], STYLE, "two hills")

@@ -46,6 +46,7 @@ def test_bag_of_a_run_contains_all_of_it(busy):
     assert run_totals(run).omitted == ()
 
 
+@pytest.mark.slow
 def test_bag_without_matrices_has_the_same_network(tmp_path):
     schedule = "schedule=[{at_s: 0.5, remove: 2}, {at_s: 1.5, spawn: 2}]"
     networks = []

@@ -39,6 +39,7 @@ def test_table_of_victims_has_the_times_of_the_events_and_who_located_them(tmp_p
     assert row["dead_s"] == ""
 
 
+@pytest.mark.slow
 def test_details_of_a_mission_have_the_location_and_the_casualties():
     hot = ["fire.heat.robot_limit_c=10", "fire.heat.robot_endures_s=1", "robots.count=2", "relays.count=0"]
     outcome = run_trial(load("garage_rescue", [*SHORT, *hot]), Trial(0, 0, 1), __version__)

@@ -62,6 +62,7 @@ def legend(figure: Figure) -> set[str]:
     return {text.get_text() for text in figure.legends[0].get_texts()}
 
 
+@pytest.mark.slow
 def test_path_breaks_where_a_robot_left_and_came_elsewhere(comes_again):
     run = read_run([comes_again.bag])
     lines = [line for line in draw_runs([run], [run_totals(run)]).axes[0].lines if line.get_color() == robot_colour(1)]
@@ -96,6 +97,7 @@ def test_path_is_drawn_where_the_robot_was(figure, run):
         np.testing.assert_array_equal(line.get_xydata(), robot.track.poses[:, :2])
 
 
+@pytest.mark.slow
 def test_bag_without_mission_and_network_has_neither_curve(real):
     figure = draw_runs([real], [run_totals(real)])
     assert names(figure) == ["y [m]", "speed [m/s]", "driven [m]"]
@@ -104,6 +106,7 @@ def test_bag_without_mission_and_network_has_neither_curve(real):
     assert "collision" not in legend(figure)
 
 
+@pytest.mark.slow
 def test_bag_with_the_network_alone_has_its_curves_and_says_that_there_is_no_plan(busy, write_bag, tmp_path):
     with BagReader([busy.bag]) as bag:
         kind = bag.topics["/network/state"]
@@ -121,6 +124,7 @@ def test_only_the_known_part_of_a_map_is_shown(real):
     assert (y1 - y0) < 5.0
 
 
+@pytest.mark.slow
 def test_plan_of_a_scenario_replaces_the_map(figure, run):
     plan = load("garage_sar").plan
     with_plan = draw_runs([run], [run_totals(run)], plan).axes[0]
@@ -144,6 +148,7 @@ def test_outcome_is_one_line(run, real, busy):
     assert outcome(run_totals(real)) == ""
 
 
+@pytest.mark.slow
 def test_picture_has_colour_where_paths_are(figure, tmp_path):
     figure.savefig(tmp_path / "run.png")
     image = cv2.imread(str(tmp_path / "run.png"))

@@ -74,6 +74,7 @@ def test_full_protocol_has_room_for_sixteen_robots_in_each_building():
     assert all(cell.scenario.mission.areas and cell.scenario.mission.base is None for cell in design.cells)
 
 
+@pytest.mark.slow
 def test_lattice_of_sebs_is_finer_in_a_small_building():
     design = search_design(replace(SMALL, controllers=("sebs",), buildings=("garage", str(ONE_R5)), noises_db=(20.0,)))
     spacings_m = {cell.values[0]: cell.scenario.mission.patrol.spacing_m for cell in design.cells}
@@ -90,6 +91,7 @@ def test_patrol_has_a_graph_and_neither_areas_nor_victims():
     assert cell.scenario.mission.time_limit_s == 60.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("controller", PATROLLING)
 def test_patrols_of_other_seeds_start_elsewhere_and_drive_other_trajectories(controller):
     design = patrol_design(PatrolProtocol((controller,), "garage", None, (2,), trials=3, duration_s=20.0))

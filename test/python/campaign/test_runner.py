@@ -48,6 +48,7 @@ def test_dask_prints_nothing_while_local_workers_run():
     assert (run.stdout, run.stderr) == ("", "")
 
 
+@pytest.mark.slow
 def test_workers_and_this_process_give_equal_results(short_design, two_workers, tmp_path):
     design = short_design("voice.noise_db=10,20")
     export(tmp_path, design, two_workers)

@@ -57,6 +57,7 @@ def test_finished_campaign_only_prints_its_tables_again(capsys, tmp_path, monkey
     assert first.startswith("Mean, standard deviation, 95 % interval of the mean\n")
 
 
+@pytest.mark.slow
 def test_json_and_quiet(capsys, tmp_path, on_two_workers):
     command = ["campaign", "tutorial_arena", *NOISE, "--trials", "1", *SHORT, "--out", str(tmp_path)]
     assert main([*command, "--quiet"]) == 0

@@ -57,6 +57,7 @@ def test_seed_decides_the_trajectories(capsys):
     assert trajectory_hash("7") == trajectory_hash("7") != trajectory_hash("8")
 
 
+@pytest.mark.slow
 def test_out_and_bag_are_written(capsys, tmp_path):
     out, bag = tmp_path / "out", tmp_path / "m.bag"
     assert main(["run", "garage_sar", "--json", "--out", str(out), "--bag", str(bag), *SHORT]) == 0

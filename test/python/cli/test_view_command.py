@@ -35,6 +35,7 @@ def test_folder_of_a_run_is_shown_and_one_of_another_version_is_rejected(
     assert "computes another mission" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "said"),
     [

@@ -252,6 +252,7 @@ def test_garage_team_saves_all_and_explores_all_at_30_db():
     assert simulation.mission.status.victims == ("saved",) * 4
 
 
+@pytest.mark.slow
 def test_messages_of_the_garage_team_stay_small():
     simulation = Simulation(load("garage_sar", ["control.algorithm=search", "voice.noise_db=30", "run.seed=3"]))
     sizes = [message.num_bytes for _ in range(1500) for decision in [simulation.step()] for message in _sent(decision)]

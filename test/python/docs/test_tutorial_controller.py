@@ -56,6 +56,7 @@ def test_tutorial_class_drives_about_and_touches_nothing_for_long():
     assert result.robots[0].longest_stay_s < 30.0
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("on_path")
 def test_tutorial_class_sends_heard_voices_to_its_teammates():
     simulation = Simulation(load("garage_sar", ["control.algorithm=my_controller:MyController", "voice.noise_db=0"]))

@@ -17,6 +17,7 @@ HUGE_IMAGE = b"P5\n100000 100000\n255\n" + bytes(10)
 WIDE_IMAGE = b"P5\n100000 3\n255\n" + b"\xfe" * 300_000
 
 
+@pytest.mark.slow
 def test_any_plan_and_map_is_used_or_rejected_in_one_line(tmp_path: Path) -> None:
     TARGET["fuzz"](tmp_path, number=1, examples=60)
 

@@ -48,6 +48,7 @@ def test_cell_burns_out_when_its_fuel_is_spent():
     assert hazards.heat_release_kw == 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cell_m", [0.25, 0.5, 1.0])
 @pytest.mark.parametrize(("growth", "kw_s2", "peak_kw_m2"), [("ultra_fast", 0.1876, 250.0), ("fast", 0.0469, 500.0)])
 def test_fire_on_uniform_fuel_grows_with_the_square_of_time_on_any_grid(cell_m, growth, kw_s2, peak_kw_m2):
@@ -79,6 +80,7 @@ def test_heat_release_does_not_depend_on_the_interval_of_the_updates():
     assert often.heat_release_kw == pytest.approx(seldom.heat_release_kw, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_fire_spreads_equally_in_all_directions():
     fuel = everywhere(growth="ultra_fast", load_mj_m2=5000)
     hazards = fire_of(HALL, {"fuel": [fuel], "ignitions": [{"position": [9.95, 9.95]}], "cell_m": 0.1})

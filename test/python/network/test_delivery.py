@@ -166,6 +166,7 @@ def test_share_of_lost_messages_is_that_of_the_signal(rssi_dbm, receiver):
     assert binomtest(lost, 2000, (-80.0 - rssi_dbm) / 14.0).pvalue > 0.001
 
 
+@pytest.mark.slow
 def test_share_of_messages_lost_over_two_hops_is_that_of_both():
     network = _network(3, loss="signal", lost_below_dbm=-88.0)
     reach_m = _distance_m(-82.0)  # each hop loses a quarter; the ends are at -89 dBm

@@ -63,6 +63,7 @@ def test_class_of_a_block_is_its_least_width(make_plan, polygon, loss_db):
     assert set(radio_faces(plan, Radio()).weights) == {round(loss_db * 10)}
 
 
+@pytest.mark.slow
 def test_class_of_a_right_triangle_is_that_of_its_height_at_every_angle(make_plan):
     # Its height over the longest side is 0.9 * 0.62 / hypot(0.9, 0.62) = 0.511 m, which costs 5.7 dB.
     for degrees in range(360):

@@ -199,6 +199,7 @@ def test_new_bag_replaces_an_old_one_only_when_it_is_complete(trial, bag):
     assert len(messages(bag, "/tf")) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "name"), [(BagWriter, "m.bag"), (McapWriter, "m.mcap")])
 def test_abandoned_recording_can_be_read_and_one_without_a_step_leaves_nothing(trial, tmp_path, kind, name):
     path = tmp_path / "new" / name

@@ -52,6 +52,7 @@ def test_stock_library_reads_poses_scans_and_our_own_messages(trial, mcap):
     assert list(decoded(mcap, "/network/state")[0][1].rssi_dbm) == trial.network().rssi_dbm.ravel().tolist()
 
 
+@pytest.mark.slow
 def test_topics_types_and_numbers_of_messages_are_those_of_a_bag(trial, mcap, tmp_path):
     trial.play(BagWriter(tmp_path / "mission.bag"), steps=5)
     counts = []

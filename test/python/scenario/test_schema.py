@@ -48,6 +48,7 @@ def test_schema_and_load_reject_the_same_values(name: str, message: str) -> None
     assert message in [error.message for error in errors]
 
 
+@pytest.mark.slow
 def test_controller_fits_one_kind_in_the_schema() -> None:
     data = parse(text_of("wrong_choice"), "a")
     for algorithm in (*ALGORITHMS, "my_module:Mine"):

@@ -96,6 +96,7 @@ def test_smoke_takes_the_far_returns_of_a_laser():
     assert is_seen.sum() > 10
 
 
+@pytest.mark.slow
 def test_robots_keep_away_from_heat_that_they_see():
     def closest_m(sees: bool) -> float:
         robot = {"start_pose": [2.0, 3.0, 0.0], **({"sensors": [{"kind": "heat", "range_m": 5.0}]} if sees else {})}
@@ -146,6 +147,7 @@ def test_robots_that_heat_surrounds_leave_it(algorithm: str):
     assert simulation.hazards.field.temperature_c(np.array([[pose.x_m, pose.y_m]]))[0] < scenario.fire.heat.block_c
 
 
+@pytest.mark.slow
 def test_victims_collapse_and_die_and_fall_silent():
     victims = [{"name": "ann", "position": [9.2, 4.8]}, {"name": "bob", "position": [1.0, 1.0]}]
     scenario = mission({}, mission={"victims": victims, "time_limit_s": 900.0, "save_distance_m": 0.1})
@@ -181,6 +183,7 @@ def test_burnt_door_is_open_in_the_world():
     assert not simulation.world.door_states()["door"].closed
 
 
+@pytest.mark.slow
 def test_mission_with_a_fire_is_the_same_to_the_bit_and_depends_on_the_seed():
     overrides = ["mission.time_limit_s=60", "run.seed=7"]
     first, again = (Simulation(load("garage_fire", overrides)).run() for _ in range(2))
@@ -192,6 +195,7 @@ def test_mission_with_a_fire_is_the_same_to_the_bit_and_depends_on_the_seed():
     assert not np.array_equal(*(simulation.hazards.field.states for simulation in fires))
 
 
+@pytest.mark.slow
 def test_fire_that_has_not_begun_changes_no_trajectory():
     unlit = load("garage_fire", ["fire.ignitions=[]", "mission.time_limit_s=60"])
     without = load("garage_fire", ["fire=null", "mission.time_limit_s=60"])

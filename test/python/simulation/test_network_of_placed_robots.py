@@ -78,6 +78,7 @@ def test_tables_4_and_5_come_out_of_the_running_network_of_8_placed_robots():
         assert np.array_equal(network.hop_count, _matrix(TABLE_5))
 
 
+@pytest.mark.slow
 def test_a_broadcast_reaches_the_8_robots_after_the_hops_of_table_5():
     simulation = _simulation(hop_delay_s=0.1)
     heard = {}

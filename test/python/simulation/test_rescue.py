@@ -81,6 +81,7 @@ def events(records: list[StepRecord], *kinds: str) -> list[tuple[str, str]]:
     return [(event.kind, event.subject) for record in records for event in record.events if event.kind in kinds]
 
 
+@pytest.mark.slow
 def test_every_victim_passes_all_states_until_all_are_safe():
     records = run(rescue())
     assert records[-1].mission.victims == ("safe", "safe")
@@ -127,6 +128,7 @@ def test_loud_voice_locates_only_the_victim_whose_voice_it_is(near, located):
     assert "victim_located" not in [event.kind for event in simulation.mission.step(late)]
 
 
+@pytest.mark.slow
 def test_someone_who_can_walk_follows_and_someone_else_is_carried():
     records = run(rescue())
     for name, index, farthest_m in (("ann", 0, 1.0), ("bob", 1, 2.5)):
@@ -137,6 +139,7 @@ def test_someone_who_can_walk_follows_and_someone_else_is_carried():
         assert max(math.dist(r.victims[index].position, (pose.x_m, pose.y_m)) for r, pose in poses) < farthest_m
 
 
+@pytest.mark.slow
 def test_each_of_two_firefighters_is_sent_to_another_victim():
     records = run(rescue())
     reached = [event for record in records for event in record.events if event.kind == "victim_reached"]
@@ -147,6 +150,7 @@ def test_both_methods_of_dispatch_save_everybody():
     assert run(rescue(firefighters={"dispatch": {"method": "hungarian"}}))[-1].mission.victims_saved == 2
 
 
+@pytest.mark.slow
 def test_firefighter_out_of_contact_finishes_the_last_order_and_returns():
     scenario = rescue(
         network={"link": "distance", "max_distance_m": 9.0, "endangered_below_dbm": -80.0},
@@ -157,6 +161,7 @@ def test_firefighter_out_of_contact_finishes_the_last_order_and_returns():
     assert records[-1].mission.victims == ("safe", "safe")
 
 
+@pytest.mark.slow
 def test_firefighters_go_on_when_the_last_robot_has_gone():
     simulation = started(rescue())
     simulation.step()
@@ -164,6 +169,7 @@ def test_firefighters_go_on_when_the_last_robot_has_gone():
     assert until(simulation, has_ended)[-1].mission.end == "victims_safe"
 
 
+@pytest.mark.slow
 def test_people_flee_through_the_open_door_and_wait_behind_a_closed_one():
     fleeing = [
         {"name": f"p{i}", "position": [20.0 + i, 3.0 + i], "flees": True, "speed_mps": 1.2, "calling": False}
@@ -192,6 +198,7 @@ def test_opening_a_door_lets_enclosed_people_flee():
     assert record.mission.victims == ("safe",)
 
 
+@pytest.mark.slow
 def test_people_whom_a_fire_encloses_wait_and_report_it():
     fire = {
         "fuel": [
@@ -212,6 +219,7 @@ def test_people_whom_a_fire_encloses_wait_and_report_it():
     assert {record.victims[0].position for record in records[enclosed:]} == {records[enclosed].victims[0].position}
 
 
+@pytest.mark.slow
 def test_removed_firefighter_leaves_the_victim_to_another():
     simulation = started(rescue(mission={"victims": [{"name": "ann", "position": [12.0, 2.0]}]}))
     simulation.remove_robot(until(simulation, is_carried)[-1].mission.task.assistance[0].robot_id)
@@ -242,6 +250,7 @@ def until_collapse(simulation: Simulation) -> StepRecord | None:
     return None
 
 
+@pytest.mark.slow
 def test_smoke_harms_only_firefighters_without_breathing_apparatus():
     fire = {**PILE, "casualties": {"collapse_dose": 0.005}, "heat": {"flame_c": 100.0, "convective_share": 0.0}}
     alone = {"fire": fire, "robots": {"count": 0}}
@@ -259,6 +268,7 @@ def test_smoke_harms_only_firefighters_without_breathing_apparatus():
     assert 0.005 <= dose < 0.0052
 
 
+@pytest.mark.slow
 def test_heat_makes_firefighters_collapse_in_spite_of_their_apparatus():
     fire = {**PILE, "casualties": {"collapse_dose": 0.005}, "heat": {"robot_endures_s": 0.0, "robot_limit_c": 21.0}}
     record = until_collapse(near_the_pile(fire=fire, robots={"count": 0}))
@@ -344,6 +354,7 @@ def test_victim_who_collapses_while_a_firefighter_leads_them_is_carried_from_the
     assert min(carried[10:]) < 1e-6
 
 
+@pytest.mark.slow
 def test_firefighter_without_an_order_leaves_a_place_that_becomes_hot():
     simulation = near_the_pile(
         fire={**PILE, "casualties": {"collapse_dose": 100.0, "lethal_dose": 100.0}},

@@ -45,6 +45,7 @@ def test_robot_that_fails_is_out_of_everything_and_the_others_go_on():
     assert moved_m > 0.1
 
 
+@pytest.mark.slow
 def test_schedule_and_calls_at_the_same_step_are_the_same_to_the_bit():
     scheduled = garage(FAILS, LIMIT).run()
     called = garage()
@@ -165,6 +166,7 @@ def test_robot_that_leaves_and_comes_back_at_once_has_lost_its_messages():
     assert not [message for inbox in again.step().inboxes for message in inbox if message.sender == 1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("seed", "at_s", "lost"), [(504, 35.6, 1), (506, 56.9, 1)])
 def test_others_of_a_swarm_explore_all_areas_after_a_robot_is_lost(seed, at_s, lost):
     # Before, the place where it was last heard pushed them away until all were excluded.

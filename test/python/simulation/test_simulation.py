@@ -278,6 +278,7 @@ def test_equal_seeds_give_equal_trajectories_and_others_do_not(hall_scenario):
     assert hashes[0] != hashes[2]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "switch", ["communication.gated=false", "rule_out_places=false", "navigation=straight", "memory_of=commands"]
 )
@@ -316,6 +317,7 @@ def test_small_mission_is_done(hall_scenario):
     assert max(robot.longest_stay_s for robot in result.robots) < 20.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", scenario.scenario_names())
 def test_every_shipped_scenario_runs_ten_steps(name):
     loop = Simulation(scenario.load(name))

@@ -64,6 +64,7 @@ def test_firefighter_who_sees_nobody_feels_their_way_to_the_victim():
     assert record.mission.victims == ("safe",)
 
 
+@pytest.mark.slow
 def test_victim_who_is_not_found_calls_again_and_is_located_better():
     kinds, record = kinds_of(blind(feel_s=0.0))
     first = kinds.index("victim_not_found")

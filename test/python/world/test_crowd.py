@@ -122,6 +122,7 @@ def door_flow(width_m: float) -> tuple[float, float]:
     return 50.0 / (sixtieth - tenth), closest - 2.0 * TUNING.radius_m
 
 
+@pytest.mark.slow
 def test_flow_through_a_door_of_one_metre_is_within_the_published_range_and_nobody_overlaps():
     flow, gap_m = door_flow(1.0)
     assert 1.2 < flow < 2.2  # 1.22 [weidmann1993] to 1.9 [seyfried2009] persons per second and metre

@@ -48,6 +48,7 @@ def test_body_at_a_hundred_metres_a_second_does_not_tunnel_through_a_thin_sheet(
     assert world.poses()[0, 0] == pytest.approx(49.85, abs=0.01)
 
 
+@pytest.mark.slow
 def test_hundred_robots_in_one_spot_push_each_other_apart_without_a_crash():
     drive = _core.world.Drive(
         kind="differential",
@@ -99,6 +100,7 @@ def test_thousand_robots_in_one_spot_are_rejected_by_the_names_of_two():
         World(room(), robots, Run())
 
 
+@pytest.mark.slow
 def test_of_a_thousand_robots_held_back_for_one_spot_one_comes():
     robots = [PlacedRobot(start_pose=(4.0, 4.0, 0.0), present=i == 0) for i in range(1000)]
     world = World(room(), robots, Run())

@@ -136,6 +136,7 @@ def rooms(fire: dict[str, object] | None, **door: object) -> Scenario:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("fire", "door", "is_open"),
     [
