@@ -69,7 +69,7 @@ class Steps:
         """Wait for a complete step and return it; None if closed. A wait of more than 10 s is reported once."""
         begin_s, reported = time.monotonic(), False
         with self._changed:
-            while self._complete_ns is None and not self._closed:
+            while not self._is_complete() and not self._closed:
                 self._changed.wait(CHECK_PERIOD_S)
                 if not reported and time.monotonic() - begin_s > REPORT_TIMEOUT_S:
                     reported = True
@@ -77,6 +77,11 @@ class Steps:
                     names = self._missing(newest_ns, self._steps.get(newest_ns, {}))
                     self._warn(f"waiting for {', '.join(names)}")
             return None if self._closed or self._complete_ns is None else self._pop(self._complete_ns)
+
+    def _is_complete(self) -> bool:
+        """Whether the newest complete step is still that: messages since then may have taken values of it away."""
+        ns = self._complete_ns
+        return ns is not None and not self._missing(ns, self._steps.get(ns, {}))
 
     def close(self) -> None:
         """End all waits; also from a signal handler, because the lock is reentrant."""

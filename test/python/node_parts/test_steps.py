@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import pytest
 
 from robotteamsim.node_parts.steps import MAX_STEPS, Steps
@@ -107,3 +109,17 @@ def test_wait_is_reported_with_the_missing_topics(warned, monkeypatch):
     add(steps, 1, PACE)
     assert steps.take() is None
     assert warned == ["waiting for other"]
+
+
+@pytest.mark.parametrize(
+    "later", [[(5, OTHER)], [(ns, OTHER) for ns in range(7, 8 + MAX_STEPS)]], ids=["jump back", "too many steps"]
+)
+def test_complete_step_that_loses_a_value_before_it_is_taken_is_not_used(steps, later):
+    add(steps, 6, PACE, OTHER)
+    for stamp_ns, topic in later:
+        add(steps, stamp_ns, topic)
+    last_ns = later[-1][0] + 10
+    add(steps, last_ns, OTHER)
+    threading.Timer(0.1, steps.add, (PACE, last_ns, "late")).start()
+    step = steps.take()
+    assert (step.stamp_ns, step.values[PACE]) == (last_ns, "late")
