@@ -12,7 +12,7 @@ from __future__ import annotations
 import html
 import json
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -27,7 +27,6 @@ from robotteamsim.control import foreign_code
 from robotteamsim.extras import missing_extra
 from robotteamsim.mission.status import END_TEXTS
 from robotteamsim.scenario import Scenario, from_mapping, load
-from robotteamsim.scenario.overrides import Override
 from robotteamsim.simulation import Result
 from robotteamsim.view.from_bag import recording_of
 from robotteamsim.view.html import HEIGHT_PX, player_frame
@@ -100,8 +99,10 @@ def simulate(
     named = {"run.seed": seed, "voice.noise_db": noise_db, "robots.count": robots}
     chosen = dict(settings or {}) | {key: value for key, value in named.items() if value is not None}
     overrides = [f"{key}={json.dumps(value, default=_plain)}" for key, value in chosen.items()]
-    if isinstance(scenario, Scenario):
-        loaded = _changed(scenario, overrides)
+    if isinstance(scenario, Scenario) and not overrides:
+        loaded = scenario
+    elif isinstance(scenario, Scenario):
+        loaded = from_mapping(scenario.model_dump(mode="json", by_alias=True), scenario.name, overrides)
     else:
         loaded = load(scenario, overrides)
         if not allow_code:
@@ -146,16 +147,6 @@ def _plain(value: Any) -> Any:
     if isinstance(value, np.generic):
         return value.item()
     raise TypeError(f"{value!r} cannot be a setting; expected a number, text, list or dict")
-
-
-def _changed(scenario: Scenario, overrides: Sequence[str]) -> Scenario:
-    """Return a scenario with other values, checked as if they were in its file."""
-    if not overrides:
-        return scenario
-    data = scenario.model_dump(mode="json", by_alias=True)
-    for text in overrides:
-        Override.of(text).apply(data)
-    return from_mapping(data, scenario.name)
 
 
 def _values_of_result(result: Result) -> dict[str, Any]:

@@ -1,5 +1,6 @@
 """Reading scenarios and floor plans from YAML, with overrides, and writing them; a mistake is reported in one line."""
 
+import copy
 import logging
 import os
 from collections.abc import Sequence
@@ -72,12 +73,21 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
     return scenario.read_from(origin, None if plan_path is None else str(plan_path.resolve()))
 
 
-def from_mapping(data: dict[str, Any], place: str) -> Scenario:
+def from_mapping(data: dict[str, Any], place: str, overrides: Sequence[str] = ()) -> Scenario:
     """Return the scenario of plain values with the plan among them, such as in mission.json.
 
-    Args: place: where they come from, for errors.  Raises: ScenarioError, PlacementError: as `load`.
+    Args: place: where they come from, for errors.  overrides: as for `load`; keys are dropped without a warning.
+    Raises: ScenarioError, PlacementError: as `load`.
     """
-    origin = Origin(place, ())
+    changes = [Override.of(text) for text in overrides]
+    origin = Origin(place, tuple(change.key for change in changes))
+    old_control = data.get("control")
+    data = copy.deepcopy(data)
+    for change in changes:
+        change.apply(data)
+    drop_foreign_keys(data.get("control"), old_control, origin.set_keys)
+    if ("plan",) in origin.set_keys and isinstance(data["plan"], str):
+        data["plan"] = _read_plan(*_plan_file(data["plan"], Path(), "--set"))
     scenario = _validated(Scenario, data, origin)
     _check_doors(scenario.plan, "plan.", origin)
     return scenario.read_from(origin, None)

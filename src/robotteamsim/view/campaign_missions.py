@@ -66,9 +66,9 @@ def _recording(mission: _Mission, place: str, *, allow_code: bool) -> Recording:
     """Simulate a mission again. Raises: RecordingError, ScenarioError."""
     outcome, settings = mission.outcome, mission.campaign.settings
     values = dict(zip(settings["keys"], settings["cells"][outcome.cell], strict=True))
-    scenario = cell_scenario(settings["scenario"], values)
-    if scenario is None or outcome.trajectory_hash is None:
-        raise RecordingError(f"{place}: its scenario cannot be read by this version")
+    scenario = cell_scenario(settings["scenario"], values, place)
+    if outcome.trajectory_hash is None:
+        raise RecordingError(f"{place}: a mission has no trajectory hash")
     if not allow_code:
         foreign_code.check_foreign(scenario.control.algorithm, place, "--allow-code")
     seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": outcome.seed})})

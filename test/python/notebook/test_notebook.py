@@ -18,7 +18,7 @@ from robotteamsim.campaign.factors import parse_override, parse_sweep
 from robotteamsim.errors import CampaignError, ScenarioError
 from robotteamsim.notebook import read_bag, read_campaign, simulate
 from robotteamsim.recording import BagWriter
-from robotteamsim.scenario import Scenario
+from robotteamsim.scenario import Scenario, load
 from robotteamsim.simulation import Simulation
 
 
@@ -68,6 +68,12 @@ def test_names_with_markup_are_text(hall_scenario: Callable[..., Scenario]) -> N
     shown = mission._repr_html_()
     assert "<script>" not in shown
     assert html.escape(name) in shown
+
+
+@pytest.mark.parametrize("given", ["garage_sar", load("garage_sar")], ids=["name", "scenario"])
+def test_another_algorithm_drops_keys_that_it_lacks(given: str | Scenario) -> None:
+    mission = simulate(given, settings={"control.algorithm": "greedy", "mission.time_limit_s": 2.0})
+    assert mission.values["end"].endswith("after 2.0 s")
 
 
 def test_settings_are_checked() -> None:

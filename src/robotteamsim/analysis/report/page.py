@@ -169,6 +169,8 @@ def campaign_notes(campaign: Campaign, missions: ShownMissions | None) -> tuple[
         notes.append(copies)
     if campaign.empty:
         notes.append(f"Omitted, because no mission has ended: {listed(list(campaign.empty))}.")
+    if campaign.unreadable:
+        notes.append(f"Without a map, because the scenario cannot be read again: {listed(list(campaign.unreadable))}.")
     if len(campaign.cells) > figures.MAX_PANELS:
         notes.append(
             f"Figures show the first {figures.MAX_PANELS} of {len(campaign.cells)} settings; tables contain all."

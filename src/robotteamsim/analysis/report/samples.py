@@ -13,13 +13,15 @@ import numpy as np
 from robotteamsim.campaign import Outcome, StoredCampaign, decode_paths
 from robotteamsim.campaign.design import settings_difference
 from robotteamsim.campaign.summary import num_different
-from robotteamsim.errors import CampaignError, RobotTeamSimError
+from robotteamsim.errors import CampaignError, ScenarioError
 from robotteamsim.mission.status import COMPLETED
 from robotteamsim.palette import OURS
-from robotteamsim.scenario import Scenario
+from robotteamsim.scenario import Scenario, from_mapping
+from robotteamsim.scenario.controllers import control_kind
 from robotteamsim.scenario.yaml_text import shown
 
 NOISE_KEY = "voice.noise_db"
+_LIMIT_KEY = "mission.time_limit_s"
 _SHOWN_VALUE = 24
 
 
@@ -65,7 +67,7 @@ class Cell:
     """One setting of the campaign.
 
     name:     its settings in short, such as "20 dB".
-    scenario: the scenario with these settings; None if a file that it names is missing.
+    scenario: the scenario with these settings; None if it cannot be read, such as a plan that is missing.
     missions: all that have ended.    different: number of different trajectories among them.
     paths_m:  positions of each mission once a second, shape (samples, robots, 2), in `map`.
     """
@@ -87,7 +89,7 @@ class Campaign:
     seeds:   several for several campaigns of one design.
     planned: trials of each cell.    cells: cells with at least one finished mission, in the order of the design.
     paired:  whether trials of equal number have the same seed in all cells.
-    empty:   names of the other cells.
+    empty:   names of the other cells.    unreadable: of cells without a scenario, with the reason.
     started: dates of the starts of its campaigns, as far as known.    commands: that run them, as far as known.
     """
 
@@ -98,6 +100,7 @@ class Campaign:
     keys: tuple[str, ...]
     cells: tuple[Cell, ...]
     empty: tuple[str, ...]
+    unreadable: tuple[str, ...]
     done: int
     failed: int
     settings: dict[str, Any]
@@ -141,10 +144,11 @@ def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
     """Return a stored campaign as samples. Raises: CampaignError: no finished mission, or an unreadable scenario."""
     settings = stored.settings
     keys, cell_values = tuple(settings["keys"]), settings["cells"]
-    base = cell_scenario(settings["scenario"], {})
-    if base is None:
-        raise CampaignError(f"{place}: its scenario cannot be read by this version")
-    cells, empty = [], []
+    try:
+        base = cell_scenario(settings["scenario"], {}, place)
+    except ScenarioError as error:
+        raise CampaignError(f"{error}; this version cannot read the scenario") from None
+    cells, empty, unreadable = [], [], []
     for index, values in enumerate(cell_values):
         own = [outcome for outcome in stored.outcomes if outcome.cell == index]
         cell_settings = dict(zip(keys, values, strict=True))
@@ -153,8 +157,12 @@ def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
         if not good:
             empty.append(name)
             continue
-        scenario = cell_scenario(settings["scenario"], cell_settings)
-        limit_s = (scenario or base).mission.time_limit_s
+        scenario, limit_s = None, cell_settings.get(_LIMIT_KEY, base.mission.time_limit_s)
+        try:
+            scenario = cell_scenario(settings["scenario"], cell_settings, place)
+            limit_s = scenario.mission.time_limit_s
+        except ScenarioError as error:
+            unreadable.append(f"{name} ({str(error).removeprefix(f'{place}: ')})")
         cells.append(
             Cell(
                 name=name,
@@ -177,6 +185,7 @@ def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
         keys=keys,
         cells=tuple(cells),
         empty=tuple(empty),
+        unreadable=tuple(unreadable),
         done=len(stored.outcomes),
         failed=sum(outcome.failed for outcome in stored.outcomes),
         settings=settings,
@@ -225,20 +234,24 @@ def cell_name(settings: Mapping[str, Any], base: Scenario) -> str:
     return ", ".join(words) or base.name
 
 
-def cell_scenario(data: Mapping[str, Any], settings: Mapping[str, Any]) -> Scenario | None:
-    """Return the stored scenario with the settings of a cell, or None if they are invalid, such as a missing file."""
-    plain = json.loads(json.dumps(data))
-    plain["run"]["seed"] = 0
+def cell_scenario(stored: dict[str, Any], settings: Mapping[str, Any], place: str) -> Scenario:
+    """Return the scenario of a campaign with the settings of a cell; its seed is 0.
+
+    Args:   stored: the scenario as plain values, without seed. place: the store, for errors.
+    Raises: ScenarioError: the plan that a cell names is missing, or this version refuses a value.
+    """
+    algorithm = settings.get("control.algorithm", stored.get("control", {}).get("algorithm"))
+    known = control_kind(algorithm).model_fields
+    overrides = ["run.seed=0"]
+    for key, value in settings.items():
+        section, _, name = key.partition(".")
+        # A design has no value of a key that the algorithm of a cell lacks.
+        if value is not None or section != "control" or name.partition(".")[0] in known:
+            overrides.append(f"{key}={json.dumps(value)}")
     try:
-        for key, value in settings.items():
-            *parents, last = key.split(".")
-            at = plain
-            for part in parents:
-                at = at[int(part)] if isinstance(at, list) else at[part]
-            at[int(last) if isinstance(at, list) else last] = value
-        return Scenario.model_validate(plain)
-    except (KeyError, IndexError, TypeError, ValueError, RobotTeamSimError):
-        return None
+        return from_mapping(stored, place, overrides)
+    except ScenarioError as error:
+        raise ScenarioError(f"{place}: {str(error).removeprefix('--set: ').removeprefix(f'{place}: ')}") from None
 
 
 def _sample(outcomes: Sequence[Outcome], limit_s: float) -> Sample:

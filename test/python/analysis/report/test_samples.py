@@ -2,12 +2,13 @@ from __future__ import annotations
 
 import dataclasses
 
-import numpy as np
 import pytest
 
 from robotteamsim.analysis.report.samples import pooled, read_campaign
+from robotteamsim.campaign import make_design
 from robotteamsim.campaign.factors import Factor
 from robotteamsim.errors import CampaignError
+from robotteamsim.scenario import load_floor_plan
 
 
 def test_missions_that_are_cut_short_count_with_the_limit(garage):
@@ -50,16 +51,39 @@ def test_campaign_without_a_mission_is_rejected(garage):
 def test_unreadable_scenario_is_rejected(garage):
     stored = garage(10.0, trials=1)
     broken = {**stored.settings, "scenario": {**stored.settings["scenario"], "robots": "none"}}
-    with pytest.raises(CampaignError, match=r"^here: its scenario cannot be read by this version$"):
+    with pytest.raises(CampaignError, match=r"^here: robots: .*; this version cannot read the scenario$"):
         read_campaign(dataclasses.replace(stored, settings=broken), "here")
+
+
+def test_cells_whose_algorithms_have_different_keys_have_their_scenarios_and_limits(stored_campaign):
+    groups = (
+        (Factor("control.algorithm", ("random_walk",), "cells"),),
+        (Factor("control.algorithm", ("rdpso",), "cells"), Factor("control.alpha", (0.3,), "cells")),
+    )
+    limits = Factor("mission.time_limit_s", (30.0, 90.0), "--sweep")
+    design = make_design("garage_sar", trials=1, factors=[limits], groups=groups)
+    cells = read_campaign(stored_campaign(design, lambda trial: {"time_s": 20.0, "end": "time_limit"}), "here").cells
+    assert [cell.scenario.control.algorithm for cell in cells] == ["random_walk"] * 2 + ["rdpso"] * 2
+    assert [cell.scenario.control.alpha for cell in cells[2:]] == [0.3, 0.3]
+    assert [cell.missions.restricted_s.tolist() for cell in cells] == [[30.0], [90.0], [30.0], [90.0]]
 
 
 def test_plan_that_a_cell_names_by_file_omits_only_its_maps(garage):
     stored = garage(10.0, trials=1)
-    settings = {**stored.settings, "keys": ["plan"], "cells": [["elsewhere/plan.yaml"]]}
-    (cell,) = read_campaign(dataclasses.replace(stored, settings=settings), "here").cells
+    keys = ["plan", "mission.time_limit_s"]
+    settings = {**stored.settings, "keys": keys, "cells": [["elsewhere/plan.yaml", 300.0]]}
+    campaign = read_campaign(dataclasses.replace(stored, settings=settings), "here")
+    (cell,) = campaign.cells
     assert cell.scenario is None
-    assert np.isfinite(cell.missions.time_s).all()
+    assert cell.missions.limit_s == 300.0
+    assert campaign.unreadable == (f"{cell.name} (plan: there is no file 'elsewhere/plan.yaml')",)
+
+
+def test_cells_of_shipped_plans_have_their_plans(garage):
+    stored = garage(10.0, trials=1)
+    settings = {**stored.settings, "keys": ["plan"], "cells": [["office"]]}
+    (cell,) = read_campaign(dataclasses.replace(stored, settings=settings), "here").cells
+    assert cell.scenario.plan == load_floor_plan("office")
 
 
 def test_campaigns_of_one_design_and_different_seeds_are_pooled(garage):
