@@ -47,8 +47,8 @@ class ScheduleStage:
     """Changes the simulation before a step, as somebody who calls its methods.
 
     Each event takes effect in the first step that begins at its time or later, in order of time. A robot whose place is
-    occupied arrives as soon as it is free. Events that no longer apply, because the robot is already absent or present,
-    are skipped.
+    occupied arrives as soon as it is free, unless it is removed before. Events that no longer apply, because the robot
+    is already absent or present, are skipped.
     """
 
     def __init__(self, schedule: Sequence[ScheduledEvent], changed: _Changeable) -> None:
@@ -83,6 +83,7 @@ class ScheduleStage:
     def _change_presence(self, event: ScheduledEvent) -> None:
         try:
             if event.remove is not None:
+                self._waiting = [spawn for spawn in self._waiting if spawn.spawn != event.remove]
                 self._changed.remove_robot(event.remove)
             elif event.spawn is not None:
                 self._changed.spawn_robot(event.spawn, event.pose and Pose(*event.pose))

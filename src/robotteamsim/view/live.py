@@ -144,7 +144,6 @@ class LiveMission:
         """Held by the thread that uses what follows, except while a page waits for a version or a step for its time."""
         self._version = self._missions = 0
         self._is_closed = False
-        self._error = ""
         # The OpenGL context of a camera belongs to the thread that drew its first image.
         self._stepper = ThreadPoolExecutor(1, "steps")
         with self._changed:
@@ -223,6 +222,7 @@ class LiveMission:
         # All that can fail comes before this, so that a failed restart changes nothing.
         self._simulation, self._coverage, self._header = simulation, coverage, header(recording)
         self._missions += 1
+        self._error = ""
         self._events: list[ShownEvent] = []
         self._fallen: frozenset[str] = frozenset()
         self._frames: list[Frame] = []
@@ -265,7 +265,7 @@ class LiveMission:
         simulation = self._simulation
         match command:
             case Play():
-                self._playing = True
+                self._playing, self._error = True, ""
             case Pause():
                 self._playing = False
             case Step():

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -149,5 +151,11 @@ def test_view_of_a_robot_follows_its_recorded_poses(run):
 
 
 def test_view_of_an_unknown_robot_is_one_line(run):
-    with pytest.raises(CameraError, match=r"^--camera 7: no such robot in the bag and in garage_sar; known: 0, 1"):
+    with pytest.raises(CameraError, match=r"^--camera 7: no robot on the map in the bag and in garage_sar; known"):
         RobotView(run, load("garage_sar"), 7)
+
+
+def test_view_of_a_robot_that_is_not_on_the_map_is_one_line(run):
+    robots = [replace(robot, track=replace(robot.track, frame="odom")) for robot in run.robots]
+    with pytest.raises(CameraError, match=r"^--camera 0: no robot on the map .*; known: none$"):
+        RobotView(replace(run, robots=tuple(robots)), load("garage_sar"), 0)

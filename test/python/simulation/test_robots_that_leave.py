@@ -10,6 +10,7 @@ import pytest
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario import load
 from robotteamsim.scenario.controllers import ALGORITHMS
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation, StepRecord
 
 FAILS = "schedule=[{at_s: 5, remove: 1}]"
@@ -135,6 +136,16 @@ def test_reserve_comes_by_schedule():
     assert records[20].present.all()
     assert tuple(simulation.world.arrivals) == (1, 1, 1, 1)
     assert kinds(records) == ["robot_spawned"]
+
+
+def test_robot_that_is_removed_while_it_waits_for_room_does_not_come():
+    pose = list(resolve(load("garage_sar")).robots[0].start_pose)
+    spawn = f"{{at_s: 0, spawn: 3, pose: {pose}}}"
+    came = [
+        steps(garage("robots.count=4", "robots.reserve=1", f"schedule=[{events}]"), 100)[-1].present[3]
+        for events in (spawn, f"{spawn}, {{at_s: 0.3, remove: 3}}")
+    ]
+    assert came == [True, False]
 
 
 def test_mission_fails_when_the_last_robot_does():

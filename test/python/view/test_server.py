@@ -119,6 +119,26 @@ def test_steps_after_a_command_draw_the_images_of_cameras(hall_scenario: Callabl
     mission.close()
 
 
+@pytest.mark.parametrize("command", [Play(), Restart(7)], ids=["play", "restart"])
+def test_error_of_a_step_is_gone_after_a_new_start(
+    mission: LiveMission, monkeypatch: pytest.MonkeyPatch, command: Play | Restart
+) -> None:
+    viewer = mission.subscribe()
+
+    def fail(_: Simulation) -> None:
+        raise RuntimeError("broken")
+
+    with monkeypatch.context() as broken:
+        broken.setattr(Simulation, "step", fail)
+        mission.execute(Play())
+        while (update := taken(mission, viewer)).status["error"] == "":
+            pass
+    assert update.status["error"] == "RuntimeError: broken"
+    mission.execute(command)
+    while (update := taken(mission, viewer)).status["error"]:
+        pass
+
+
 def test_a_restart_that_fails_leaves_the_mission_as_it_is(
     mission: LiveMission, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -65,12 +65,10 @@ def make_search_report(
         *compare(pairs, "victims saved", 2, lambda sample: sample.saved, paired=True),
         *compare(pairs, "time to save all [s]", 1, lambda sample: sample.restricted_s, paired=True),
     ]
-    drawn = picture(
-        "profiles",
-        "Performance profiles",
-        "Share of missions that save all victims within a factor of the best time, over all noises and teams.",
-        draw_profiles(by_building),
-    )
+    drawn = []
+    if by_building:
+        text = "Share of missions that save all victims within a factor of the best time, over all noises and teams."
+        drawn = [picture("profiles", "Performance profiles", text, draw_profiles(by_building))]
     tables = (
         mission_table(samples),
         difference_table([each for each in found if each]),
@@ -78,7 +76,7 @@ def make_search_report(
     )
     notes = (*_notes(design, outcomes), *_search_notes(samples))
     title = f"Search benchmark: {counted(len(outcomes), 'mission')}"
-    return _report(title, notes, [drawn], tables, _READING_SEARCH, command)
+    return _report(title, notes, drawn, tables, _READING_SEARCH, command)
 
 
 def make_patrol_report(design: Design, outcomes: Sequence[Outcome], command: str) -> Report:

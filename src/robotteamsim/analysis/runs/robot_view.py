@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from robotteamsim.analysis.runs.plan_panel import drawn_robots
 from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.errors import CameraError
 from robotteamsim.geometry import Pose
@@ -24,12 +23,14 @@ class RobotView:
         """Raises: CameraError: the run or the scenario has no such robot."""
         self._tracks = {
             robot.robot_id: robot.track
-            for _, robot in drawn_robots(run)
-            if robot.robot_id is not None and robot.robot_id < scenario.num_robots
+            for robot in run.robots
+            if robot.track.is_on_map and robot.robot_id is not None and robot.robot_id < scenario.num_robots
         }
         if robot_id not in self._tracks:
             known = ", ".join(map(str, self._tracks)) or "none"
-            raise CameraError(f"--camera {robot_id}: no such robot in the bag and in {scenario.name}; known: {known}")
+            raise CameraError(
+                f"--camera {robot_id}: no robot on the map in the bag and in {scenario.name}; known: {known}"
+            )
         robots = resolve(scenario).robots
         cameras = (sensor for sensor in robots[robot_id].sensors if isinstance(sensor, Camera))
         colour = (camera for camera in cameras if camera.images == "rgb")

@@ -67,6 +67,13 @@ def test_missions_that_are_copies_of_each_other_are_reported(outcomes):
     )
 
 
+def test_benchmark_without_a_mission_that_every_controller_has_finished_has_no_profiles(outcomes):
+    ended = (outcomes[0], outcomes[3])
+    made = make_search_report(DESIGN, ended, "command", lower_bounds(DESIGN, ended))
+    assert len(table(made, "search")) == 3
+    assert not [name for name in made.files if "profiles" in name]
+
+
 def test_unfinished_benchmark_says_so_and_an_empty_one_is_rejected(outcomes):
     made = make_search_report(DESIGN, outcomes[:3], "command", lower_bounds(DESIGN, outcomes[:3]))
     assert made.notes[0] == "This benchmark is unfinished: 3 of 4 missions are done."
