@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import fields
 
 import numpy as np
@@ -216,3 +217,28 @@ def test_bag_of_two_runs_is_rejected(write_bag, odometry, tmp_path):
         RecordingError, match=r"/robot_0/odom: time goes back from 3\.0 to 1\.0 s; expected one run per"
     ):
         read_run([write_bag(tmp_path / "two.bag", [*first, *again])])
+
+
+def areas_of_radius(radius_m):
+    area = MAKE(
+        "robotteamsim/Area", name="A", center=point(MAKE, (0, 0)), radius_m=radius_m, explored=False, target=False
+    )
+    return MAKE("robotteamsim/Areas", header=header(MAKE, 1, "map"), areas=[area])
+
+
+def map_of_resolution(resolution_m):
+    grid = OccupancyGrid((0.0, 0.0), resolution_m, np.zeros((2, 2), dtype=np.int8))
+    return base.occupancy_grid(MAKE, 1, grid)
+
+
+@pytest.mark.parametrize(
+    ("topic", "kind", "message", "said"),
+    [
+        ("/mission/areas", "robotteamsim/Areas", areas_of_radius(math.nan), "radius nan; expected at most 1e+06"),
+        ("/map", "nav_msgs/OccupancyGrid", map_of_resolution(math.inf), "resolution inf; expected at most 1e+06"),
+    ],
+)
+def test_impossible_numbers_name_topic_and_value(write_bag, odometry, tmp_path, topic, kind, message, said):
+    bag = write_bag(tmp_path / "odd.bag", [(topic, kind, 10**9, message), *odometry_samples(odometry)])
+    with pytest.raises(RecordingError, match=rf"odd\.bag: {topic}: {re.escape(said)}$"):
+        read_run([bag])

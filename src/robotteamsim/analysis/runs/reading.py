@@ -56,6 +56,9 @@ _TIMELESS = ("/map", "/mission/areas")
 _MAX_DISORDER_NS = 10**9
 """Messages may overtake each other by less than this; stamps that go back further belong to a second run."""
 
+_MOST_M, _MOST_S = 1e6, 1e9
+"""Limits of lengths [m] and times [s]; greater ones are impossible."""
+
 Samples = Mapping[str, list[tuple[int, Any]]]
 """Stamps [ns] and values by topic."""
 
@@ -110,6 +113,8 @@ def _read(bag: BagReader, name: str) -> RecordedRun:
             samples[topic].append((stamp_ns, _CONVERTERS[types[topic]](stamp_ns, message)))
         except AttributeError:  # This version of the type lacks an attribute.
             unread.add(topic)
+        except ValueError as error:
+            raise ContentError(f"{topic}: {error}") from None
     return _run(name, samples, transforms, tuple(sorted(unread)), tuple(bag.topics))
 
 
@@ -272,7 +277,7 @@ def _controller_sample(stamp_ns: int, message: Any) -> _ControllerSample:
 def _network_sample(stamp_ns: int, message: Any) -> _NetworkSample:
     n = message.num_robots
     if not n * n == len(message.adjacency) == len(message.endangered) == len(message.hop_count):
-        raise ContentError(f"{STATE}: matrices of {len(message.adjacency)} values; expected {n * n}")
+        raise ValueError(f"matrices of {len(message.adjacency)} values; expected {n * n}")
     return _NetworkSample(n, message.adjacency, message.endangered, message.hop_count, message.fiedler_value)
 
 
@@ -280,14 +285,11 @@ def _links_sample(stamp_ns: int, message: Any) -> _NetworkSample:
     n = message.num_robots
     num_bytes = n * row_bytes(n)
     if not (num_bytes == len(message.adjacency) == len(message.endangered) and n == len(message.present)):
-        raise ContentError(f"{LINKS}: rows of {len(message.adjacency)} bytes; expected {num_bytes}")
+        raise ValueError(f"rows of {len(message.adjacency)} bytes; expected {num_bytes}")
     adjacency, endangered = (
         unpacked(bits.reshape(n, row_bytes(n)), n) for bits in (message.adjacency, message.endangered)
     )
-    try:
-        hops = hops_among(adjacency, message.present != 0)
-    except ValueError as error:
-        raise ContentError(f"{LINKS}: {error}") from None
+    hops = hops_among(adjacency, message.present != 0)
     return _NetworkSample(n, adjacency, endangered, hops, message.fiedler_value)
 
 
@@ -298,7 +300,7 @@ def _status(stamp_ns: int, message: Any) -> RecordedStatus:
         delivered = DeliveredDiscoveries(count, message.mean_delivery_delay_s, message.max_delivery_delay_s)
     return RecordedStatus(
         stamp_ns=stamp_ns,
-        time_s=message.time_s,
+        time_s=_finite("time", message.time_s, _MOST_S),
         scenario=message.scenario,
         state=message.state,
         end=message.end,
@@ -313,15 +315,18 @@ def _status(stamp_ns: int, message: Any) -> RecordedStatus:
 
 def _event(stamp_ns: int, message: Any) -> RecordedEvent:
     error_m = getattr(message, "error_m", None)  # Older bags do not have it.
-    return RecordedEvent(message.time_s, message.kind, message.subject, message.robot_id, message.detail, error_m)
+    time_s = _finite("time", message.time_s, _MOST_S)
+    return RecordedEvent(time_s, message.kind, message.subject, message.robot_id, message.detail, error_m)
 
 
 def _victims(stamp_ns: int, message: Any) -> tuple[RecordedVictim, ...]:
-    return tuple(RecordedVictim(v.name, (v.position.x, v.position.y), v.state) for v in message.victims)
+    return tuple(RecordedVictim(v.name, _position(v.position), v.state) for v in message.victims)
 
 
 def _areas(stamp_ns: int, message: Any) -> tuple[RecordedArea, ...]:
-    return tuple(RecordedArea(a.name, (a.center.x, a.center.y), a.radius_m) for a in message.areas)
+    return tuple(
+        RecordedArea(a.name, _position(a.center), _finite("radius", a.radius_m, _MOST_M)) for a in message.areas
+    )
 
 
 def _grid(stamp_ns: int, message: Any) -> OccupancyGrid | None:
@@ -331,7 +336,18 @@ def _grid(stamp_ns: int, message: Any) -> OccupancyGrid | None:
     if not (is_complete and math.isclose(origin.orientation.z, 0.0, abs_tol=1e-6)):
         return None
     cells = message.data.reshape(info.height, info.width)
-    return OccupancyGrid((origin.position.x, origin.position.y), float(info.resolution), cells)
+    return OccupancyGrid(_position(origin.position), _finite("resolution", info.resolution, _MOST_M), cells)
+
+
+def _position(point: Any) -> tuple[float, float]:
+    return _finite("position", point.x, _MOST_M), _finite("position", point.y, _MOST_M)
+
+
+def _finite(name: str, value: float, most: float) -> float:
+    """Return a number. Raises: ValueError: it is not finite, or impossibly large."""
+    if not abs(value) <= most:
+        raise ValueError(f"{name} {value:g}; expected at most {most:g}")
+    return float(value)
 
 
 _CONVERTERS: dict[str, Callable[[int, Any], Any]] = {
