@@ -51,6 +51,7 @@ class AreaShape(msgspec.Struct, frozen=True):
 class RobotShape(msgspec.Struct, frozen=True):
     """A robot: its outline in base_link [m], empty for a disc, and its laser.
 
+    number: its id, or its place in a recorded run if the bag gives it no id.
     beams, angle_min_rad, angle_step_rad, forward_m, range_max_m: of the laser; no beams if it is unknown.
     role: a robot, or another member of the team.
     """
@@ -66,6 +67,7 @@ class RobotShape(msgspec.Struct, frozen=True):
     forward_m: float = 0.0
     range_max_m: float = 0.0
     role: Role = "robot"
+    number: int = 0
 
 
 class ObjectShape(msgspec.Struct, frozen=True):
@@ -149,13 +151,12 @@ def scene_of_run(run: RecordedRun, scenario: Scenario | None) -> Scene:
         bounds, walls, doors, bays = _bounds(run), _grid_solids(run.grid), (), ()
     shapes = {} if scenario is None else dict(enumerate(known.robots))
     exits = () if scenario is None else known.exits
+    numbers = [index if robot.robot_id is None else robot.robot_id for index, robot in enumerate(run.robots)]
     robots = (
         msgspec.structs.replace(
-            shapes.get(index if robot.robot_id is None else robot.robot_id, _UNKNOWN_ROBOT),
-            name=robot.name,
-            colour=palette.robot_colour(index),
+            shapes.get(number, _UNKNOWN_ROBOT), name=robot.name, colour=palette.robot_colour(number), number=number
         )
-        for index, robot in enumerate(run.robots)
+        for number, robot in zip(numbers, run.robots, strict=True)
     )
     return Scene(
         title=run.name,
@@ -215,6 +216,7 @@ def _robot(name: str, index: int, robot: PlacedRobot, role: Role) -> RobotShape:
         forward_m=laser.forward_m,
         range_max_m=laser.range_max_m,
         role=role,
+        number=index,
     )
 
 

@@ -50,7 +50,7 @@ export class Labels {
   _wanted(frame, scene, selected) {
     const robots = scene.robots.flatMap((robot, id) => {
       const pose = frame.poses[id];
-      return pose ? [{ key: `robot ${id}`, text: NAMES[robot.role]?.(id) ?? String(id), kind: "robot", id,
+      return pose ? [{ key: `robot ${id}`, text: NAMES[robot.role]?.(robot.number) ?? String(robot.number), kind: "robot", id,
         at: [pose[0], pose[1], robot.role === "robot" ? 0.3 : 1.8] }] : [];
     });
     robots.sort((a, b) => Number(b.id === selected) - Number(a.id === selected));

@@ -84,9 +84,9 @@ export class Panel {
     const section = element("robot");
     section.hidden = !view;
     if (!view) return;
-    const { frame, selected, mission } = view, pose = frame.poses[selected];
+    const { frame, selected, mission } = view, pose = frame.poses[selected], robots = mission.scene.robots;
     const links = frame.links.filter(([a, b]) => a === selected || b === selected).map(([a, b, signal]) =>
-      `${a === selected ? b : a}${signal === UNKNOWN_DBM ? "" : ` (${signal} dBm)`}`);
+      `${robots[a === selected ? b : a].number}${signal === UNKNOWN_DBM ? "" : ` (${signal} dBm)`}`);
     const swarm = frame.swarms[selected];
     const rows = [
       ["position", pose ? `${pose[0].toFixed(2)}, ${pose[1].toFixed(2)} m` : "absent"],
@@ -94,7 +94,7 @@ export class Panel {
       ["swarm", swarm === undefined ? "–" : swarm < 0 ? "excluded" : String(swarm)],
       ["links", links.join(", ") || "none"],
     ];
-    section.replaceChildren(make("h2", mission.scene.robots[selected].name), table(rows));
+    section.replaceChildren(make("h2", robots[selected].name), table(rows));
   }
 
   /** Show what has happened to a victim: each state with the time since when. */
