@@ -11,6 +11,7 @@ import shutil
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING
 
+import hypothesis
 import numpy as np
 import pytest
 import shapely
@@ -27,6 +28,10 @@ os.environ.setdefault("MUJOCO_GL", "egl")
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
+
+# A busy machine takes longer for an example than Hypothesis allows by default.
+hypothesis.settings.register_profile("without deadline", deadline=None)
+hypothesis.settings.load_profile("without deadline")
 
 _CHROMIUM_FLAGS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 

@@ -73,7 +73,7 @@ def test_class_of_a_right_triangle_is_that_of_its_height_at_every_angle(make_pla
 
 
 @given(st.lists(st.tuples(st.floats(1.0, 9.0), st.floats(1.0, 9.0)), min_size=3, max_size=8))
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 def test_width_of_a_block_is_the_least_extent_over_all_rotations(points):
     hull = shapely.convex_hull(shapely.MultiPoint(points))
     assume(hull.area > 0.01)
@@ -247,7 +247,7 @@ def _walls(draw) -> tuple[Wall, ...]:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(walls=_walls(), points=st.lists(st.tuples(_COORDINATE, _COORDINATE), min_size=2, max_size=8))
 def test_ray_between_free_points_counts_whole_walls(walls, points):
     plan = FloorPlan(name="random", bounds=Bounds(max=(20.0, 20.0)), walls=walls)

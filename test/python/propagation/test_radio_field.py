@@ -93,7 +93,7 @@ def test_positions_are_rounded_to_whole_millimetres(flat):
 _POINT = st.tuples(st.floats(-1.0, 21.0), st.floats(-1.0, 21.0))
 
 
-@settings(max_examples=300, deadline=None)
+@settings(max_examples=300)
 @given(a=_POINT, b=_POINT)
 def test_loss_is_bitwise_equal_in_both_directions(flat_field, a, b):
     assert flat_field.path_loss_db(a, b) == flat_field.path_loss_db(b, a)
@@ -120,7 +120,7 @@ def flat_field() -> RadioField:
     return RadioField(FloorPlan(name="crossings", bounds=Bounds(max=(20.0, 20.0)), walls=walls), Radio())
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=100)
 @given(x=st.integers(0, 40), y=st.integers(0, 40), dx=st.integers(-3, 3), dy=st.integers(-3, 3))
 def test_wall_loss_never_falls_along_a_ray(x, y, dx, dy):
     walls = (

@@ -72,14 +72,14 @@ def scenarios(draw: st.DrawFn) -> Scenario:
 
 
 @pytest.mark.slow
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=60)
 @given(scenarios())
 def test_dumped_scenario_validates_to_an_equal_one(scenario: Scenario) -> None:
     assert Scenario.model_validate(parse(dump(scenario), "dump")) == scenario
 
 
 @pytest.mark.slow
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(plan=plans())
 def test_written_floor_plan_is_read_back_equal(plan: FloorPlan, tmp_path_factory: pytest.TempPathFactory) -> None:
     path = tmp_path_factory.mktemp("plan") / "plan.yaml"

@@ -67,7 +67,7 @@ def _errors(path: Path, overrides: Sequence[str] = ()) -> list[str]:
     return []
 
 
-@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=100, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(choice=st.data(), junk=JUNK)
 def test_any_value_in_any_place_loads_or_is_rejected_in_one_line(
     full_data: Any, tmp_path: Path, choice: st.DataObject, junk: Any

@@ -106,7 +106,7 @@ def test_resolution_must_be_above_zero(resolution_m: float) -> None:
 
 
 @pytest.mark.slow
-@settings(max_examples=40, deadline=None)
+@settings(max_examples=40)
 @given(
     radii_m=st.lists(st.floats(0.3, 3.0), min_size=3, max_size=9),
     center=st.tuples(st.floats(-2.0, 10.0), st.floats(-3.0, 6.0)),

@@ -35,7 +35,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=150, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     words=st.sampled_from([_words("hall.world"), _words("patrol/patrol.world")]),
     changes=st.lists(st.tuples(st.integers(0, 10_000), st.sampled_from([*JUNK, ""])), min_size=1, max_size=3),

@@ -42,7 +42,7 @@ def polygons(draw: st.DrawFn) -> Corners:
 
 
 @pytest.mark.slow
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(corners=polygons())
 def test_pieces_are_convex_have_few_corners_and_cover_the_polygon_exactly(corners):
     outline = shapely.Polygon(corners)
@@ -55,7 +55,7 @@ def test_pieces_are_convex_have_few_corners_and_cover_the_polygon_exactly(corner
     assert shapely.union_all(pieces).symmetric_difference(outline).area == pytest.approx(0.0, abs=1e-9)
 
 
-@settings(max_examples=50, deadline=None)
+@settings(max_examples=50)
 @given(corners=polygons())
 def test_every_block_of_a_plan_becomes_bodies_of_a_world(corners):
     plan = FloorPlan(
