@@ -1,14 +1,13 @@
-"""Results of FDS: a small run in FDS's own file format, written here."""
+"""Results of FDS: a small run in FDS's own file format."""
 
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
-from pathlib import Path
 
 import numpy as np
 import pytest
 from burning import STEP_NS, Doors, scenario
+from fds_run import write_run
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.hazards.fds import FdsHazards
@@ -16,9 +15,6 @@ from robotteamsim.scenario.building import Building
 from robotteamsim.simulation import Simulation
 
 PLAN = {"name": "room", "bounds": {"max": [4, 3]}}
-TIMES_S = (0.0, 10.0, 20.0)
-X, Y, Z = np.linspace(0.0, 4.0, 9), np.linspace(0.0, 3.0, 7), np.linspace(0.0, 2.5, 6)
-Field = Callable[[np.ndarray, np.ndarray, float], np.ndarray]
 
 
 def temperature_c(x: np.ndarray, y: np.ndarray, time_s: float) -> np.ndarray:
@@ -27,37 +23,6 @@ def temperature_c(x: np.ndarray, y: np.ndarray, time_s: float) -> np.ndarray:
 
 def soot_kg_m3(x: np.ndarray, y: np.ndarray, time_s: float) -> np.ndarray:
     return 1e-5 * time_s * (1.0 + x) + 0.0 * y
-
-
-def record(data: bytes) -> bytes:
-    """Return a record of Fortran's unformatted files."""
-    size = np.array([len(data)], dtype="<i4").tobytes()
-    return size + data + size
-
-
-def axis(name: str, nodes: np.ndarray) -> list[str]:
-    return ["", f"TRN{name}", "    0", *(f"{i:5d} {node:14.5f}" for i, node in enumerate(nodes))]
-
-
-def write_run(folder: Path, slices: Sequence[tuple[str, str, str, Field]]) -> str:
-    """Write a run with one mesh and horizontal slices at z = 1.5 m. Args: slices: quantity, label, unit, values."""
-    lines = ["CHID", " room", "", "FDSVERSION", "FDS6.8.0", "", "TOFFSET", " 0.0 0.0 0.0", ""]
-    lines += ["HRRPUVCUT", "     1", "   200.0", "", "GRID  mesh", f" {len(X) - 1} {len(Y) - 1} {len(Z) - 1} 0", ""]
-    lines += ["PDIM", " 0.0 4.0 0.0 3.0 0.0 2.5 0.0 0.0 0.0", *axis("X", X), *axis("Y", Y), *axis("Z", Z)]
-    lines += ["", "OBST", "    0", "", "VENT", "    0    0", "", "CVENT", "    0", ""]
-    x, y = np.meshgrid(X, Y, indexing="ij")
-    for index, (quantity, label, unit, values) in enumerate(slices, start=1):
-        file = f"room_1_{index}.sf"
-        lines += [f"SLCF     1 # STRUCTURED &     0     8     0     6     3     3 ! {index}"]
-        lines += [f" {file}", f" {quantity}", f" {label}", f" {unit}"]
-        data = b"".join(record(text.ljust(30).encode()) for text in (quantity, label, unit))
-        data += record(np.array([0, 8, 0, 6, 3, 3], dtype="<i4").tobytes())
-        for time_s in TIMES_S:
-            data += record(np.array([time_s], dtype="<f4").tobytes())
-            data += record(values(x, y, time_s).astype("<f4").tobytes(order="F"))
-        (folder / file).write_bytes(data)
-    (folder / "room.smv").write_text("\n".join(lines) + "\n")
-    return str(folder)
 
 
 def fds_hazards(folder: str) -> FdsHazards:

@@ -104,11 +104,13 @@ def leaked(width_m: float, seconds: float) -> float:
     return 0.5 * (1.0 - math.exp(-2 * 0.01 * 0.15 * width_m / 0.5 * seconds / 36.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("low_m", "high_m"), [(2.4, 3.6), (2.6, 3.5), (2.3, 3.2), (2.85, 3.45)])
 def test_flow_through_an_open_door_depends_little_on_the_grid(low_m, high_m):
-    shares = [beyond(cell_m, low_m, high_m, False, 300) for cell_m in (0.25, 0.5, 1.0)]
-    assert shares == pytest.approx(np.full(3, shares[0]), rel=0.2)
-    assert shares[:2] == pytest.approx(np.full(2, shares[0]), rel=0.1)
+    # Cells of 0.1 m see the length of the doorway through the wall, 0.2 m, and are nearest to the limit.
+    finest, *shares = [beyond(cell_m, low_m, high_m, False, 300) for cell_m in (0.1, 0.25, 0.5, 1.0)]
+    assert shares[0] == pytest.approx(finest, rel=0.15)
+    assert shares[1:] == pytest.approx(np.full(2, finest), rel=0.08)
 
 
 def beyond(cell_m: float, low_m: float, high_m: float, closed: bool, seconds: int) -> float:

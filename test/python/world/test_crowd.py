@@ -140,6 +140,41 @@ def test_flow_through_a_door_agrees_with_that_of_jupedsim(radius_m, time_gap_s, 
     assert door_flow(1.0)[0] == pytest.approx(theirs, rel=0.12)
 
 
+def counter_flow_s(opposing: int) -> float:
+    """Return when the last of 100 people has crossed a corridor of 10 x 2 m, against others [s].
+
+    Both rooms at its ends have 10 x 10 m. Everybody walks at 1.25 m/s, and leaves 2 m beyond the corridor.
+    """
+    people = crowd(
+        *(rectangle(x - 0.2, -5.0, x, 5.0) for x in (-10.0, 20.2)),
+        *(rectangle(x, y, x + 10.0, y + 0.2) for x in (-10.0, 10.0) for y in (-5.2, 5.0)),
+        *(rectangle(0.0, y, 10.0, y + 4.2) for y in (-5.2, 1.0)),
+    )
+    index = np.arange(100 + opposing)
+    east, rank = index < 100, index % 100
+    along = -9.3 + 0.9 * (rank // 10) + 0.05 * np.sin(2.0 * index)
+    across = -4.3 + 0.95 * (rank % 10) + 0.05 * np.sin(2.0 * index + 1.0)
+    positions = np.column_stack([np.where(east, along, 10.0 - along), across])
+    for step in range(1, 10_000):
+        walked_m = np.where(east, positions[:, 0], 10.0 - positions[:, 0])
+        target_m = np.where(walked_m < 0.2, 1.0, 12.5)
+        target_x = np.where(east, target_m, 10.0 - target_m)
+        walkers = rows(positions, (0.0, 0.0), 1.25)
+        walkers[:, 2:4] = np.column_stack([target_x, np.clip(positions[:, 1], -0.8, 0.8)])
+        positions = people.step(walkers, NOBODY, [], 0.05)
+        there = np.where(east, positions[:, 0], 10.0 - positions[:, 0]) > 12.0
+        positions, east = positions[~there], east[~there]
+        if not east.any():
+            return step * 0.05
+    return math.inf
+
+
+@pytest.mark.slow
+def test_iso_20414_6_counter_flow_takes_longer_the_more_people_come():
+    times_s = [counter_flow_s(opposing) for opposing in (0, 10, 50)]
+    assert times_s == pytest.approx([50.1, 75.5, 180.8], rel=0.05)
+
+
 def test_wrong_input_is_rejected():
     with pytest.raises(ValueError, match="one value per door"):
         crowd().step(rows(np.array([[0.0, 0.0]]), (1.0, 0.0), 1.0), NOBODY, [True], 0.1)

@@ -72,8 +72,9 @@ class OptimisticFloor:
     """A grid on which paths are never longer than they must be.
 
     Cells are solid only if every point in them is too close to an obstacle for a robot's centre. The vertices of all
-    other cells are linked to their eight neighbours. Paths of real robots have at least OCTILE times the length of the
-    shortest path between vertices, minus the distances from the path's ends to them.
+    other cells are linked to their eight neighbours along sides and diagonals of these cells. Paths of real robots have
+    at least OCTILE times the length of the shortest path between vertices, minus the distances from the path's ends to
+    them.
     """
 
     def __init__(self, building: Building, clearance_m: float, without_doors: frozenset[str] = frozenset()) -> None:
@@ -100,7 +101,7 @@ class OptimisticFloor:
         self._free = np.zeros(self._shape, dtype=bool)
         for row, column in ((0, 0), (0, 1), (1, 0), (1, 1)):
             self._free[row : row + rows, column : column + columns] |= ~solid
-        self._graph = self._linked()
+        self._graph = self._linked(~solid)
         column_of, row_of = np.meshgrid(np.arange(columns + 1), np.arange(rows + 1))
         self._places_m = np.stack([column_of, row_of], axis=-1).reshape(-1, 2) * self.cell_m + low_m
 
@@ -134,28 +135,27 @@ class OptimisticFloor:
         away_m = np.hypot(*(self._places_m - place_m).T)
         return np.flatnonzero((away_m <= radius_m + 1e-9) & self._free.ravel())
 
-    def _linked(self) -> sparse.csr_matrix:
-        """Return the lengths of steps between free vertices; each once, because the graph is symmetric."""
+    def _linked(self, free: np.ndarray) -> sparse.csr_matrix:
+        """Return the lengths of steps along sides and diagonals of free cells, in both directions.
+
+        Args: free: of all cells, bool, shape (rows - 1, columns - 1) of the vertices.
+        """
+        padded = np.pad(free, 1)
         index = np.arange(self._free.size).reshape(self._shape)
         begins, ends, lengths = [], [], []
-        for d_row, d_column in ((0, 1), (1, 0), (1, 1), (1, -1)):
-            first, second = _shifted(index, d_row, d_column)
-            linked = self._free.ravel()[first] & self._free.ravel()[second]
-            begins += [first[linked], second[linked]]
-            ends += [second[linked], first[linked]]
-            lengths += [np.full(2 * int(linked.sum()), self.cell_m * math.hypot(d_row, d_column))]
+        for first, second, passable, length in (
+            (index[:, :-1], index[:, 1:], padded[:-1, 1:-1] | padded[1:, 1:-1], 1.0),
+            (index[:-1], index[1:], padded[1:-1, :-1] | padded[1:-1, 1:], 1.0),
+            (index[:-1, :-1], index[1:, 1:], free, math.sqrt(2.0)),
+            (index[:-1, 1:], index[1:, :-1], free, math.sqrt(2.0)),
+        ):
+            begins += [first[passable], second[passable]]
+            ends += [second[passable], first[passable]]
+            lengths += [np.full(2 * int(passable.sum()), self.cell_m * length)]
         size = self._free.size
         return sparse.csr_matrix(
             (np.concatenate(lengths), (np.concatenate(begins), np.concatenate(ends))), (size, size)
         )
-
-
-def _shifted(index: np.ndarray, d_row: int, d_column: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return the pairs of elements that are one step apart, as two flat arrays."""
-    rows, columns = index.shape
-    first = index[: rows - d_row, max(0, -d_column) : columns - max(0, d_column)]
-    second = index[d_row:, max(0, d_column) : columns - max(0, -d_column)]
-    return first.ravel(), second.ravel()
 
 
 def _burning_doors(scenario: Scenario) -> frozenset[str]:

@@ -59,6 +59,26 @@ def test_length_around_a_wall_is_below_the_exact_one_and_near_it(hall_scenario):
     assert 0.9 * OCTILE * exact_m < length_m <= exact_m + 0.2
 
 
+def test_no_length_leads_through_a_wall_that_is_one_cell_wide():
+    size_m = 60.0
+    cell_m = math.sqrt(size_m**2 / 120_000)
+    x_m = 172.5 * cell_m  # in the middle of a column of cells
+    wall = {"name": "middle", "from": [x_m, 0.0], "to": [x_m, 50.0], "thickness_m": 0.01}
+    plan = from_mapping(
+        {
+            "name": "hall",
+            "plan": {"name": "hall", "bounds": {"max": [size_m, size_m]}, "walls": [wall]},
+            "robots": [{"start_pose": [3.0, 5.0, 0.0]}],
+        },
+        "hall",
+    ).plan
+    floor = OptimisticFloor(Building(plan), 0.18)
+    assert floor.cell_m == pytest.approx(cell_m)
+    ((length_m,),) = floor.lengths_m([(x_m - 4.0, 30.0)], [(x_m + 4.0, 30.0)], 0.0)[0]
+    exact_m = 2.0 * math.hypot(4.0, 20.0)  # around the end of the wall
+    assert 0.9 * OCTILE * exact_m < length_m <= exact_m
+
+
 def test_victim_behind_walls_is_named_and_takes_forever(hall_scenario):
     plan = with_wall(hall_scenario().plan, 10.0)
     bound = search_bound(resolve(hall_scenario(plan=plan, robots=ONE, mission=with_victims((14.0, 5.0), (5.0, 5.0)))))

@@ -1,0 +1,108 @@
+"""Two rooms with a fire against CFAST, a zone model: bench/zone_model.py has written its results."""
+
+from __future__ import annotations
+
+import csv
+import math
+from functools import cache
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from burning import Doors, advance, fire_of, rooms_with_door
+
+RESULTS = Path(__file__).parents[3] / "bench" / "results" / "zone_model.csv"
+HEIGHT_M = 2.6
+TIMES_S = (120, 180, 240, 300)
+AMBIENT_OXYGEN = 0.2049
+"""Mole fraction in air of 20 degC and 50 % humidity."""
+SOOT_PER_OXYGEN = 0.06 / 20.0 * 13.1
+"""Grams of soot per gram of oxygen that a fire uses: 0.06 g per 20 kJ, and 13.1 kJ per gram of oxygen."""
+
+
+class Air(NamedTuple):
+    """The air of a room: temperature [degC], optical density [1/m], mole fraction of oxygen."""
+
+    temperature_c: float
+    optical_density_per_m: float
+    oxygen: float
+
+
+def optical_density_per_m(soot_g_m3: float) -> float:
+    return 8.7 * soot_g_m3 / math.log(10.0)
+
+
+@cache
+def theirs() -> dict[tuple[str, int, str], Air]:
+    """By door, time and room: temperature of the upper layer, and the means of smoke and oxygen over the height."""
+    found = {}
+    with RESULTS.open(newline="", encoding="utf-8") as file:
+        for row in csv.DictReader(file):
+            lower_m = float(row["layer_m"])
+            upper_m = HEIGHT_M - lower_m
+            upper_c, lower_c, upper_oxygen, lower_oxygen, upper_soot, lower_soot = (
+                float(row[layer + key]) for key in ("_c", "_oxygen", "_soot_mg_m3") for layer in ("upper", "lower")
+            )
+            moles = upper_m / (upper_c + 273.15), lower_m / (lower_c + 273.15)
+            oxygen = np.average([upper_oxygen, lower_oxygen], weights=moles)
+            soot_g_m3 = (upper_soot * upper_m + lower_soot * lower_m) / HEIGHT_M / 1e3
+            air = Air(upper_c, optical_density_per_m(soot_g_m3), float(oxygen))
+            found[row["door"], int(row["time_s"]), row["room"]] = air
+    return found
+
+
+@cache
+def ours(door: str, diffusivity_m2_s: float) -> dict[tuple[int, str], Air]:
+    """The same of our one layer, as means over the floor without flames.
+
+    Our model has no oxygen: this is what is left if the heat has used it and the lack spreads as soot does.
+    """
+    bin_ = {"name": "bin", "polygon": [[2, 2], [3, 2], [3, 3], [2, 3]], "growth": "fast", "load_mj_m2": 5000}
+    fire = {"fuel": [bin_], "ignitions": [{"position": [2.4, 2.4]}], "soot": {"diffusivity_m2_s": diffusivity_m2_s}}
+    hazards, doors, begin, found = fire_of(rooms_with_door(2.4, 3.6), fire), Doors(door=door == "closed"), 1, {}
+    for time_s in TIMES_S:
+        begin = advance(hazards, time_s - begin + 1, doors, begin)
+        field = hazards.field
+        halves = slice(0, field.states.shape[1] // 2), slice(field.states.shape[1] // 2, None)
+        for room, half in zip(("fire", "next"), halves, strict=True):
+            temperature_c = float(field.temperatures_c[:, half][field.states[:, half] == 0].mean(dtype=float))
+            soot_g_m3 = float(field.soot_g_m3[:, half].mean(dtype=float))
+            air_mol_m3 = 101325.0 / (8.314 * (temperature_c + 273.15))
+            oxygen = AMBIENT_OXYGEN - soot_g_m3 / SOOT_PER_OXYGEN / 32.0 / air_mol_m3
+            found[time_s, room] = Air(temperature_c, optical_density_per_m(soot_g_m3), oxygen)
+    return found
+
+
+@pytest.mark.parametrize(
+    ("door", "diffusivity_m2_s", "room", "warming", "optical_density", "oxygen"),
+    [
+        # The default agrees in the room of the fire, and lets smoke through doors too slowly.
+        ("open", 0.15, "fire", (0.9, 1.35), (1.1, 1.5), 0.015),
+        ("open", 0.15, "next", (0.1, 0.5), (0.15, 0.45), 0.015),
+        ("closed", 0.15, "fire", (0.9, 1.25), (0.8, 1.0), 0.003),
+        ("closed", 0.15, "next", (0.0, 0.1), (0.05, 0.2), 0.003),
+        ("open", 0.5, "fire", (0.85, 1.15), (1.0, 1.2), 0.006),
+        ("open", 0.5, "next", (0.4, 1.1), (0.45, 0.85), 0.006),
+        ("open", 1.0, "fire", (0.75, 1.05), (0.85, 1.1), 0.005),
+        ("open", 1.0, "next", (0.7, 1.4), (0.7, 1.0), 0.005),
+    ],
+)
+def test_air_after_two_to_five_minutes_is_that_of_a_zone_model_within(
+    door, diffusivity_m2_s, room, warming, optical_density, oxygen
+):
+    for time_s in TIMES_S:
+        ours_, theirs_ = ours(door, diffusivity_m2_s)[time_s, room], theirs()[door, time_s, room]
+        share = (ours_.temperature_c - 20.0) / (theirs_.temperature_c - 20.0)
+        assert warming[0] <= share <= warming[1], time_s
+        share = ours_.optical_density_per_m / theirs_.optical_density_per_m
+        assert optical_density[0] <= share <= optical_density[1], time_s
+        assert ours_.oxygen == pytest.approx(theirs_.oxygen, abs=oxygen), time_s
+
+
+def test_fire_of_the_zone_model_lacks_oxygen_in_a_closed_room_after_six_minutes():
+    with RESULTS.open(newline="", encoding="utf-8") as file:
+        fires = [row for row in csv.DictReader(file) if row["room"] == "fire"]
+    heat_kw = {(row["door"], int(row["time_s"])): float(row["heat_kw"]) for row in fires}
+    assert heat_kw["open", 540] == heat_kw["closed", 360] == 250.0
+    assert heat_kw["closed", 420] < 160.0
