@@ -7,12 +7,16 @@ import pytest
 
 from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import known_map
+from robotteamsim.control.rdpso.team import RdpsoUpdate
 from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.interface import EVERYBODY, OUTSIDE, Message
 from robotteamsim.scenario import load, load_floor_plan
 from robotteamsim.scenario.building import Building
+from robotteamsim.scenario.sections import Area, Mission, PlacedRobot
 from robotteamsim.scenario.sensors import HeatReading
-from robotteamsim.sensing.readings import OdometryReading, RobotReading
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
 from robotteamsim.simulation import Simulation
+from robotteamsim.swarm import SwarmState
 
 ODOMETRY = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
 
@@ -65,6 +69,62 @@ def test_robot_that_heat_surrounds_leaves_to_the_nearest_cold_place():
     assert way_out[0] == pytest.approx(22.3, abs=0.15)  # half a metre of body and margin beside the blocks
     assert way_out[1] == pytest.approx(7.5, abs=0.1)
     assert places.way_out(grid, (25.0, 7.5)) is None
+
+
+def test_area_is_reached_if_a_path_leads_to_any_piece_of_its_floor():
+    plan = load_floor_plan("garage")
+    start, center = (20.0, 7.0), (40.0, 7.0)
+    wall = {(row, 40) for row in range(13)}  # from the south wall to beyond the core, through the area's middle
+    ring = {(row, column) for row in range(4, 10) for column in (37, 42)} | {
+        (r, c) for r in (4, 9) for c in range(37, 43)
+    }
+    disc = {(row, column) for row in range(4, 10) for column in range(37, 43)}
+    for hot, reached in ((set(), True), (wall, True), (ring, False), (disc, False)):
+        assert known_map(Building(plan), 0.2, (), tuple(sorted(hot))).reaches(start, center, 2.0) == reached
+
+
+def hot_update(iteration: int, *blocks: tuple[int, int]) -> Message:
+    """Return what an excluded robot far away sends that sees hot blocks."""
+    swarm = {"position": (1.0, 9.0), "swarm_id": OUTSIDE, "swarm": SwarmState(), "hot": blocks}
+    nothing = dict.fromkeys(("loudest", "local_best", "known_best"))
+    return Message(2, EVERYBODY, RdpsoUpdate(robot_id=2, iteration=iteration, epoch=1, **swarm, **nothing).to_json())
+
+
+def driven_m(team, seconds: int, blocks_at) -> float:
+    """Return how much nearer to the area a robot comes. Args: blocks_at: returns the blocks heard in an iteration."""
+    before = team.world.poses()[0]
+    for second in range(seconds):
+        for _ in range(10):
+            now = team.world.sim_time_ns // 10**9
+            team.hear_messages = [hot_update(now, *blocks_at(second))]
+            team.step()
+    return team.world.poses()[0].x_m - before.x_m
+
+
+def test_swarm_keeps_its_speed_while_its_map_changes(team, hall_scenario):
+    robots = (PlacedRobot(start_pose=(2.0, 5.0, 0.0)), PlacedRobot(start_pose=(2.0, 6.0, 0.0)))
+    mission = Mission(areas=(Area(name="east", center=(18.0, 5.0)),))
+
+    def moved_m(blocks_at) -> float:
+        return driven_m(team(hall_scenario(robots=robots, mission=mission)), 20, blocks_at)
+
+    steady_m = moved_m(lambda second: ())
+    changing_m = moved_m(lambda second: [(0, column) for column in range(second // 5 + 1)])
+    assert steady_m > 4.0
+    assert changing_m == steady_m  # the hot blocks are nowhere near
+
+
+def test_swarm_follows_no_voice_into_the_heat(team, hall_scenario):
+    robots = (PlacedRobot(start_pose=(8.0, 5.0, 0.0)), PlacedRobot(start_pose=(8.0, 6.0, 0.0)))
+    mission = Mission(areas=(Area(name="east", center=(18.0, 5.0)),))
+
+    def moved_m(*blocks: tuple[int, int]) -> float:
+        hall = team(hall_scenario(robots=robots, mission=mission))
+        hall.hear = lambda position: VoiceReading(20.0, True, (7.5, 8.5), 30.0)  # a victim behind the robots
+        return driven_m(hall, 8, lambda second: blocks)
+
+    assert moved_m() < 0.0
+    assert moved_m((8, 7), (8, 6)) > 0.3
 
 
 @pytest.mark.slow
