@@ -23,7 +23,7 @@ ODOMETRY = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
 
 def reading(*hot_m: tuple[float, float]) -> RobotReading:
     nothing_m = np.zeros(0, np.float32)
-    heat = {"heat": HeatReading(20.0, hot_m)}
+    heat = {"heat": HeatReading(20.0, hot_m, (80.0,) * len(hot_m))}
     return RobotReading(ODOMETRY.pose, Twist(), ODOMETRY, nothing_m, in_contact=False, sensors=heat)
 
 
@@ -42,7 +42,7 @@ def test_paths_lead_around_known_hot_blocks():
 
 
 def test_map_follows_hot_places_seen_and_heard_at_most_every_five_seconds():
-    places = HotPlaces(load_floor_plan("garage"))
+    places = HotPlaces(load_floor_plan("garage"), 60.0)
     places.look(reading((3.2, 4.7), (3.9, 4.1)))
     assert places.in_sight == ((4, 3),)
     assert places.update(10**9)
@@ -58,7 +58,7 @@ def test_map_follows_hot_places_seen_and_heard_at_most_every_five_seconds():
 
 def test_robot_that_heat_surrounds_leaves_to_the_nearest_cold_place():
     plan = load_floor_plan("garage")
-    places = HotPlaces(plan)
+    places = HotPlaces(plan, 60.0)
     assert places.way_out(known_map(Building(plan), 0.2).grid, (20.5, 7.5)) is None
     places.hear((row, column) for row in range(4, 11) for column in range(18, 22))
     assert places.is_hot((20.5, 7.5))

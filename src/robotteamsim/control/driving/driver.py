@@ -22,7 +22,7 @@ class Driver:
         self._building, self._reach_m = setup.building, body.reach_m
         self._map_T_odom = Pose(*body.start_pose) if control.localisation == "odometry" else None
         self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
-        self.hot = HotPlaces(setup.scenario.plan)
+        self.hot = HotPlaces(setup.scenario.plan, setup.scenario.hot_for_c(robot_id))
         """The hot places that it knows."""
         self.doors: Doors = ()
         """The doors that differ from the plan in `map`."""
