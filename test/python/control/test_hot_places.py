@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pytest
 
 from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import known_map
-from robotteamsim.control.rdpso.team import RdpsoUpdate
+from robotteamsim.control.rdpso.team import Best, RdpsoUpdate
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import EVERYBODY, OUTSIDE, Message
 from robotteamsim.scenario import load, load_floor_plan
@@ -83,20 +85,20 @@ def test_area_is_reached_if_a_path_leads_to_any_piece_of_its_floor():
         assert known_map(Building(plan), 0.2, (), tuple(sorted(hot))).reaches(start, center, 2.0) == reached
 
 
-def hot_update(iteration: int, *blocks: tuple[int, int]) -> Message:
+def hot_update(iteration: int, blocks: Sequence[tuple[int, int]], known_best: Best | None) -> Message:
     """Return what an excluded robot far away sends that sees hot blocks."""
-    swarm = {"position": (1.0, 9.0), "swarm_id": OUTSIDE, "swarm": SwarmState(), "hot": blocks}
-    nothing = dict.fromkeys(("loudest", "local_best", "known_best"))
-    return Message(2, EVERYBODY, RdpsoUpdate(robot_id=2, iteration=iteration, epoch=1, **swarm, **nothing).to_json())
+    swarm = {"position": (1.0, 9.0), "swarm_id": OUTSIDE, "swarm": SwarmState(), "hot": tuple(blocks)}
+    bests = {"loudest": None, "local_best": None, "known_best": known_best}
+    return Message(2, EVERYBODY, RdpsoUpdate(robot_id=2, iteration=iteration, epoch=1, **swarm, **bests).to_json())
 
 
-def driven_m(team, seconds: int, blocks_at) -> float:
+def driven_m(team, seconds: int, blocks_at, known_best: Best | None = None) -> float:
     """Return how much nearer to the area a robot comes. Args: blocks_at: returns the blocks heard in an iteration."""
     before = team.world.poses()[0]
     for second in range(seconds):
         for _ in range(10):
             now = team.world.sim_time_ns // 10**9
-            team.hear_messages = [hot_update(now, *blocks_at(second))]
+            team.hear_messages = [hot_update(now, blocks_at(second), known_best)]
             team.step()
     return team.world.poses()[0].x_m - before.x_m
 
@@ -125,6 +127,16 @@ def test_swarm_follows_no_voice_into_the_heat(team, hall_scenario):
 
     assert moved_m() < 0.0
     assert moved_m((8, 7), (8, 6)) > 0.3
+
+
+def test_best_from_before_the_heat_does_not_count_as_the_best_of_the_swarm(team, hall_scenario):
+    robots = (PlacedRobot(start_pose=(2.0, 5.0, 0.0)), PlacedRobot(start_pose=(2.0, 6.0, 0.0)))
+    mission = Mission(areas=(Area(name="east", center=(18.0, 5.0)),))
+    hall = team(hall_scenario(robots=robots, mission=mission))
+    wall = [(row, 9) for row in range(8)]  # the way around it is longer by several metres
+    driven_m(hall, 14, lambda second: wall, Best(-9.5, (8.5, 5.0)))
+    assert not any(decision.excluded for decision in hall.decisions)
+    assert max(decision.search_counter for decision in hall.decisions) < 5
 
 
 @pytest.mark.slow

@@ -18,6 +18,7 @@ from robotteamsim.geometry import Pose
 from robotteamsim.interface import OUTSIDE, Decision, Observation, SwarmContext, Task
 from robotteamsim.network.messages import EVERYBODY, Message, batch_of
 from robotteamsim.scenario.controllers.swarms import RdpsoControl
+from robotteamsim.scenario.fire import BLOCK_M
 from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
@@ -73,6 +74,8 @@ class RdpsoController:
         self._sent_ns = 0
         self._known_best: Best | None = None
         self._local_best: Best | None = None
+        self._area: Vector | None = None
+        """The centre of the area of the task, in `map` [m]."""
         self._goal: Vector | None = None
         self._context: SwarmContext | None = None
         self._speed_mps = control.max_step_speed_mps
@@ -128,6 +131,7 @@ class RdpsoController:
         if task.epoch != self._epoch:
             self._epoch, self._known_best = task.epoch, None
             self._ruled_out.clear()
+        self._area = task.area_center_m
         loudest = voice.local_best_m if voice.heard else None
         self._ruled_out.add(position, loudest)
         self._local_best = self._finder.find(self._driver.map, self._is_vain, voice, task.area_center_m, position)
@@ -193,9 +197,18 @@ class RdpsoController:
     def _highest(self, bests: Sequence[Best]) -> Best | None:
         """Return the first of the sorted bests that is not in vain; None if there is none."""
         for best in bests:
-            if not (best.is_voice and self._is_vain(best.position)):
+            if not (self._is_vain(best.position) if best.is_voice else self._is_outdated(best)):
                 return best
         return None
+
+    def _is_outdated(self, best: Best) -> bool:
+        """Whether heat has made the path from a place to the area longer by more than a block since it was valued.
+
+        Maps change at different times, so that an outdated best would come back from teammates again and again.
+        """
+        if self._area is None or not self._driver.hot.blocked or self._control.navigation != "path":
+            return False
+        return self._driver.map.distance_m(self._area, best.position) > BLOCK_M - best.value
 
     def _is_vain(self, place: Vector) -> bool:
         """Whether no victim can be where a voice is heard, or the robot cannot go there, because it is hot."""
