@@ -24,9 +24,9 @@ def maps_of(record: StepRecord) -> tuple[bytes, bytes, bytes] | None:
     return fire_cells(field).tobytes(), field.temperatures_c.tobytes(), field.soot_g_m3.tobytes()
 
 
-def heat_of(record: StepRecord) -> tuple[float, list[tuple[float, float]]] | None:
+def heat_of(record: StepRecord) -> tuple[float, list[tuple[float, float]], list[float]] | None:
     heat = record.readings[2].sensors.get("heat") if record.is_there(2) else None
-    return None if heat is None else (heat.temperature_c, list(heat.hot_m))
+    return None if heat is None else (heat.temperature_c, list(heat.hot_m), list(heat.hot_c))
 
 
 class FireTest(ComparedMission):
@@ -64,7 +64,7 @@ class FireTest(ComparedMission):
 
     def test_thermal_camera_measures_the_same_as_without_ros(self) -> None:
         found = {
-            stamp_ns: (message.temperature_c, [(place.x, place.y) for place in message.hot])
+            stamp_ns: (message.temperature_c, [(place.x, place.y) for place in message.hot], list(message.hot_c))
             for stamp_ns, message in by_stamp(self.heat.messages).items()
         }
         self.assert_values(found, self.expected.kept["heat"], 5)

@@ -166,6 +166,16 @@ class AreaExplored(Happening, frozen=True, tag="area_explored"):
     template = "robot {robot_id} explores {area} ({count} of {total})"
 
 
+class AreaPassedOver(Happening, frozen=True, tag="area_passed_over"):
+    """All robots report that they know no path to an area: another one is explored first."""
+
+    area: str
+
+    subject_template = "{area}"
+
+    template = "{area} is passed over: no robot knows a path to it"
+
+
 class DiscoveryDelivered(Happening, frozen=True, tag="discovery_delivered"):
     """The base knows of an explored area or a reached victim, which `robot_id` has discovered."""
 

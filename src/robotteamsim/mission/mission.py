@@ -11,6 +11,7 @@ from robotteamsim import _core
 from robotteamsim.hazards import HazardField
 from robotteamsim.interface import Discovery, Task
 from robotteamsim.mission import events
+from robotteamsim.mission.area_order import AreaOrder
 from robotteamsim.mission.base_station import BaseStation
 from robotteamsim.mission.events import Event
 from robotteamsim.mission.input import MissionInput
@@ -37,7 +38,7 @@ class Mission:
 
     def __init__(self, setup: Setup) -> None:
         scenario = setup.scenario
-        self._areas = scenario.mission.areas
+        self._areas, self._order = scenario.mission.areas, AreaOrder(scenario)
         self._save_distance_m = scenario.mission.save_distance_m
         self._time_limit_ns = round(scenario.mission.time_limit_s * 1e9)
         self._autostart = scenario.mission.autostart
@@ -64,7 +65,7 @@ class Mission:
         self._end: MissionEnd = ""
         self._elapsed_ns = self._last_step_ns = 0
         self._team_was_running = False
-        self._num_explored = self._epoch = 0
+        self._epoch = 0
         self._news: list[events.Happening] = []
         """What has happened since the last step."""
         self._is_task_new = False
@@ -160,6 +161,10 @@ class Mission:
     def _judge(self, now: MissionInput) -> None:
         self._judge_voices(now.voices)
         self._judge_places(now.positions_m)
+        passed = self._order.passed_over(now.decisions, now.present)
+        if passed is not None:
+            self._epoch += 1
+            self._add(events.AreaPassedOver(passed.name))
         if self._rescue is not None:
             for news in self._rescue.judge(self._elapsed_ns / 1e9, now, self._victims):
                 self._note_victim(news)
@@ -197,7 +202,7 @@ class Mission:
 
     def _judge_places(self, positions_m: np.ndarray) -> None:
         num_victims = len(self._saved_on_reach)
-        area = num_victims + self._num_explored
+        area = num_victims + self._order.target if self._order.target >= 0 else -1
         for place, robot_id in self._places.reached(positions_m):
             if place == area:
                 self._explore(robot_id)
@@ -220,10 +225,9 @@ class Mission:
             self._add(events.VictimHeard(self.victims[index].name, level_db, robot_id=robot_id))
 
     def _explore(self, robot_id: int) -> None:
-        area = self._areas[self._num_explored]
-        self._num_explored += 1
+        area = self._order.explore()
         self._epoch += 1
-        self._add(events.AreaExplored(area.name, self._num_explored, len(self._areas), robot_id=robot_id))
+        self._add(events.AreaExplored(area.name, self._order.num_explored, len(self._areas), robot_id=robot_id))
         self._base.add(Discovery("area", area.name, robot_id, area.center, self._elapsed_ns / 1e9))
 
     def _note_victim(self, news: VictimNews) -> None:
@@ -262,7 +266,7 @@ class Mission:
     def _judge_end(self) -> None:
         if self._rescue is not None and self.victims and all(s in OUT_OF_DANGER for s in self._victims.states):
             self._finish("victims_safe")
-        elif self._areas and self._num_explored == len(self._areas) and not (self._rescue or self._base.undelivered):
+        elif self._areas and self._order.target < 0 and not (self._rescue or self._base.undelivered):
             self._finish("areas_explored")
         elif self._elapsed_ns >= self._time_limit_ns:
             self._finish("time_limit")
@@ -278,7 +282,7 @@ class Mission:
     def _finish(self, end: MissionEnd, why: str = "") -> None:
         self._state, self._end = "ended", end
         saved = sum(state in SAVED for state in self._victims.states)
-        self._add(events.MissionEnded(end, self._num_explored, len(self._areas), saved, len(self.victims), why))
+        self._add(events.MissionEnded(end, self._order.num_explored, len(self._areas), saved, len(self.victims), why))
 
     def _all_places(self) -> _core.base.Places:
         """Return the positions of victims whom robots save, then of areas, with the radius of each."""
@@ -299,14 +303,13 @@ class Mission:
         self._news.append(what)
 
     def _make_status(self) -> MissionStatus:
-        num_left = len(self._areas) - self._num_explored
         return MissionStatus(
             state=self._state,
             end=self._end,
             time_s=self._elapsed_ns / 1e9,
-            explored=(True,) * self._num_explored + (False,) * num_left,
+            explored=self._order.explored,
             victims=tuple(self._victims.states),
-            target_area=self._num_explored if num_left else -1,
+            target_area=self._order.target,
             endangered_links=self._links.num_endangered,
             task=self._make_task(),
             delivered=self._base.delivered,
@@ -314,7 +317,7 @@ class Mission:
 
     def _make_task(self) -> Task:
         """Return the task of the team, and store it."""
-        area = self._areas[self._num_explored] if self._num_explored < len(self._areas) else None
+        area = self._areas[self._order.target] if self._order.target >= 0 else None
         self.task = Task(
             running=self._state == "running",
             epoch=self._epoch,

@@ -23,6 +23,9 @@ BLOCK_M = 1.0
 Block = tuple[int, int]
 """Row and column of a square of BLOCK_M, counted from the lower left corner of the plan."""
 
+HotBlock = tuple[int, int, int]
+"""A block and the highest temperature that was seen in it, rounded down [degC]."""
+
 REPLAN_NS = 5 * 10**9
 """A map with new blocks is made at most once in this time, because it is expensive."""
 

@@ -35,6 +35,14 @@ class Firefighters(Team):
     breathing_apparatus: bool = Field(
         default=True, description="whether they breathe clean air from a bottle, so that only heat harms them"
     )
+    block_c: float = Field(
+        default=100.0,
+        ge=0.0,
+        le=2000.0,
+        description="those who sense heat avoid places as hot as this; turnout gear protects for 25 min at 100 degC "
+        "(thermal class I), for 15 min at 160 degC (class II) [donnelly2006]; at least `fire.heat.block_c`, for robots "
+        "[degC]",
+    )
     searches: bool = Field(default=True, description="whether they search the floor while they have no order")
     floor_search: FloorSearchTuning = FloorSearchTuning()
     dispatch: Dispatch = Dispatch()

@@ -150,6 +150,9 @@ class Scenario(Model):
             raise wrong("fire", f"needs run.world box2d, not {self.run.world}")
         if self.fire.update_ns < self.run.step_ns:
             raise wrong("fire.update_s", f"{self.fire.update_s:g} is below run.step_s, {self.run.step_s:g}")
+        if self.firefighters is not None and self.firefighters.block_c < self.fire.heat.block_c:
+            limits = f"{self.firefighters.block_c:g} is below fire.heat.block_c, {self.fire.heat.block_c:g}"
+            raise wrong("firefighters.block_c", f"{limits}, the least temperature that thermal cameras show")
 
     def _check_roles(self) -> None:
         """Raise the error of robots, firefighters, command centre and victims that do not fit together."""
@@ -185,6 +188,12 @@ class Scenario(Model):
     def num_robots(self) -> int:
         """Number of robots, present at the start or not."""
         return self.robots.count if isinstance(self.robots, Team) else len(self.robots)
+
+    def hot_for_c(self, robot_id: int) -> float:
+        """Return from which temperature on a member of the team avoids places, if they sense heat [degC]."""
+        if self.firefighters is not None and robot_id in self.firefighter_ids:
+            return self.firefighters.block_c
+        return (self.fire or Fire()).heat.block_c
 
     @property
     def num_firefighters(self) -> int:

@@ -241,7 +241,7 @@ class Area(Model):
 class Mission(Model):
     """What the team has to do and when the mission ends [dissertation, 5.3]."""
 
-    areas: Many[Area] = Field(default=(), description="explored in this order")
+    areas: Many[Area] = Field(default=(), description="explored in this order; those that no robot can reach come last")
     victims: Many[Victim] = Field(default=(), description="victims")
     random_victims: int = Field(
         default=0,

@@ -133,7 +133,7 @@ class _Carrier:
         assert self.around.air is not None
         return float(self.around.air.field.temperature_c(self._position_m())[0])
 
-    def hot_places_m(self, range_m: float) -> tuple[tuple[float, float], ...]:
+    def hot_places(self, range_m: float) -> tuple[tuple[tuple[float, float], ...], tuple[float, ...]]:
         assert self.around.air is not None
         field = self.around.air.field
         (position_m,) = self._position_m().tolist()
@@ -146,7 +146,9 @@ class _Carrier:
             tuple(position_m),
             range_m,
         )
-        return tuple(hot_m)
+        if not hot_m:
+            return (), ()
+        return tuple(hot_m), tuple(field.temperature_c(np.array(hot_m)).tolist())
 
     def _position_m(self) -> np.ndarray:
         return self.around.world.positions_m()[[self.robot_id]]

@@ -44,13 +44,13 @@ def test_local_best_is_the_voice_unless_it_is_ruled_out(hall_scenario):
     ruled_out, carried = RuledOut(scenario), known_map(Building(scenario.plan), 0.2)
     finder = LocalBestFinder(scenario)
     voice, here = VoiceReading(5.0, True, (4.0, 4.0), 7.0), (3.0, 4.0)
-    assert finder.find(carried, ruled_out, voice, (16.0, 5.0), here) == Best(7.0, (4.0, 4.0))
+    assert finder.find(carried, ruled_out.covers, voice, (16.0, 5.0), here) == Best(7.0, (4.0, 4.0))
     ruled_out.add((4.1, 4.0), (4.0, 4.0))
-    best = finder.find(carried, ruled_out, voice, (16.0, 5.0), here)
+    best = finder.find(carried, ruled_out.covers, voice, (16.0, 5.0), here)
     # 13.04 m as the crow flies, less the radius of 1.5 m; paths on a grid are a little longer.
     assert best.value == pytest.approx(-11.54, abs=0.4)
     assert 1.3 < math.dist(best.position, here) <= 1.5
-    assert finder.find(carried, ruled_out, voice, None, here) is None
+    assert finder.find(carried, ruled_out.covers, voice, None, here) is None
 
 
 def test_greedy_robot_climbs_to_the_voice_and_says_nothing(team, hall_scenario):

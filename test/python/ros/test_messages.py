@@ -202,6 +202,7 @@ def test_everything_else_that_is_published_can_be_sent(make):
         ),
         (HeatSensor().reading, Heat(temperature_c=math.inf), "temperature_c: inf; expected -1e+06 to 1e+06"),
         (HeatSensor().reading, Heat(hot=[Point(x=1e7)]), "hot: 1e+07; expected -1e+06 to 1e+06"),
+        (HeatSensor().reading, Heat(hot=[Point()]), "hot_c: 0 temperatures; expected 1, one for each place"),
         (
             lambda m: mission.read_task(m, 2),
             MissionStatus(area_radius_m=math.nan),

@@ -184,6 +184,26 @@ def test_burnt_door_is_open_in_the_world():
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("algorithm", "seed", "begin_s", "closed"),
+    [("rdpso", 2, 0, ()), ("rdpso", 8, 0, ("area_2",)), ("search", 1, 400, ("area_2",))],
+)
+def test_teams_explore_all_areas_that_the_fire_leaves_open(algorithm, seed, begin_s, closed):
+    keys = [f"run.seed={seed}", "mission.autostart=false", f"control={{algorithm: {algorithm}}}"]
+    simulation = Simulation(load("garage_fire", keys))
+    steps(simulation, 10 * begin_s)
+    simulation.mission.start()
+    records = [simulation.step()]
+    while records[-1].mission.state != "ended":
+        records.append(simulation.step())
+    areas = [area.name for area in simulation.scenario.mission.areas]
+    explored = [name for name, is_explored in zip(areas, records[-1].mission.explored, strict=True) if is_explored]
+    assert explored == [name for name in areas if name not in closed]
+    assert [name for name in areas if events(records, "area_passed_over") and name in closed] == list(closed)
+    assert not records[-1].failed
+
+
+@pytest.mark.slow
 def test_mission_with_a_fire_is_the_same_to_the_bit_and_depends_on_the_seed():
     overrides = ["mission.time_limit_s=60", "run.seed=7"]
     first, again = (Simulation(load("garage_fire", overrides)).run() for _ in range(2))

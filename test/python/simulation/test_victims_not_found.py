@@ -80,7 +80,7 @@ def test_all_free_floor_around_a_place_is_felt(place):
     known = known_map(setup.building, 0.25)
     felt = FeltFloor(known, place, radius_m, near_m)
     position, visited = (place[0] + 2.0, place[1]), []
-    hot = HotPlaces(setup.scenario.plan)
+    hot = HotPlaces(setup.scenario.plan, 60.0)
     for step in range(1000):
         point = felt.next_point(position, 0.1 * step, hot)
         if point is None:

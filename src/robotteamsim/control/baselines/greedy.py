@@ -38,5 +38,9 @@ class GreedyController(PathController):
             self._ruled_out.clear()
         voice = now.observation.voice
         self._ruled_out.add(now.position, voice.local_best_m if voice.heard else None)
-        best = self._finder.find(self.driver.map, self._ruled_out, voice, now.task.area_center_m, now.position)
+        best = self._finder.find(self.driver.map, self._is_vain, voice, now.task.area_center_m, now.position)
         self._goal, self._value = (best.position, best.value) if best else (None, 0.0)
+
+    def _is_vain(self, place: Vector) -> bool:
+        """Whether no victim can be where a voice is heard, or the robot cannot go there, because it is hot."""
+        return self._ruled_out.covers(place) or self.driver.hot.is_hot(place)

@@ -94,7 +94,7 @@ class CoverController:
                 continue
             self._team[update.robot_id] = observation.sim_time_ns * 1e-9, update
             self._teammates[update.robot_id] = update.position
-            self._driver.hot.hear(update.hot or ())
+            self._driver.hot.hear_temperatures(update.hot or ())
             for victim in update.discoveries:
                 self._add_victim(victim)
 
@@ -107,7 +107,7 @@ class CoverController:
             self._driver.update_map(sim_time_ns)
             self._choose(pose, observation.voice, sim_time_ns * 1e-9)
             position, covered = (pose.x_m, pose.y_m), self._cover.to_hex()
-            hot = self._driver.hot.in_sight or msgspec.UNSET
+            hot = self._driver.hot.seen or msgspec.UNSET
             update = CoverUpdate(self._robot_id, position, self._goal, covered, self.found, hot)
             outbox = (Message(self._robot_id, EVERYBODY, update.to_json()),)
         goal, target, speed_mps = self._goal, self._target, self._speed_mps

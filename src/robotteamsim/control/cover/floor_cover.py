@@ -160,7 +160,8 @@ class CoverUpdate(Update, frozen=True, tag="cover"):
     """Sent once per iteration: position and goal, in `map` [m], the cells known to be covered, and the known victims.
 
     discoveries: of victims, without names; `time_s` is simulated time. The mission reads them, too.
-    hot:         blocks of hot places that the robot sees, sorted; left out by a robot that sees none.
+    hot:         blocks of hot places that the sender sees, sorted, and the highest temperature in each [degC]; left out
+                 by those who see none.
     """
 
     robot_id: Index
@@ -168,7 +169,7 @@ class CoverUpdate(Update, frozen=True, tag="cover"):
     goal: Point | None
     covered: str
     discoveries: tuple[Discovery, ...]
-    hot: tuple[tuple[Index, Index], ...] | msgspec.UnsetType = msgspec.UNSET
+    hot: tuple[tuple[Index, Index, int], ...] | msgspec.UnsetType = msgspec.UNSET
 
 
 parse_cover_update = update_reader(CoverUpdate, kept=1024)

@@ -8,7 +8,7 @@ from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.geometry import Pose, Twist
-from robotteamsim.interface import Observation
+from robotteamsim.interface import Observation, Task
 from robotteamsim.scenario.building import Doors
 from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
@@ -22,7 +22,7 @@ class Driver:
         self._building, self._reach_m = setup.building, body.reach_m
         self._map_T_odom = Pose(*body.start_pose) if control.localisation == "odometry" else None
         self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
-        self.hot = HotPlaces(setup.scenario.plan)
+        self.hot = HotPlaces(setup.scenario.plan, setup.scenario.hot_for_c(robot_id))
         """The hot places that it knows."""
         self.doors: Doors = ()
         """The doors that differ from the plan in `map`."""
@@ -36,6 +36,13 @@ class Driver:
         self.doors = doors
         self.map = known_map(self._building, self._reach_m, doors, self.hot.blocked)
         return True
+
+    def closed_area(self, task: Task, position: Vector) -> Vector | None:
+        """Return the centre of the area of the task if the robot knows no path to its floor; None if it knows one."""
+        center, start = task.area_center_m, self.map.grid.nearest_free(position, 1.0)
+        if center is None or start is None or self.map.reaches(start, center, task.area_radius_m):
+            return None
+        return center
 
     def pose(self, observation: Observation) -> Pose:
         """Return the pose in `map` that the robot uses as its own: the true one, or its known start and its odometry.

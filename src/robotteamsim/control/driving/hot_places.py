@@ -8,7 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from robotteamsim import _core
-from robotteamsim.scenario.fire import BLOCK_M, REPLAN_NS, Block
+from robotteamsim.scenario.fire import BLOCK_M, REPLAN_NS, Block, HotBlock
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import OCCUPIED, OccupancyGrid
 from robotteamsim.scenario.sensors import HeatReading
@@ -22,13 +22,19 @@ _FARTHEST_WAY_OUT_M = 10.0
 
 
 class HotPlaces:
-    """The blocks that a robot knows to be hot. A place that was hot counts as hot for the rest of the mission."""
+    """The blocks that somebody knows to be too hot for them. What was too hot counts as such until the mission ends.
 
-    def __init__(self, plan: FloorPlan) -> None:
-        self._origin_m = plan.bounds.min
+    Robots avoid `fire.heat.block_c` and more, firefighters `firefighters.block_c` and more.
+    """
+
+    def __init__(self, plan: FloorPlan, limit_c: float) -> None:
+        """Args: limit_c: from this temperature on, a place is too hot [degC]."""
+        self._origin_m, self._limit_c = plan.bounds.min, limit_c
         self.known: set[Block] = set()
         """All known blocks, also those that paths do not avoid yet."""
         self._next_ns = 0
+        self.seen: tuple[HotBlock, ...] = ()
+        """All hot blocks of the last reading, sorted, also those that are not too hot."""
         self.in_sight: tuple[Block, ...] = ()
         """The blocks of the last reading, sorted."""
         self.blocked: tuple[Block, ...] = ()
@@ -38,12 +44,24 @@ class HotPlaces:
         """Note the hot places in a robot's reading, if it has a thermal camera."""
         for reading in robot.sensors.values():
             if isinstance(reading, HeatReading):
-                self.in_sight = tuple(sorted({self._block_at(place) for place in reading.hot_m}))
+                hottest: dict[Block, int] = {}
+                for place, temperature_c in zip(reading.hot_m, reading.hot_c, strict=True):
+                    block = self._block_at(place)
+                    hottest[block] = max(hottest.get(block, -(10**6)), math.floor(temperature_c))
+                self.seen = tuple((*block, hottest[block]) for block in sorted(hottest))
+                self.in_sight = self._too_hot(self.seen)
                 self.known.update(self.in_sight)
 
     def hear(self, blocks: Iterable[Block]) -> None:
-        """Note the hot places that teammates see."""
+        """Note blocks that are too hot for teammates with the same limit."""
         self.known.update(blocks)
+
+    def hear_temperatures(self, blocks: Iterable[HotBlock]) -> None:
+        """Note the hot blocks that anybody sees."""
+        self.known.update(self._too_hot(blocks))
+
+    def _too_hot(self, blocks: Iterable[HotBlock]) -> tuple[Block, ...]:
+        return tuple((row, column) for row, column, temperature_c in blocks if temperature_c >= self._limit_c)
 
     def update(self, sim_time_ns: int) -> bool:
         """Let paths avoid all known blocks, unless they have changed shortly before; return whether they change."""

@@ -1,5 +1,6 @@
 """The map that a robot knows: free space for its body in the plan, and lengths of free paths."""
 
+import itertools
 import math
 
 import numpy as np
@@ -19,6 +20,9 @@ MARGIN_M = 0.05
 
 UNREACHABLE_M = 1e4
 """Added to the straight distance if there is no free path to a goal, so that any reachable place is better."""
+
+_POINTS_PER_RADIUS = 40
+"""A disc is looked at in so many points per radius, or in all cells of the grid."""
 
 _KEPT_DISTANCE_MAPS = 64
 """More than the goals of a mission, which are its areas and the vertices of a patrol."""
@@ -48,6 +52,7 @@ class KnownMap:
             cells != FREE, occupancy.origin_m, GRID_RESOLUTION_M, robot_radius_m + MARGIN_M
         )
         self._distance_maps: dict[Vector, np.ndarray | None] = {}
+        self._pieces: dict[tuple[Vector, float], list[np.ndarray]] = {}
 
     def distance_m(self, goal: Vector, position: Vector) -> float:
         """Return the length of the shortest free path [m]; UNREACHABLE_M and the straight distance without one."""
@@ -55,6 +60,10 @@ class KnownMap:
         start = self.grid.nearest_free(position, 1.0)
         length_m = self.grid.value_at(distances, start) if distances is not None and start is not None else math.inf
         return length_m if math.isfinite(length_m) else UNREACHABLE_M + math.dist(goal, position)
+
+    def reaches(self, start: Vector, center: Vector, radius_m: float) -> bool:
+        """Whether a free path leads from a free place into a disc. Places in `map` [m]."""
+        return any(math.isfinite(self.grid.value_at(piece, start)) for piece in self._pieces_of(center, radius_m))
 
     def nearest_by_path(self, goal: Vector, position: Vector, radius_m: float) -> tuple[Vector, float]:
         """Return the cell near a robot with the shortest path to a goal, and the length of that path [m].
@@ -75,6 +84,21 @@ class KnownMap:
         """Return the free cell within `radius_m` of a robot with the smallest straight distance to a goal."""
         cell = self.grid.nearest_in_disc(position, goal, radius_m)
         return position if cell is None else cell
+
+    def _pieces_of(self, center: Vector, radius_m: float) -> list[np.ndarray]:
+        """Return a distance map of each separate piece of the free floor in a disc, float32, shape (rows, cols) [m]."""
+        if (center, radius_m) not in self._pieces:
+            pieces: list[np.ndarray] = []
+            spacing_m = max(GRID_RESOLUTION_M, radius_m / _POINTS_PER_RADIUS)
+            offsets_m = np.arange(-radius_m, radius_m + 0.5 * spacing_m, spacing_m).tolist()
+            for x_m, y_m in itertools.product(offsets_m, offsets_m):
+                point = center[0] + x_m, center[1] + y_m
+                if math.hypot(x_m, y_m) > radius_m or not self.grid.is_free(point):
+                    continue
+                if all(math.isinf(self.grid.value_at(piece, point)) for piece in pieces):
+                    pieces.append(self.grid.distance_map(point))
+            self._pieces[center, radius_m] = pieces
+        return self._pieces[center, radius_m]
 
     def _distance_map(self, goal: Vector) -> np.ndarray | None:
         distances = self._distance_maps.get(goal)

@@ -83,7 +83,8 @@ class DispatchController:
 
     In each iteration, and as soon as news arrives, it assigns the firefighters who are free to the victims who wait, by
     the shortest total of paths on the map that it knows, and sends all orders to everybody. A victim to whom no path is
-    open waits for better news. A firefighter out of contact keeps the last order, until they are given up.
+    open waits for better news; one whom somebody did not find comes after all others. A firefighter out of contact
+    keeps the last order, until they are given up.
     """
 
     def __init__(self, robot_id: int, setup: Setup) -> None:
@@ -104,9 +105,13 @@ class DispatchController:
         """Which floor has been searched, passed on to those who have not heard it from each other."""
         self._building, self._reach_m = setup.building, scenario.firefighters.reach_m
         self._map = known_map(self._building, self._reach_m)
-        self._hot = HotPlaces(scenario.plan)
+        self._hot = HotPlaces(scenario.plan, scenario.firefighters.block_c)
         self._news: dict[str, _News] = {}
         """Of the victims who wait, by name."""
+        self._missed: set[str] = set()
+        """Victims whom somebody did not find, by name."""
+        # A voice is located at the loudest place near the listener, who stands on free floor.
+        self._near_m = max(scenario.mission.save_distance_m, scenario.voice.local_best_radius_m)
         self._closed_s: dict[str, float] = {}
         """Victims who are safe (for good) or were not found, and until when news of them does not count [s]."""
         self._reports: dict[int, tuple[float, FirefighterUpdate]] = {}
@@ -144,7 +149,7 @@ class DispatchController:
             update = parse_cover_update(message.payload)
             if update is not None:
                 self._search.hear(update)
-                self._hot.hear(update.hot or ())
+                self._hot.hear_temperatures(update.hot or ())
             report = parse_firefighter_update(message.payload)
             if report is not None and report.robot_id == message.sender:
                 self._note_report(report, time_s)
@@ -163,6 +168,7 @@ class DispatchController:
         for name, seen_s in report.missing:
             if name in self._news and self._news[name].time_s <= seen_s:
                 self._close(name, seen_s)
+                self._missed.add(name)
         self._has_news |= before is None or before[1].helping != report.helping
 
     def _close(self, name: str, until_s: float) -> None:
@@ -183,12 +189,14 @@ class DispatchController:
         taken = helped | {order.victim for order in kept.values()}
         free = [i for i in in_contact if not reports[i].helping]
         waiting = [name for name in sorted(self._news) if name not in taken]
-        self._orders = kept | self._best(free, waiting)
+        first = self._best(free, [name for name in waiting if name not in self._missed])
+        left = [i for i in free if i not in first]
+        self._orders = kept | first | self._best(left, [name for name in waiting if name in self._missed])
 
     def _best(self, free: Sequence[int], waiting: Sequence[str]) -> dict[int, Order]:
         """Return the orders of free firefighters, to those of the waiting victims whom they can reach."""
         lengths = np.array(
-            [[self._map.distance_m(self._news[name].position, self._place(i)) for name in waiting] for i in free]
+            [[self._length_m(self._place(i), self._news[name].position) for name in waiting] for i in free]
         ).reshape(len(free), len(waiting))
         reached: np.ndarray = np.any(lengths < UNREACHABLE_M, axis=0)
         lengths, names = lengths[:, reached], [name for name, can in zip(waiting, reached.tolist(), strict=True) if can]
@@ -199,6 +207,13 @@ class DispatchController:
                 costs[row, names.index(order.victim)] -= self._section.keep_m
         pairs = [(free[r], names[c]) for r, c in self._assign(costs) if lengths[r, c] < UNREACHABLE_M]
         return {i: Order(i, name, self._news[name].position, self._news[name].time_s) for i, name in pairs}
+
+    def _length_m(self, position: Point, victim: Point) -> float:
+        """Return the length of the path to a victim [m]; at least UNREACHABLE_M if it does not lead near enough."""
+        start = self._map.grid.nearest_free(position, 1.0)
+        if start is None or not self._map.reaches(start, victim, self._near_m):
+            return UNREACHABLE_M + math.dist(position, victim)
+        return self._map.distance_m(victim, position)
 
     def _place(self, firefighter: int) -> Point:
         return self._reports[firefighter][1].position

@@ -9,6 +9,7 @@ from robotteamsim.control.driving.path_controller import PathController, Situati
 from robotteamsim.control.people.felt_floor import FeltFloor
 from robotteamsim.control.people.floor_search import FloorSearch
 from robotteamsim.control.people.messages import FirefighterUpdate, Order, parse_orders
+from robotteamsim.control.rdpso.terms import RuledOut
 from robotteamsim.interface import EVERYBODY, Assistance, Decision, Discovery, Message
 from robotteamsim.scenario.base import Point
 from robotteamsim.setup import Setup
@@ -25,7 +26,8 @@ class FirefighterController(PathController):
     A firefighter with a victim goes to the nearest safe place. One with an order goes to its victim, to the position of
     the order or, if they have seen the victim themselves since then, where they saw them. Near it, they feel their way
     over the floor, and report who was not found. Without contact to the command centre, a firefighter finishes the last
-    order, returns to where contact was lost, and then to the centre. Everybody else searches the floor.
+    order, returns to where contact was lost, and then to the centre. Everybody else searches the floor, and follows
+    voices, but not to places that are too hot or where nobody can be.
     """
 
     def __init__(self, robot_id: int, setup: Setup) -> None:
@@ -40,6 +42,7 @@ class FirefighterController(PathController):
         self._centre_id, self._centre = scenario.base, setup.start_m(scenario.base)
         self._safe_places = [self._centre, *(way_out.center for way_out in scenario.mission.exits)]
         self._search = FloorSearch(robot_id, setup, scenario.firefighters.floor_search)
+        self._ruled_out, self._epoch = RuledOut(scenario), -1
         self._order: Order | None = None
         self._looking_since_s: float | None = None
         """Since when the firefighter has looked around near the place of the order; None: not there yet."""
@@ -69,14 +72,14 @@ class FirefighterController(PathController):
             update = parse_cover_update(message.payload)
             if update is not None and update.robot_id == message.sender:
                 self._search.hear(update)
-                self.driver.hot.hear(update.hot or ())
+                self.driver.hot.hear_temperatures(update.hot or ())
             orders = parse_orders(message.payload) if message.sender == self._centre_id else None
             if orders is not None:
                 self._follow({order.firefighter: order for order in orders.orders}.get(self.robot_id), now)
 
     def _decide(self, now: Situation) -> Decision:
         """Return the command and, once per iteration, the messages of this step."""
-        goal = self._goal(now.position, now.time_s)
+        goal = self._goal(now)
         outbox = self._messages(now)
         if goal is None or math.dist(now.position, goal) < self.scenario.control.navigator.arrived_m:
             return self.stand(now, outbox) if self._assistance is None else Decision(outbox=outbox)
@@ -106,8 +109,9 @@ class FirefighterController(PathController):
     def _is_in_contact(self, time_s: float) -> bool:
         return time_s - self._contact_s <= self._dispatch.contact_timeout_s
 
-    def _goal(self, position: Point, time_s: float) -> Point | None:
+    def _goal(self, now: Situation) -> Point | None:
         """Return where to go in this step; None: stay."""
+        position, time_s = now.position, now.time_s
         self.speed_mps = self._walking_mps
         if self._assistance is not None:
             self._search.pause()
@@ -124,7 +128,22 @@ class FirefighterController(PathController):
             if math.dist(position, self._contact_place) <= _ARRIVED_M:
                 self._contact_place = self._centre
             return self._contact_place
-        return self._search.choose(position, time_s, self.driver.hot) if self._section.searches else None
+        if not self._section.searches:
+            return None
+        return self._voice(now) or self._search.choose(position, time_s, self.driver.hot)
+
+    def _voice(self, now: Situation) -> Point | None:
+        """Return where a voice leads; None if none is heard, or only from where nobody can be or go."""
+        voice = now.observation.voice
+        if now.task.epoch != self._epoch:
+            self._epoch = now.task.epoch
+            self._ruled_out.clear()
+        self._ruled_out.add(now.position, voice.local_best_m if voice.heard else None)
+        place = voice.local_best_m
+        if voice.heard and (self._ruled_out.covers(place) or self.driver.hot.is_hot(place)):
+            self._search.leave_voice()
+            return None
+        return self._search.follow(now.position, voice, now.time_s)
 
     def _target(self, position: Point, time_s: float) -> Point | None:
         """Return the place of the victim to go to: that of the order or, without contact, the nearest one seen."""
@@ -170,5 +189,5 @@ class FirefighterController(PathController):
         helped = "" if self._assistance is None else self._assistance.victim
         victim = helped or ("" if self._order is None else self._order.victim)
         report = FirefighterUpdate(self.robot_id, position, victim, helped != "", self._safe, self._missing)
-        updates = report.to_json(), self._search.update(position, self.driver.hot.in_sight).to_json()
+        updates = report.to_json(), self._search.update(position, self.driver.hot.seen).to_json()
         return tuple(Message(self.robot_id, EVERYBODY, payload) for payload in updates)

@@ -10,8 +10,12 @@ from robotteamsim.control.cover.floor_cover import CoverUpdate, FloorCover
 from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.controllers.cover import FloorSearchTuning
-from robotteamsim.scenario.fire import Block
+from robotteamsim.scenario.fire import HotBlock
+from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.setup import Setup
+
+_LOUDER_DB = 0.5
+"""A voice that becomes louder by less is no progress [dB]."""
 
 _SLOWEST_MPS = 0.3
 """Who approaches a place more slowly than this, as the crow flies, gives it up."""
@@ -33,6 +37,8 @@ class FloorSearch:
         """Places that could not be reached, and until when they are avoided [s]."""
         self.goal: Point | None = None
         """The place to go to, in `map` [m]."""
+        self._voice_db, self._voice_until_s = -math.inf, 0.0
+        """The loudest level of the voice that is followed [dB], and until when it must become louder [s]."""
         self._give_up_s = 0.0
         """When the goal has not been reached in time [s]."""
 
@@ -44,6 +50,43 @@ class FloorSearch:
     def look(self, position: Point) -> None:
         """Note what is seen from a place in `map` [m]."""
         self._cover.look(position)
+
+    def follow(self, position: Point, voice: VoiceReading, time_s: float) -> Point | None:
+        """Return the loudest place near somebody who hears a voice and is not served by others; else None.
+
+        A voice that becomes no louder is given up, and those near that place are not followed for some time.
+        """
+        place, level_db = voice.local_best_m, voice.local_best_level_db
+        if not voice.heard or self._is_avoided(place, time_s) or self._is_taken(place, position):
+            self.leave_voice()
+            return None
+        if level_db >= self._voice_db + _LOUDER_DB:
+            self._voice_db, self._voice_until_s = level_db, time_s + self._tuning.goal_timeout_s
+        elif time_s > self._voice_until_s:
+            self._avoided.append((place, time_s + self._tuning.avoided_s))
+            self.leave_voice()
+            return None
+        self.goal = place  # others search elsewhere
+        return place
+
+    def leave_voice(self) -> None:
+        """Go on with the search, if a voice was followed."""
+        if math.isfinite(self._voice_db):
+            self.goal, self._voice_db = None, -math.inf
+
+    def _is_avoided(self, place: Point, time_s: float) -> bool:
+        self._avoided = [(avoided, until_s) for avoided, until_s in self._avoided if until_s > time_s]
+        return any(math.dist(place, avoided) <= self._tuning.avoided_m for avoided, _ in self._avoided)
+
+    def _is_taken(self, place: Point, position: Point) -> bool:
+        """Whether a teammate that is nearer, or as near with a lower id, goes there."""
+        own = math.dist(place, position), self._robot_id
+        return any(
+            other.goal is not None
+            and math.dist(place, other.goal) < self._tuning.apart_m
+            and (math.dist(place, other.position), robot_id) < own
+            for robot_id, other in self._others.items()
+        )
 
     def choose(self, position: Point, time_s: float, hot: HotPlaces) -> Point | None:
         """Return the place to search next, which is not hot; None: everything else is searched."""
@@ -64,6 +107,6 @@ class FloorSearch:
         """Go nowhere for now."""
         self.goal = None
 
-    def update(self, position: Point, hot: tuple[Block, ...] = ()) -> CoverUpdate:
+    def update(self, position: Point, hot: tuple[HotBlock, ...] = ()) -> CoverUpdate:
         """Return the message to the team. Args: hot: the hot places in sight."""
         return CoverUpdate(self._robot_id, position, self.goal, self._cover.to_hex(), (), hot or msgspec.UNSET)

@@ -18,6 +18,7 @@ from robotteamsim.geometry import Pose
 from robotteamsim.interface import OUTSIDE, Decision, Observation, SwarmContext, Task
 from robotteamsim.network.messages import EVERYBODY, Message, batch_of
 from robotteamsim.scenario.controllers.swarms import RdpsoControl
+from robotteamsim.scenario.fire import BLOCK_M
 from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
@@ -73,6 +74,8 @@ class RdpsoController:
         self._sent_ns = 0
         self._known_best: Best | None = None
         self._local_best: Best | None = None
+        self._area: Vector | None = None
+        """The centre of the area of the task, in `map` [m]."""
         self._goal: Vector | None = None
         self._context: SwarmContext | None = None
         self._speed_mps = control.max_step_speed_mps
@@ -128,9 +131,10 @@ class RdpsoController:
         if task.epoch != self._epoch:
             self._epoch, self._known_best = task.epoch, None
             self._ruled_out.clear()
+        self._area = task.area_center_m
         loudest = voice.local_best_m if voice.heard else None
         self._ruled_out.add(position, loudest)
-        self._local_best = self._finder.find(self._driver.map, self._ruled_out, voice, task.area_center_m, position)
+        self._local_best = self._finder.find(self._driver.map, self._is_vain, voice, task.area_center_m, position)
         return RdpsoUpdate(
             robot_id=self._robot_id,
             iteration=self._iteration,
@@ -143,6 +147,7 @@ class RdpsoController:
             swarm=self._membership.state,
             doors=self._doors.sightings,
             hot=self._driver.hot.in_sight or msgspec.UNSET,
+            closed_area=self._driver.closed_area(task, position) or msgspec.UNSET,
         )
 
     def _choose_next_point(self, pose: Pose, observation: Observation, own: RdpsoUpdate) -> None:
@@ -154,19 +159,20 @@ class RdpsoController:
         # Swarms that were not heard in this iteration may still exist.
         self._membership.judge(own.iteration, view, improved, team.swarm_ids)
         # A new swarm starts with the best of the excluded robots.
-        self._known_best = bests.get(self._membership.swarm_id, bests.get(OUTSIDE))
+        global_best = self._known_best = bests.get(self._membership.swarm_id, bests.get(OUTSIDE))
         self._doors.hear(view.doors)
         for update in view.updates:
             if update.hot:
                 self._driver.hot.hear(update.hot)
+        # A best that is discarded here still leads in this iteration: without it, the robot would lose its momentum.
         self._update_map(observation.sim_time_ns)
-        if self._membership.excluded or self._known_best is None or self._local_best is None:
+        if self._membership.excluded or global_best is None or self._local_best is None:
             self._goal = self._context = None
             self._momentum.forget()
             return
         self._wander.stop()
         self._momentum.note(position)
-        velocity = self._next_velocity(pose, observation, team, view, self._local_best, self._known_best)
+        velocity = self._next_velocity(pose, observation, team, view, self._local_best, global_best)
         velocity = swarm.limit_speed(velocity, self._control.max_step_speed_mps * self._control.iteration_s)
         self._momentum.note_command(velocity)
         self._goal = swarm.next_position(position, velocity)
@@ -189,11 +195,24 @@ class RdpsoController:
         return global_bests, improved
 
     def _highest(self, bests: Sequence[Best]) -> Best | None:
-        """Return the first of the sorted bests that is not ruled out; None if there is none."""
+        """Return the first of the sorted bests that is not in vain; None if there is none."""
         for best in bests:
-            if not (best.is_voice and self._ruled_out.covers(best.position)):
+            if not (self._is_vain(best.position) if best.is_voice else self._is_outdated(best)):
                 return best
         return None
+
+    def _is_outdated(self, best: Best) -> bool:
+        """Whether heat has made the path from a place to the area longer by more than a block since it was valued.
+
+        Maps change at different times, so that an outdated best would come back from teammates again and again.
+        """
+        if self._area is None or not self._driver.hot.blocked or self._control.navigation != "path":
+            return False
+        return self._driver.map.distance_m(self._area, best.position) > BLOCK_M - best.value
+
+    def _is_vain(self, place: Vector) -> bool:
+        """Whether no victim can be where a voice is heard, or the robot cannot go there, because it is hot."""
+        return self._ruled_out.covers(place) or self._driver.hot.is_hot(place)
 
     def _next_velocity(
         self,

@@ -52,6 +52,7 @@ class RdpsoUpdate(Update, frozen=True, cache_hash=True, tag="rdpso"):
     swarm:      its copy of that swarm's memory, before this iteration.
     doors:      sightings of doors, sorted by name.
     hot:        blocks of hot places that the robot sees, sorted; left out by a robot that sees none.
+    closed_area: centre of the area of the task, if the robot knows no path to it; else left out.
     """
 
     robot_id: Index
@@ -65,6 +66,7 @@ class RdpsoUpdate(Update, frozen=True, cache_hash=True, tag="rdpso"):
     swarm: SwarmState
     doors: tuple[Sighting, ...] = ()
     hot: tuple[tuple[Index, Index], ...] | msgspec.UnsetType = msgspec.UNSET
+    closed_area: Point | msgspec.UnsetType = msgspec.UNSET
 
     @property
     def value(self) -> float:

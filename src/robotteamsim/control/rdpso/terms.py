@@ -2,7 +2,7 @@
 
 import math
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Literal
 
 import numpy as np
@@ -92,13 +92,20 @@ class LocalBestFinder:
         self._by_path = scenario.control.navigation == "path"
 
     def find(
-        self, known_map: KnownMap, ruled_out: RuledOut, voice: VoiceReading, area: Vector | None, position: Vector
+        self,
+        known_map: KnownMap,
+        is_vain: Callable[[Vector], bool],
+        voice: VoiceReading,
+        area: Vector | None,
+        position: Vector,
     ) -> Best | None:
         """Return the loudest cell nearby; if no voice is heard, the cell with the shortest path to the area [5.3].
 
-        A voice that is ruled out is ignored. None if there is neither a voice nor an area. Places in `map` [m].
+        None if there is neither a voice nor an area. Places in `map` [m].
+
+        Args: is_vain: whether a voice whose loudest place is this one is ignored.
         """
-        if voice.heard and not ruled_out.covers(voice.local_best_m):
+        if voice.heard and not is_vain(voice.local_best_m):
             return Best(voice.local_best_level_db, voice.local_best_m)
         if area is None:
             return None

@@ -32,6 +32,8 @@ class Areas:
         self._center: Vector | None = None
         self.cell = NO_CELL
         """The cell from which the next area can be explored; NO_CELL if there is none."""
+        self._is_measured = False
+        """Whether the cells were found from a place of the robot on free floor."""
         self._later_cells: list[int] = []
         """The cells of the areas after the next one."""
         self.tour_m = 0.0
@@ -44,9 +46,18 @@ class Areas:
         if task.area_center_m == self._center:
             return False
         self._center = task.area_center_m
-        following = [i for i, area in enumerate(self._areas) if area.center == self._center and i >= self._next]
+        of_task = [i for i, area in enumerate(self._areas) if area.center == self._center]
+        following = [i for i in of_task if i >= self._next]
+        if of_task and not following:
+            # It was passed over, and its turn comes again after all others.
+            self._areas, following = (self._areas[of_task[0]],), [0]
         self._next = following[0] if following else len(self._areas)
         return True
+
+    @property
+    def closed_center_m(self) -> Vector | None:
+        """The centre of the next area if no path to it was found, in `map` [m]; else None."""
+        return self.next.center if self.next is not None and self._is_measured and not self.is_possible else None
 
     @property
     def next(self) -> Area | None:
@@ -91,6 +102,7 @@ class Areas:
 
     def measure(self, paths: _core.control.CellPaths, start: int) -> None:
         """Find the cells of the remaining areas that a robot can reach from a cell, and the length of the tour."""
+        self._is_measured = start != NO_CELL
         cells = [self._cell_in(area, paths, start) for area in self._areas[self._next :]]
         self.cell = cells[0] if cells else NO_CELL
         self._later_cells = cells[1:]
@@ -98,6 +110,11 @@ class Areas:
         legs_m = [paths.length_m(a, b) for a, b in itertools.pairwise(reached)]
         self.tour_m = sum(length_m for length_m in legs_m if math.isfinite(length_m))
         self.last_leg_m = legs_m[-1] if legs_m and math.isfinite(legs_m[-1]) else 0.0
+
+    @property
+    def must_be_measured(self) -> bool:
+        """Whether the robot was not on free floor when the cells were looked for."""
+        return not self._is_measured
 
     @property
     def last_cell(self) -> int:

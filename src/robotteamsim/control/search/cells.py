@@ -10,6 +10,7 @@ from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.propagation import voice_obstacles
 from robotteamsim.scenario.building import Building, Doors
 from robotteamsim.scenario.controllers.search import SearchControl
+from robotteamsim.scenario.fire import Block
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Voice
 from robotteamsim.swarm import Vector
@@ -120,11 +121,16 @@ def voice_losses(building: Building, voice: Voice, grid: CellGrid, doors: Doors)
 
 
 def cell_paths(
-    building: Building, robot_radius_m: float, grid: CellGrid, doors: Doors, kept_out: Disc | None
+    building: Building,
+    robot_radius_m: float,
+    grid: CellGrid,
+    doors: Doors,
+    kept_out: Disc | None,
+    hot: tuple[Block, ...] = (),
 ) -> _core.control.CellPaths:
-    """Return the paths between all cells for one size of robot, outside a disc."""
+    """Return the paths between all cells for one size of robot, outside a disc and hot places."""
     return _core.control.CellPaths(
-        grid=known_map(building, robot_radius_m, doors).grid,
+        grid=known_map(building, robot_radius_m, doors, hot).grid,
         origin_m=grid.origin_m,
         cell_m=grid.cell_m,
         rows=grid.rows,

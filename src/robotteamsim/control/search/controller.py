@@ -65,6 +65,7 @@ class SearchController:
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """Return the command and, once per iteration, the message of this step."""
+        self._driver.hot.look(observation.robot)
         self._note(observation, inbox, task)
         return self._decide(observation, task) if task.running else Decision()
 
@@ -95,9 +96,11 @@ class SearchController:
             outbox = (Message(self._robot_id, EVERYBODY, self._update(pose).to_json()),)
             belief = self._shown_belief(sim_time_ns * 1e-9)
             self._standing = Decision(goal_m=choice.shown_goal, local_best=self.knowledge.remaining, done=choice.done)
-        twist, speed_mps = Twist(), self._tuning.max_step_speed_mps
-        if choice.target is not None:
-            twist = self._driver.drive(observation, pose, choice.target, speed_mps, lambda: self._team.positions)
+        twist, speed_mps, target = Twist(), self._tuning.max_step_speed_mps, choice.target
+        leave = self._driver.shelter if target is None else self._driver.way_out
+        target = leave((pose.x_m, pose.y_m)) or target
+        if target is not None:
+            twist = self._driver.drive(observation, pose, target, speed_mps, lambda: self._team.positions)
         return msgspec.structs.replace(self._standing, twist=twist, outbox=outbox, belief=belief)
 
     def _shown_belief(self, time_s: float) -> FieldMap | None:
@@ -118,6 +121,7 @@ class SearchController:
             return
         self._team.hear(update, time_s)
         self._doors.hear(update.doors)
+        self._driver.hot.hear(update.hot or ())
         # A robot that arrives later does not know how long the mission has been running.
         self._elapsed_ns = max(self._elapsed_ns, round(update.elapsed_s * 1e9))
 
@@ -134,6 +138,8 @@ class SearchController:
             found=tuple(self.knowledge.found),
             listened=self.knowledge.log.to_text(self._tuning.shared_places, self._tuning.repeated_places),
             doors=self._doors.sightings,
+            hot=self._driver.hot.in_sight or msgspec.UNSET,
+            closed_area=self._choice.closed_area_m or msgspec.UNSET,
         )
 
     def _iterate(self, pose: Pose, observation: Observation, task: Task) -> None:
@@ -141,10 +147,11 @@ class SearchController:
         position, time_s = (pose.x_m, pose.y_m), observation.sim_time_ns * 1e-9
         self._team.forget_lost(time_s)
         self._doors.look(pose, observation.robot.ranges_m, self._iteration)
-        doors_changed = self._driver.update_map(observation.sim_time_ns, self._doors.changed)
+        doors_changed = self._doors.changed != self._driver.doors
+        map_changed = self._driver.update_map(observation.sim_time_ns, self._doors.changed)
         if doors_changed:
             self.knowledge.use_doors(self._doors.changed)
-        self._choice.follow(task, position, doors_changed)
+        self._choice.follow(task, position, map_changed=map_changed, doors_changed=doors_changed)
         knowledge, voice = self.knowledge, observation.voice
         of_team_db = [update.noise_db for update in self._team.updates if update.noise_db is not None]
         knowledge.agree_on_noise(of_team_db)

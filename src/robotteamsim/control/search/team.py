@@ -50,6 +50,8 @@ class SearchUpdate(Update, frozen=True, tag="search"):
     found:     places of victims whom the team has reached, in `map` [m].
     listened:  entries of `ListeningLog`.
     doors:     sightings of doors, sorted by name.
+    hot:       blocks of hot places that the robot sees, sorted; left out by a robot that sees none.
+    closed_area: centre of the area of the task, if the robot knows no path to it; else left out.
     """
 
     robot_id: Index
@@ -63,6 +65,8 @@ class SearchUpdate(Update, frozen=True, tag="search"):
     found: tuple[Point, ...]
     listened: str
     doors: tuple[Sighting, ...] = ()
+    hot: tuple[tuple[Index, Index], ...] | msgspec.UnsetType = msgspec.UNSET
+    closed_area: Point | msgspec.UnsetType = msgspec.UNSET
 
 
 _parse = update_reader(SearchUpdate, kept=1024)

@@ -15,6 +15,7 @@ from robotteamsim.control.search.team import LONGEST_PATH_M, HeardVoice, Teammat
 from robotteamsim.interface import Task
 from robotteamsim.scenario.building import Doors
 from robotteamsim.scenario.controllers.search import SearchControl
+from robotteamsim.scenario.fire import Block
 from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
@@ -32,18 +33,18 @@ _FREE_WITHIN_M = 0.3
 
 
 class Paths:
-    """The paths of one robot between all cells of a grid, with doors as believed, and those outside the last area."""
+    """The paths of one robot between all cells, with doors and heat as known, and those outside the last area."""
 
     def __init__(self, robot_id: int, setup: Setup, grid: CellGrid, areas: Areas) -> None:
         self._building, self._reach_m = setup.building, setup.robots[robot_id].reach_m
         self._start_m, self._grid = setup.start_m(robot_id), grid
-        self.update((), areas)
+        self.update((), (), areas)
 
-    def update(self, doors: Doors, areas: Areas) -> None:
-        """Use the paths with doors and areas as they are now."""
+    def update(self, doors: Doors, hot: tuple[Block, ...], areas: Areas) -> None:
+        """Use the paths with doors, hot places and areas as they are now."""
         shared, key = self._building.shared, (self._reach_m, self._grid, doors)
-        self.all = shared(cell_paths, *key, None)
-        self.outside = shared(cell_paths, *key, areas.kept_out)
+        self.all = shared(cell_paths, *key, None, hot)
+        self.outside = shared(cell_paths, *key, areas.kept_out, hot)
         self.shut = shut_cells(self.all, self.outside, self._start_m, self._grid.size)
         """The cells that cannot be reached without entering the last area, bool."""
         self.start = self.all.start_of(self._start_m)
@@ -107,14 +108,24 @@ class WorkChoice:
         self._listening.forget_avoided()
         self._approach.forget_given_up()
 
-    def follow(self, task: Task, position: Vector, doors_changed: bool) -> None:
+    @property
+    def closed_area_m(self) -> Vector | None:
+        """The centre of the next area if the robot knows no path to it, in `map` [m]; else None."""
+        return self._areas.closed_center_m
+
+    def follow(self, task: Task, position: Vector, *, map_changed: bool, doors_changed: bool) -> None:
         """Use areas and paths as they are now."""
         if doors_changed:
             self._listening.forget_avoided()
-        if self._areas.follow(task) or doors_changed:
-            self._paths.update(self._driver.doors, self._areas)
-            self._areas.measure(self._paths.all, self._paths.all.start_of(position))
+        closed_m = self.closed_area_m
+        area_changed = self._areas.follow(task)
+        if area_changed or doors_changed:
             self._meanwhile.forget_avoided()
+        if area_changed or map_changed or self._areas.must_be_measured:
+            self._paths.update(self._driver.doors, self._driver.hot.blocked, self._areas)
+            self._areas.measure(self._paths.all, self._paths.all.start_of(position))
+        if self.closed_area_m != closed_m:
+            self._idle_since_s = None  # The mission may name another area first.
 
     def locate(self, position: Vector) -> int:
         """Note where the robot is, in `map` [m], and return its cell; NO_CELL if it is far from all free cells."""

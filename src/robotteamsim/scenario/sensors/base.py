@@ -61,8 +61,10 @@ class Air(Protocol):
     def temperature_c(self) -> float:
         """Return the temperature at the robot [degC]."""
 
-    def hot_places_m(self, range_m: float) -> tuple[tuple[float, float], ...]:
-        """Return the centres of the hot places in `map` [m] that no wall and no closed door hides within a range."""
+    def hot_places(self, range_m: float) -> tuple[tuple[tuple[float, float], ...], tuple[float, ...]]:
+        """Return the hot places that no wall and no closed door hides within a range: their centres in `map` [m], and
+        their temperatures [degC].
+        """
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,11 +20,13 @@ class HeatReading:
     """What a thermal camera measures.
 
     temperature_c: of the air at the robot [degC].
-    hot_m:         centres of the hot places in sight, in `map` [m].
+    hot_m:         centres of the hot places in sight, in `map` [m]: those of `fire.heat.block_c` and more.
+    hot_c:         their temperatures [degC].
     """
 
     temperature_c: float
     hot_m: tuple[tuple[float, float], ...] = ()
+    hot_c: tuple[float, ...] = ()
 
 
 class HeatSensor(Sensor):
@@ -43,7 +45,7 @@ class HeatSensor(Sensor):
 
     def measure(self, carrier: Carrier, generator: np.random.Generator) -> HeatReading:
         """See `Sensor`."""
-        return HeatReading(carrier.air.temperature_c(), carrier.air.hot_places_m(self.range_m))
+        return HeatReading(carrier.air.temperature_c(), *carrier.air.hot_places(self.range_m))
 
     def message(self, make: Make, time_ns: int, robot_id: int, reading: HeatReading) -> Any:
         """See `Sensor`."""
@@ -52,6 +54,7 @@ class HeatSensor(Sensor):
             header=header(make, time_ns, MAP_FRAME),
             temperature_c=reading.temperature_c,
             hot=[point(make, place) for place in reading.hot_m],
+            hot_c=list(reading.hot_c),
         )
 
     def reading(self, message: Any) -> HeatReading:
@@ -60,4 +63,8 @@ class HeatSensor(Sensor):
         for place in places:
             for coordinate_m in place:
                 expect_within("hot", coordinate_m, -_FARTHEST_M, _FARTHEST_M)
-        return HeatReading(expect_within("temperature_c", message.temperature_c, -_HOTTEST_C, _HOTTEST_C), places)
+        if len(message.hot_c) != len(places):
+            raise ValueError(f"hot_c: {len(message.hot_c)} temperatures; expected {len(places)}, one for each place")
+        temperatures_c = tuple(expect_within("hot_c", value_c, -_HOTTEST_C, _HOTTEST_C) for value_c in message.hot_c)
+        own_c = expect_within("temperature_c", message.temperature_c, -_HOTTEST_C, _HOTTEST_C)
+        return HeatReading(own_c, places, temperatures_c)

@@ -1,0 +1,70 @@
+"""The order in which the mission names its areas."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from robotteamsim.interface import Decision
+from robotteamsim.interface.closed_area import closed_area_in
+from robotteamsim.scenario.base import Point
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Area
+
+
+class AreaOrder:
+    """The areas that are still to be explored.
+
+    They are named in the scenario's order. An area to which all robots report that they know no path is passed over:
+    its turn comes again after the others. Base, firefighters, relays, and robots whose controllers were stopped do not
+    report. A report counts until the robot sends a message without it.
+    """
+
+    def __init__(self, scenario: Scenario) -> None:
+        self._areas = scenario.mission.areas
+        self._left = list(range(len(self._areas)))
+        self._tried: set[int] = set()
+        """The areas that were passed over since the last one was explored."""
+        num_searchers = scenario.num_robots - scenario.relays.count
+        self._reporters = [robot_id for robot_id in range(num_searchers) if robot_id != scenario.base]
+        self._closed: dict[int, Point | None] = {}
+        """The centre of the area in each robot's last report [m]; None if it reported none."""
+
+    @property
+    def target(self) -> int:
+        """Index of the area to explore; -1 if none is left."""
+        return self._left[0] if self._left else -1
+
+    @property
+    def explored(self) -> tuple[bool, ...]:
+        """Whether each area is explored."""
+        return tuple(index not in self._left for index in range(len(self._areas)))
+
+    @property
+    def num_explored(self) -> int:
+        """Number of explored areas."""
+        return len(self._areas) - len(self._left)
+
+    def explore(self) -> Area:
+        """Note that the target is explored, and return it."""
+        self._tried.clear()
+        return self._areas[self._left.pop(0)]
+
+    def passed_over(self, decisions: Sequence[Decision], present: np.ndarray) -> Area | None:
+        """Note the reports of a step; return the target if it is passed over now: the target is another one then."""
+        for robot_id in self._reporters:
+            outbox = decisions[robot_id].outbox
+            if outbox:
+                self._closed[robot_id] = next(filter(None, (closed_area_in(m.payload) for m in outbox)), None)
+        if not self._left:
+            return None
+        asked = [i for i in self._reporters if present[i] and not decisions[i].fault]
+        center = self._areas[self.target].center
+        if not asked or any(self._closed.get(robot_id) != center for robot_id in asked):
+            return None
+        self._tried.add(self.target)
+        if self._tried.issuperset(self._left):
+            return None
+        self._left.append(self._left.pop(0))
+        return self._areas[self._left[-1]]

@@ -1,0 +1,73 @@
+"""Areas to which no robot knows a path."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from mission_course import FAR_M, Course
+
+from robotteamsim.interface import EVERYBODY, Decision, Message
+from robotteamsim.interface.closed_area import closed_area_in
+from robotteamsim.mission import Mission
+from robotteamsim.setup import resolve
+
+EAST_M, WEST_M = (16.0, 5.0), (5.0, 5.0)
+
+
+@pytest.fixture
+def course(hall_scenario) -> Course:
+    course = Course(Mission(resolve(hall_scenario())))
+    course.step()
+    return course
+
+
+def report(robot_id: int, closed_m: tuple[float, float] | None = None, fault: str = "") -> Decision:
+    content = {"robot_id": robot_id} | ({} if closed_m is None else {"closed_area": closed_m})
+    return Decision(outbox=(Message(robot_id, EVERYBODY, json.dumps(content)),), fault=fault)
+
+
+def test_area_that_no_robot_can_reach_comes_after_the_others(course):
+    both_report = [report(0, EAST_M), report(1, EAST_M)]
+    (event,) = course.step(decisions=both_report)
+    assert (event.kind, event.subject) == ("area_passed_over", "east")
+    assert event.detail == "east is passed over: no robot knows a path to it"
+    assert course.mission.task.area_center_m == WEST_M
+    assert (course.mission.status.target_area, course.mission.status.task.epoch) == (1, 1)
+    assert course.kinds() == []  # the last reports are about another area
+    assert course.kinds(positions=[WEST_M]) == ["area_explored"]
+    assert course.mission.status.explored == (False, True)
+    assert course.mission.task.area_center_m == EAST_M
+    assert course.kinds(decisions=both_report) == []  # no other one is left
+    assert course.kinds(positions=[FAR_M, EAST_M]) == ["area_explored", "end"]
+    assert course.mission.status.end == "areas_explored"
+
+
+def test_mission_whose_areas_are_all_closed_keeps_the_last_one(course):
+    course.step(decisions=[report(0, EAST_M), report(1, EAST_M)])
+    for _ in range(3):
+        assert course.kinds(decisions=[report(0, WEST_M), report(1, WEST_M)]) == []
+    assert course.mission.status.target_area == 1
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "passed"),
+    [
+        ({}, {"decisions": [report(0, EAST_M), Decision()]}, False),
+        ({}, {"decisions": [report(0, EAST_M), report(1)]}, False),
+        ({}, {"decisions": [report(0, EAST_M), report(1, WEST_M)]}, False),
+        ({"decisions": [Decision(), report(1, EAST_M)]}, {"decisions": [report(0, EAST_M), report(1)]}, False),
+        ({"decisions": [Decision(), report(1, EAST_M)]}, {"decisions": [report(0, EAST_M), Decision()]}, True),
+        ({}, {"decisions": [report(0, EAST_M), Decision()], "present": (True, False)}, True),
+        ({}, {"decisions": [report(0, EAST_M), Decision(fault="stopped")]}, True),
+    ],
+    ids=["silent", "reaches it", "another area", "taken back", "said before", "absent", "stopped"],
+)
+def test_all_who_are_there_must_report_the_area(course, first, second, passed):
+    course.step(**first)
+    assert ("area_passed_over" in course.kinds(**second)) == passed
+
+
+@pytest.mark.parametrize("payload", ["", '{"closed_area"', '{"closed_area": [1]}', '{"closed_area": [1, "a"]}'])
+def test_other_messages_report_no_area(payload):
+    assert closed_area_in(payload) is None
