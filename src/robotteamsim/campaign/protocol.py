@@ -27,6 +27,8 @@ _PUBLISHED: Mapping[str, Any] = {
     "rule_out_places": False,
     "navigation": "straight",
     "memory_of": "commands",
+    "exclusion": {"while_approaching": True, "min_robots": 0},
+    "swarms": {"min": 0},
 }
 """The switches of the scenario garage_sar_published."""
 

@@ -84,12 +84,12 @@ def test_rpso_is_pso_with_the_obstacle_term(team, hall_scenario):
     assert poses != final_poses(team, hall_scenario, of("rpso", c3=0.3, inertia=0.5))
 
 
-@pytest.mark.parametrize(("algorithm", "excludes"), [("pso", False), ("rpso", False), ("dpso", True)])
-def test_only_dpso_excludes(team, hall_scenario, algorithm, excludes):
+@pytest.mark.parametrize(("algorithm", "num_excluded"), [("pso", 0), ("rpso", 0), ("dpso", 1)])
+def test_only_dpso_excludes(team, hall_scenario, algorithm, num_excluded):
     mission = Mission(areas=(Area(name="here", center=(3.5, 5.0)),))
     hall = team(hall_scenario(mission=mission, control=of(algorithm)))
     hall.run(40.0)
-    assert [decision.excluded for decision in hall.decisions] == [excludes, excludes]
+    assert sum(decision.excluded for decision in hall.decisions) == num_excluded
 
 
 def test_dpso_moves_by_pso_until_it_excludes(team, hall_scenario):

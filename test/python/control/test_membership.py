@@ -21,7 +21,9 @@ NUM = 6
 
 def control(min_robots: int = 0, max_robots: int = 5, sc_max: int = 3, **swarms: int) -> RdpsoControl:
     exclusion = SocialExclusion(search_counter_max=sc_max, min_robots=min_robots, max_robots=max_robots)
-    return RdpsoControl(exclusion=exclusion, swarms=Swarms(**({"initial": 2, "max": 3, "new_robots": 2} | swarms)))
+    return RdpsoControl(
+        exclusion=exclusion, swarms=Swarms(**({"min": 0, "initial": 2, "max": 3, "new_robots": 2} | swarms))
+    )
 
 
 @pytest.fixture
@@ -36,8 +38,17 @@ def members(hall_scenario):
     return make
 
 
-def iterate(team: list[Membership], iteration: int, improved: set[int], heard: tuple[int, ...] = tuple(range(NUM))):
-    """Let all of `heard` hear each other in one iteration; the lower the id, the better the robot."""
+def iterate(
+    team: list[Membership],
+    iteration: int,
+    improved: set[int],
+    heard: tuple[int, ...] = tuple(range(NUM)),
+    nearer: tuple[int, ...] = (),
+):
+    """Let all of `heard` hear each other in one iteration; the lower the id, the better the robot.
+
+    Args: nearer: those who came nearer to the global best.
+    """
     updates = {
         i: RdpsoUpdate(
             robot_id=i,
@@ -49,6 +60,7 @@ def iterate(team: list[Membership], iteration: int, improved: set[int], heard: t
             known_best=None,
             swarm_id=team[i].swarm_id,
             swarm=team[i].state,
+            nearer=i in nearer,
         )
         for i in heard
     }
@@ -88,6 +100,18 @@ def test_swarm_without_success_excludes_its_worst_and_the_other_stays(members):
     assert team[3].state == SwarmState(0, 0)
 
 
+def test_iteration_in_which_a_member_comes_nearer_does_not_count(members):
+    team = members(control())
+    for iteration in range(20):
+        iterate(team, iteration, improved=set(), nearer=(4,))
+        assert team[3].state == SwarmState()
+    # The excluded robots of the other swarm come nearer to nothing.
+    assert ids(team) == [OUTSIDE] * 3 + [1, 1, 1]
+    for iteration in range(20, 23):
+        iterate(team, iteration, improved=set(), nearer=(0,))
+    assert ids(team) == [OUTSIDE] * 3 + [1, 1, OUTSIDE]
+
+
 def test_best_excluded_robot_is_called_into_the_swarm_that_improves_whichever_it_left(members):
     team = members(control())
     for iteration in range(3):
@@ -107,6 +131,15 @@ def test_swarm_of_the_fewest_robots_is_dissolved_but_not_the_last_ones(members):
         iterate(team, iteration, improved={1})
     assert ids(team) == [0, 0, 0, 1, 1, 1]
     assert team[0].state == SwarmState(0, 0)
+
+
+def test_last_robot_of_the_last_swarm_stays_unless_as_printed(members):
+    printed = control(min_robots=0, min=0)
+    for settings, left in ((RdpsoControl(exclusion=SocialExclusion(search_counter_max=3)), 1), (printed, 0)):
+        team = members(settings)
+        for iteration in range(40):
+            iterate(team, iteration, improved=set())
+        assert sum(swarm_id != OUTSIDE for swarm_id in ids(team)) == left
 
 
 def test_excluded_robots_found_a_swarm_of_their_best_by_chance(members):

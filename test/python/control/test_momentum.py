@@ -1,8 +1,10 @@
-"""How a robot's own way carries on in its next step."""
+"""What a robot remembers of its own path: how it goes on, and whether it comes nearer to the global best."""
 
 from __future__ import annotations
 
-from robotteamsim.control.rdpso.terms import Momentum
+import pytest
+
+from robotteamsim.control.rdpso.terms import Approach, Momentum
 
 
 def test_displacements_of_the_last_iterations_count_by_their_weights():
@@ -35,3 +37,30 @@ def test_robot_that_forgets_begins_at_rest():
     assert momentum.term() == (0.0, 0.0)
     momentum.note((5.0, 5.0))
     assert momentum.term() == (0.0, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("lengths_m", "nearer"),
+    [
+        ((5.0, 4.0, 4.0, 4.5, 4.2, 3.9), [False, True, False, False, False, True]),  # than ever before
+        ((1.0, 0.95, 0.92, 0.89, 0.81, 0.78), [False, False, False, True, False, True]),  # by a cell of 0.1 m
+    ],
+)
+def test_robot_is_nearer_to_the_best_when_it_is_nearer_than_ever_by_a_cell(lengths_m, nearer):
+    approach, seen = Approach(), []
+    for length_m in lengths_m:
+        approach.note((9.0, 1.0), length_m)
+        seen.append(approach.nearer)
+    assert seen == nearer
+
+
+def test_approach_to_another_best_or_to_one_that_was_discarded_begins_again():
+    approach = Approach()
+    for place, length_m in (((9.0, 1.0), 5.0), ((2.0, 1.0), 3.0)):
+        approach.note(place, length_m)
+        assert not approach.nearer
+    approach.forget()
+    approach.note((2.0, 1.0), 1.0)
+    assert not approach.nearer
+    approach.note((2.0, 1.0), 0.5)
+    assert approach.nearer

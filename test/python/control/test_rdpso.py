@@ -16,7 +16,7 @@ from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.network.messages import EVERYBODY, Message
-from robotteamsim.scenario.controllers.swarms import RdpsoControl, SocialExclusion
+from robotteamsim.scenario.controllers.swarms import RdpsoControl, SocialExclusion, Swarms
 from robotteamsim.scenario.sections import Area, Mission, PlacedRobot
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
 from robotteamsim.setup import resolve
@@ -198,10 +198,15 @@ def three(hall_scenario, **sections):
     return hall_scenario(robots=robots, **sections)
 
 
-def test_all_robots_agree_on_the_excluded_ones(team, hall_scenario):
+PRINTED = RdpsoControl(exclusion=SocialExclusion(while_approaching=True, min_robots=0), swarms=Swarms(min=0))
+"""Exclusion as printed."""
+
+
+@pytest.mark.parametrize(("control", "counts"), [(PRINTED, [1, 2, 3]), (RdpsoControl(), [1, 2])])
+def test_all_robots_agree_on_the_excluded_ones(team, hall_scenario, control, counts):
     # Nothing can improve when the best is at the robots' feet.
     mission = Mission(areas=(Area(name="here", center=(3.5, 5.0)),))
-    hall = team(three(hall_scenario, mission=mission))
+    hall = team(three(hall_scenario, mission=mission, control=control))
     history = []
     for _ in range(600):
         decisions = hall.step()
@@ -210,12 +215,12 @@ def test_all_robots_agree_on_the_excluded_ones(team, hall_scenario):
         updates = [parse_update(m.payload) for decision in decisions for m in decision.outbox]
         assert len({update.swarm for update in updates}) <= 1
     changes = [now for before, now in itertools.pairwise(history) if before != now]
-    assert [sum(excluded) for excluded in changes] == [1, 2, 3]
+    assert [sum(excluded) for excluded in changes] == counts
 
 
 def test_excluded_robots_wander_and_keep_sending_updates(team, hall_scenario):
     mission = Mission(areas=(Area(name="here", center=(3.5, 5.0)),))
-    hall = team(three(hall_scenario, mission=mission))
+    hall = team(three(hall_scenario, mission=mission, control=PRINTED))
     hall.run(45.0)
     assert all(decision.excluded for decision in hall.decisions)
     before = [(pose.x_m, pose.y_m) for pose in hall.world.poses()]
@@ -237,6 +242,15 @@ def test_excluded_robot_is_called_back_when_the_swarm_improves(team, hall_scenar
         if not any(decision.excluded for decision in hall.step()):
             break
     assert not any(decision.excluded for decision in hall.decisions)
+
+
+@pytest.mark.parametrize(("control", "num_excluded"), [(PRINTED, 2), (RdpsoControl(), 0)])
+def test_robots_on_their_way_to_a_voice_are_excluded_only_as_printed(team, hall_scenario, control, num_excluded):
+    # A voice at the far end of the hall is heard only where robot 0 starts.
+    hall = team(three(hall_scenario, control=control))
+    hall.hear = lambda position: VoiceReading(30.0, math.dist(position, (3.0, 4.0)) < 0.1, (18.0, 5.0), 30.0)
+    hall.run(30.0)
+    assert sum(decision.excluded for decision in hall.decisions) == num_excluded
 
 
 def test_nobody_is_excluded_when_exclusion_is_off(team, hall_scenario):

@@ -43,6 +43,23 @@ def test_table_of_additions_is_that_of_the_benchmark():
         assert f"| {name} | {' | '.join(numbers)} |" in page
 
 
+@pytest.mark.parametrize("building", ["garage", "office", "office, exclusion as printed"])
+def test_table_of_lost_robots_is_that_of_the_benchmark(building):
+    complete = [
+        (row["robots"], row["lost"], float(row["time_s"]))
+        for row in rows("bench/results/losses.csv")
+        if row["building"] == building and row["all_areas"] == "1"
+    ]
+
+    def counts(robots: str, limit_s: float) -> str:
+        own = [[time_s for r, n, time_s in complete if (r, n) == (robots, lost)] for lost in "012"]
+        return ", ".join(str(sum(time_s <= limit_s for time_s in times_s)) for times_s in own)
+
+    cells = [f"{counts(robots, 1200.0)} ({counts(robots, 600.0)})" for robots in "35"]
+    assert f"| {building} | {cells[0]} |" in text("docs/swarm.md")
+    assert "printed" in building or f"| {cells[1]} |" in text("docs/swarm.md")
+
+
 def test_study_states_the_verdicts_of_the_shipped_report():
     verdicts = [row["verdict"] for row in rows("study/report/tables/claims.csv") if row["basis"] == "not fitted"]
     yes, no = verdicts.count("reproduced"), verdicts.count("not reproduced")

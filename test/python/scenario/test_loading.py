@@ -48,6 +48,7 @@ def test_shipped_names_are_listed() -> None:
 
 def test_published_garage_is_the_garage_with_every_addition_switched_off():
     switches = ("communication.gated=false", "rule_out_places=false", "navigation=straight", "memory_of=commands")
+    switches = (*switches, "exclusion.while_approaching=true", "exclusion.min_robots=0", "swarms.min=0")
     garage = load("garage_sar", [f"control.{switch}" for switch in switches])
     assert load("garage_sar_published") == garage.model_copy(update={"name": "garage_sar_published"})
     assert {"garage", "tutorial_arena"} <= set(map_names())
@@ -57,7 +58,8 @@ def test_override_of_the_algorithm_drops_the_keys_of_the_file_that_it_lacks(capl
     published = load("garage_sar_published", ["control.algorithm=greedy"]).control
     assert (published.algorithm, published.navigation, published.rule_out_places) == ("greedy", "straight", False)
     assert caplog.messages == [
-        "garage_sar_published.yaml: control.communication, control.memory_of: dropped, not keys of 'greedy' (--set)"
+        "garage_sar_published.yaml: control.communication, control.memory_of, control.exclusion, control.swarms: "
+        "dropped, not keys of 'greedy' (--set)"
     ]
 
 

@@ -12,7 +12,7 @@ from robotteamsim.control.rdpso.context import ContextMeter
 from robotteamsim.control.rdpso.door_beliefs import DoorBeliefs
 from robotteamsim.control.rdpso.membership import Membership
 from robotteamsim.control.rdpso.team import Best, CommonView, RdpsoUpdate, TeamMemory
-from robotteamsim.control.rdpso.terms import LinkKeeper, LocalBestFinder, Momentum, RuledOut, Surroundings
+from robotteamsim.control.rdpso.terms import Approach, LinkKeeper, LocalBestFinder, Momentum, RuledOut, Surroundings
 from robotteamsim.control.runtime.streams import robot_stream
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import OUTSIDE, Decision, Observation, SwarmContext, Task
@@ -57,6 +57,7 @@ class RdpsoController:
             self._meter = ContextMeter(control, control.adaptation, self._links)
         self._ruled_out = RuledOut(scenario, control.rule_out_places)
         self._finder = LocalBestFinder(scenario)
+        self._approach = Approach()
         self._membership = self.membership(robot_id, scenario)
         fractional = swarm.memory_coefficients(control.memory, control.alpha, control.memory_terms)
         self._momentum = Momentum(fractional if memory is None else memory, control.memory_of)
@@ -129,7 +130,8 @@ class RdpsoController:
         self._doors.look(pose, observation.robot.ranges_m, self._iteration)
         self._update_map(observation.sim_time_ns)
         if task.epoch != self._epoch:
-            self._epoch, self._known_best = task.epoch, None
+            self._epoch = task.epoch
+            self._discard_bests()
             self._ruled_out.clear()
         self._area = task.area_center_m
         loudest = voice.local_best_m if voice.heard else None
@@ -148,6 +150,7 @@ class RdpsoController:
             doors=self._doors.sightings,
             hot=self._driver.hot.in_sight or msgspec.UNSET,
             closed_area=self._driver.closed_area(task, position) or msgspec.UNSET,
+            nearer=(self._approach.nearer and not self._control.exclusion.while_approaching) or msgspec.UNSET,
         )
 
     def _choose_next_point(self, pose: Pose, observation: Observation, own: RdpsoUpdate) -> None:
@@ -169,6 +172,7 @@ class RdpsoController:
         if self._membership.excluded or global_best is None or self._local_best is None:
             self._goal = self._context = None
             self._momentum.forget()
+            self._approach.forget()
             return
         self._wander.stop()
         self._momentum.note(position)
@@ -240,9 +244,11 @@ class RdpsoController:
         if global_best.is_voice and not local_best.is_voice and observation.voice.heard:
             # Everything that this robot hears is ruled out. While the swarm follows a voice, ignore the area.
             x_lb = position
+        x_gb = self._along_path(position, global_best.position)
+        self._approach.note(global_best.position, math.dist(position, x_gb))
         attractors = (
             self._along_path(position, x_lb),
-            self._along_path(position, global_best.position),
+            x_gb,
             position if obstacle is None else obstacle,
             self._along_path(position, x_cb) if c4 > 0.0 else x_cb,
         )
@@ -282,7 +288,11 @@ class RdpsoController:
     def _update_map(self, sim_time_ns: int) -> None:
         """Use the map with doors and hot places as believed now, and discard bests, whose paths may have changed."""
         if self._driver.update_map(sim_time_ns, self._doors.changed):
-            self._known_best = None
+            self._discard_bests()
+
+    def _discard_bests(self) -> None:
+        self._known_best = None
+        self._approach.forget()
 
     def _decide_to_stand(self) -> Decision:
         """Return the decision to stand still, with the status of the robot and its swarm."""

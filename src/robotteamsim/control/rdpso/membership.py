@@ -78,7 +78,10 @@ class Membership:
             dice = partial(self._dice, iteration, swarm_id)
             free = {i: value for i, value in outside.items() if i not in moves}
             has_improved = swarm_id in improved
-            verdict = self._judged(view.states[swarm_id], has_improved, members, free, dice)
+            # A swarm on its way to the global best is neither rewarded nor punished.
+            verdict = Verdict(view.states[swarm_id])
+            if has_improved or swarm_id not in view.nearing:
+                verdict = self._judged(verdict.state, has_improved, members, free, dice)
             if len(verdict.leaves) == len(members):
                 verdict, num_swarms = self._dissolved_or_not(verdict, num_swarms)
             moves |= dict.fromkeys(verdict.leaves, OUTSIDE) | dict.fromkeys(verdict.joins, swarm_id)

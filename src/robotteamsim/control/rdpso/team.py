@@ -53,6 +53,7 @@ class RdpsoUpdate(Update, frozen=True, cache_hash=True, tag="rdpso"):
     doors:      sightings of doors, sorted by name.
     hot:        blocks of hot places that the robot sees, sorted; left out by a robot that sees none.
     closed_area: centre of the area of the task, if the robot knows no path to it; else left out.
+    nearer:     whether it came nearer to the global best of the last iteration than before; left out if not.
     """
 
     robot_id: Index
@@ -67,6 +68,7 @@ class RdpsoUpdate(Update, frozen=True, cache_hash=True, tag="rdpso"):
     doors: tuple[Sighting, ...] = ()
     hot: tuple[tuple[Index, Index], ...] | msgspec.UnsetType = msgspec.UNSET
     closed_area: Point | msgspec.UnsetType = msgspec.UNSET
+    nearer: bool | msgspec.UnsetType = msgspec.UNSET
 
     @property
     def value(self) -> float:
@@ -107,6 +109,7 @@ class CommonView:
     values:    of the local bests, by robot id, for each swarm in the updates (OUTSIDE is one).
     positions: of the robots in `map` [m], likewise.
     states:    each swarm's memory, as sent by its member with the lowest id.
+    nearing:   swarms of which a member came nearer to the global best.
     doors:     all sightings of doors in the updates.
     verdicts:  cached results of `Membership`: the swarm of each robot that changes, and the swarms' memories.
     """
@@ -128,6 +131,7 @@ class CommonView:
             self.positions[swarm_id][update.robot_id] = update.position
             doors |= dict.fromkeys(update.doors)
             self._by_basis.setdefault((update.epoch, update.doors), []).append(update)
+        self.nearing = frozenset(update.swarm_id for update in updates if update.nearer is True)
         self.doors = tuple(doors)
         self.verdicts: dict[tuple[object, ...], tuple[dict[int, int], dict[int, SwarmState]]] = {}
         self._comparable: dict[tuple[int, tuple[Sighting, ...]], Comparable] = {}

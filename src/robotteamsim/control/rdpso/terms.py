@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from robotteamsim import _core, swarm
-from robotteamsim.control.driving.known_map import KnownMap
+from robotteamsim.control.driving.known_map import GRID_RESOLUTION_M, KnownMap
 from robotteamsim.control.driving.navigation import laser_layout
 from robotteamsim.control.rdpso.team import Best
 from robotteamsim.network import fiedler_value
@@ -56,6 +56,37 @@ class Momentum:
     def term(self) -> Vector:
         """Return the weighted sum of the past velocities [m per iteration]."""
         return memory_term(self.coefficients, self._velocities)
+
+
+class Approach:
+    """Notes whether a robot comes nearer to the global best than it was since that place became the best.
+
+    The best of a particle is a place where it was. A robot hears a voice from afar and drives to its loudest cell; on
+    the way the best cannot improve, but the swarm does not stagnate (ours).
+    """
+
+    def __init__(self) -> None:
+        self.nearer = False
+        """Whether it did in the last call of `note`."""
+        self._place: Vector | None = None
+        self._nearest_m = math.inf
+
+    def note(self, place: Vector, path_m: float) -> None:
+        """Note the global best and the length of the path to it [m], once per iteration.
+
+        Less than a cell of the map is not nearer: a robot that converges to a place does not arrive.
+        """
+        if place != self._place:
+            self._place, self._nearest_m = place, path_m
+            self.nearer = False
+            return
+        self.nearer = path_m <= self._nearest_m - GRID_RESOLUTION_M
+        if self.nearer:
+            self._nearest_m = path_m
+
+    def forget(self) -> None:
+        """Forget the place."""
+        self.nearer, self._place = False, None
 
 
 class RuledOut(_core.control.RuledOut):

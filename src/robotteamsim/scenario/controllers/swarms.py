@@ -16,8 +16,13 @@ class SocialExclusion(Model):
 
     enabled: bool = Field(default=True, description="whether robots are excluded at all")
     search_counter_max: int = Field(default=15, ge=1, le=10_000, description="SC_max: iterations without improvement")
+    while_approaching: bool = Field(
+        default=False,
+        description="whether iterations count in which a member came nearer to the global best than before; "
+        "true: as printed",
+    )
     min_robots: int = Field(
-        default=0,
+        default=1,
         ge=0,
         le=3000,
         description="a swarm of this size or smaller is dissolved at SC_max",
@@ -34,7 +39,7 @@ class SocialExclusion(Model):
 class Swarms(Model):
     """How many swarms the team has [5.2.2]; the number of robots in a swarm is limited by `exclusion`."""
 
-    min: int = Field(default=0, ge=0, le=3000, description="number of swarms that are never dissolved")
+    min: int = Field(default=1, ge=0, le=3000, description="number of swarms that are never dissolved")
     initial: int = Field(default=1, ge=1, le=3000, description="number at the start, each a run of consecutive robots")
     max: int = Field(default=1, ge=1, le=3000, description="no new swarm is founded beyond this number")
     new_robots: int = Field(default=5, ge=1, le=3000, description="number of excluded robots that found a new swarm")
