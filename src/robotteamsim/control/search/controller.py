@@ -134,6 +134,7 @@ class SearchController:
             found=tuple(self.knowledge.found),
             listened=self.knowledge.log.to_text(self._tuning.shared_places, self._tuning.repeated_places),
             doors=self._doors.sightings,
+            wanted=self._choice.wanted,
         )
 
     def _iterate(self, pose: Pose, observation: Observation, task: Task) -> None:

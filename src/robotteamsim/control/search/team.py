@@ -50,6 +50,7 @@ class SearchUpdate(Update, frozen=True, tag="search"):
     found:     places of victims whom the team has reached, in `map` [m].
     listened:  entries of `ListeningLog`.
     doors:     sightings of doors, sorted by name.
+    wanted:    cell where it wants to be next, of a team that stays connected.
     """
 
     robot_id: Index
@@ -63,6 +64,7 @@ class SearchUpdate(Update, frozen=True, tag="search"):
     found: tuple[Point, ...]
     listened: str
     doors: tuple[Sighting, ...] = ()
+    wanted: CellNumber | msgspec.UnsetType = msgspec.UNSET
 
 
 _parse = update_reader(SearchUpdate, kept=1024)
@@ -104,6 +106,10 @@ class Teammates:
         for robot_id in [i for i, heard_s in self._heard_s.items() if time_s - heard_s > self._given_up_s]:
             del self._heard_s[robot_id], self._updates[robot_id]
             self.positions = {i: place for i, place in self.positions.items() if i != robot_id}
+
+    def silent(self, time_s: float, for_s: float) -> list[int]:
+        """Return the ids of the teammates that have not been heard for some time."""
+        return [robot_id for robot_id, heard_s in self._heard_s.items() if time_s - heard_s > for_s]
 
     @property
     def updates(self) -> list[SearchUpdate]:
