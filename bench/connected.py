@@ -1,7 +1,8 @@
 """Missions of a free and of a connected team that search, with equal seeds: what staying connected costs.
 
 The victims are at random places, as in `benchmark search`. Each mission is appended to the CSV as soon as it ends;
-those that it has already are not run again. Without --missions the table of all missions in the CSV is printed.
+those that it has already are not run again. Without --missions the table of all missions in the CSV is printed. --bound
+prints how many robots a chain of likely links from a base at the start to each area, and to all floor, needs at least.
 Usage: python bench/connected.py --missions 10 --building garage --noise 10 20 30 --robots 3 5 8
 """
 
@@ -14,10 +15,15 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import msgspec
+import numpy as np
 
 from robotteamsim.campaign.protocol import SearchProtocol, search_design
+from robotteamsim.control.search.cells import cell_grid, cell_paths
+from robotteamsim.control.search.connected import predicted_links
 from robotteamsim.recording.network_log import NetworkLog, NetworkTotals
+from robotteamsim.scenario.controllers.search import SearchControl
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation
 
 CSV = Path(__file__).resolve().parent / "results" / "connected.csv"
@@ -67,6 +73,26 @@ def append(path: Path, row: Sequence[object]) -> None:
         writer.writerows([COLUMNS, row] if is_new else [row])
 
 
+def print_bound(building: str) -> None:
+    """Print the fewest robots that connect a base at the start with a robot in each area, and with all floor.
+
+    A robot in an area is at any place inside it. With fewer robots, the plan, the radio and the margin forbid it.
+    """
+    scenario = search_design(SearchProtocol(tuple(TEAMS)[1:], (building,), (30.0,), (1,), trials=1)).cells[0].scenario
+    setup, grid, control = resolve(scenario), cell_grid(scenario), scenario.control.as_kind(SearchControl)
+    reach_m, radio = setup.robots[0].reach_m, scenario.radio.model_dump_json()
+    _, likely = predicted_links(setup.building, reach_m, grid, (), radio, scenario.network, control.link_margin_db)
+    start = cell_paths(setup.building, reach_m, grid, (), None).start_of(setup.start_m(0))
+    hops = np.where(likely[start], 1, 0)
+    while (fresh := (hops == 0) & likely[hops > 0].any(axis=0)).any():
+        hops[fresh] = hops.max() + 1
+    centres_m = np.array([grid.centre_of(cell) for cell in range(grid.size)])
+    print(building, "robots:", int(hops.max()), "for all floor")
+    for area in scenario.mission.areas:
+        inside = (np.linalg.norm(centres_m - area.center, axis=1) <= area.radius_m) & (hops > 0)
+        print(f"  {area.name}: {hops[inside].min() if inside.any() else 'none suffice'}")
+
+
 def print_table(rows: list[dict[str, str]]) -> None:
     """Print a line per building, noise, number of robots and team; ratios are of missions that both teams have run."""
     print("building noise robots team missions victims all_areas never_split split_s endangered_s breaks time_s ratio")
@@ -97,8 +123,11 @@ def main() -> None:
     parser.add_argument("--noise", type=float, nargs="+", default=[10.0, 20.0, 30.0])
     parser.add_argument("--robots", type=int, nargs="+", default=[3, 5, 8])
     parser.add_argument("--csv", type=Path, default=CSV)
+    parser.add_argument("--bound", action="store_true", help="print the fewest robots of a chain instead")
     options = parser.parse_args()
-    if options.missions:
+    if options.bound:
+        print_bound(options.building)
+    elif options.missions:
         run_missing(options)
     else:
         print_table(read(options.csv))
