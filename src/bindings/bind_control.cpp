@@ -57,6 +57,7 @@ namespace {
 
 using control::CellPaths, control::Navigator, control::RuledOut, control::Surroundings, control::VictimBelief,
     control::VoiceFix, control::VoiceLosses;
+using Flags = Array<const bool, -1>;
 using Floats = Array<const float, -1>;
 using SharedGrid = std::shared_ptr<const plan::PlanningGrid>;
 using SharedLosses = std::shared_ptr<const VoiceLosses>;
@@ -133,7 +134,16 @@ void BindPaths(nb::module_& m) {
       .def(
           "lengths_from", [](const CellPaths& paths, int cell) { return ArrayOf(paths.LengthsFrom(cell)); }, "cell"_a)
       .def("length_m", &CellPaths::LengthBetween, "from_cell"_a, "to_cell"_a)
-      .def("ahead", &CellPaths::Ahead, "position_m"_a, "goal_cell"_a, "longest_m"_a);
+      .def("ahead", &CellPaths::Ahead, "position_m"_a, "goal_cell"_a, "longest_m"_a)
+      .def(
+          "way_within",
+          [](const CellPaths& paths, const base::Point& position_m, const Flags& goals, const Flags& allowed,
+             double longest_m) {
+            std::optional<control::CellWay> way =
+                paths.WayWithin(position_m, ValuesOf<std::uint8_t>(goals), ValuesOf<std::uint8_t>(allowed), longest_m);
+            return way ? std::make_optional(std::make_pair(way->cells, way->ahead)) : std::nullopt;
+          },
+          "position_m"_a, "goals"_a, "allowed"_a, "longest_m"_a);
 }
 
 void BindLosses(nb::module_& m) {

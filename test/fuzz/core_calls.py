@@ -223,6 +223,7 @@ def _search() -> Iterator[Call]:
         ("lengths_from", 3),
         ("length_m", 3, 7),
         ("ahead", _FROM, 7, 5.0),
+        ("way_within", _FROM, np.ones(24, dtype=bool), np.ones(24, dtype=bool), 5.0),
     )
     belief = new("control.VictimBelief", _LOSSES, _PRIOR)
     unheard = ("set_unheard", np.linspace(0.0, 1.0, 256, dtype=np.float32))

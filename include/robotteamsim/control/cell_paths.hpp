@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -15,6 +16,12 @@ namespace robotteamsim::control {
 struct KeptOut {
   base::Point center;
   double radius_m = 0.0;
+};
+
+/// The way of a robot over a grid of cells: its cells, the robot's own one first, and where to drive now [m].
+struct CellWay {
+  std::vector<int> cells;
+  base::Point ahead;
 };
 
 /// Paths between the cells of a coarse grid: a graph over the fine grid in which robots drive.
@@ -55,11 +62,21 @@ class CellPaths {
   /// `longest_m` of path ahead; if none is, the next one. Nothing without a path.
   std::optional<base::Point> Ahead(const base::Point& position, int goal, double longest_m) const;
 
+  /// Returns the shortest way from a position to the nearest of the goals over allowed cells only, to which the robot's
+  /// own cell need not belong; nothing if there is none. `ahead` is the farthest of its places, within `longest_m`, to
+  /// which a straight line is free and crosses only allowed cells; if none is, the next one.
+  /// Throws std::invalid_argument if there is not one value per cell.
+  std::optional<CellWay> WayWithin(const base::Point& position, const std::vector<std::uint8_t>& goals,
+                                   const std::vector<std::uint8_t>& allowed, double longest_m) const;
+
  private:
   static constexpr int kNeighbours = 8;
 
   void FindPlaces();
   void Link(int row, int col);
+  std::vector<int> ShortestWithin(int from, const std::vector<std::uint8_t>& goals,
+                                  const std::vector<std::uint8_t>& allowed) const;
+  bool IsLineWithin(const base::Point& from, const base::Point& to, const std::vector<std::uint8_t>& allowed) const;
   bool IsInSight(const base::Point& from, int cell) const;
   bool IsLinked(int cell) const;
   void CheckCell(int cell) const;

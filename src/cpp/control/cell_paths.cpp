@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <queue>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -242,6 +244,75 @@ std::optional<base::Point> CellPaths::Ahead(const base::Point& position, int goa
     ahead = *places_[at];
   }
   return ahead;
+}
+
+std::optional<CellWay> CellPaths::WayWithin(const base::Point& position, const std::vector<std::uint8_t>& goals,
+                                            const std::vector<std::uint8_t>& allowed, double longest_m) const {
+  base::CheckNotNegative(longest_m, "longest_m");
+  if (goals.size() != places_.size() || allowed.size() != places_.size()) {
+    throw std::invalid_argument("goals and allowed must have one value per cell");
+  }
+  const int start = StartOf(position);
+  if (start == kNone) return std::nullopt;
+  CellWay way{ShortestWithin(start, goals, allowed), {}};
+  if (way.cells.empty()) return std::nullopt;
+  // A robot that is too near to a wall is in no free cell.
+  const base::Point from = fine_->NearestFree(position, cells_.resolution_m).value_or(position);
+  const bool is_at_start = IsInSight(from, start);
+  way.ahead = *places_[is_at_start && way.cells.size() > 1 ? way.cells[1] : start];
+  double length = 0.0;
+  for (std::size_t i = 1; is_at_start && i < way.cells.size(); ++i) {
+    const base::Point& place = *places_[way.cells[i]];
+    length += Distance(*places_[way.cells[i - 1]], place);
+    if (i > 1 && (length > longest_m || !IsLineWithin(from, place, allowed))) break;
+    way.ahead = place;
+  }
+  return way;
+}
+
+/// Returns the cells of the shortest path to the nearest goal (Dijkstra); none without one.
+std::vector<int> CellPaths::ShortestWithin(int from, const std::vector<std::uint8_t>& goals,
+                                           const std::vector<std::uint8_t>& allowed) const {
+  std::vector<float> lengths(places_.size(), kNoPath);
+  std::vector<int> before(places_.size(), kNone);
+  using Reached = std::pair<float, int>;  // of equal lengths, the lower cell first
+  std::priority_queue<Reached, std::vector<Reached>, std::greater<>> open;
+  lengths[from] = 0.0F;
+  open.emplace(0.0F, from);
+  while (!open.empty()) {
+    const auto [length, at] = open.top();
+    open.pop();
+    if (length > lengths[at]) continue;  // a shorter path was found since
+    if (goals[at] != 0) {
+      std::vector<int> cells;
+      for (int cell = at; cell != kNone; cell = before[cell]) cells.push_back(cell);
+      std::reverse(cells.begin(), cells.end());
+      return cells;
+    }
+    for (int k = 0; k < kNeighbours; ++k) {
+      if (!(links_[at][k] < kNoPath)) continue;
+      const int other = at + kSteps[k].row * cells_.cols + kSteps[k].col;
+      const float longer = length + links_[at][k];
+      if (allowed[other] == 0 || longer >= lengths[other]) continue;
+      lengths[other] = longer;
+      before[other] = at;
+      open.emplace(longer, other);
+    }
+  }
+  return {};
+}
+
+/// Whether a straight line is free, and all cells below it that have a place are allowed.
+bool CellPaths::IsLineWithin(const base::Point& from, const base::Point& to,
+                             const std::vector<std::uint8_t>& allowed) const {
+  if (!fine_->IsLineFree(from, to) || !IsAllowed(from, to)) return false;
+  const int steps = static_cast<int>(Distance(from, to) / (0.5 * cells_.resolution_m)) + 1;
+  for (int i = 1; i <= steps; ++i) {
+    const double share = static_cast<double>(i) / steps;
+    const int cell = CellOf({from.x + share * (to.x - from.x), from.y + share * (to.y - from.y)});
+    if (places_[cell] && allowed[cell] == 0) return false;
+  }
+  return true;
 }
 
 }  // namespace robotteamsim::control

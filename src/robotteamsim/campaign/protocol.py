@@ -35,6 +35,7 @@ _PUBLISHED: Mapping[str, Any] = {
 VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "rdpso_published": {"algorithm": "rdpso", **_PUBLISHED},
     "rdpso_adapted": {"algorithm": "rdpso", "adaptation": "fuzzy"},
+    "search_connected": {"algorithm": "search", "network": "connected"},
 }
 """Controllers that differ from a registered one by keys of `control`."""
 

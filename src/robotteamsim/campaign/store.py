@@ -20,6 +20,7 @@ from robotteamsim.campaign.design import Design, Trial, settings_difference
 from robotteamsim.campaign.trial import Outcome
 from robotteamsim.errors import CampaignError
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
+from robotteamsim.recording.network_log import NetworkTotals
 from robotteamsim.recording.results import versions
 from robotteamsim.wording import safe_cell
 
@@ -50,6 +51,8 @@ _INSERT = f"INSERT INTO trial VALUES ({', '.join('?' * len(_COLUMNS))})"
 
 # trials.csv does not contain values that differ between equal trials, and documents.
 _CSV_COLUMNS = tuple(name for name in _COLUMNS if name not in ("cell", "details", "paths", "traceback", "wall_s"))
+
+_NETWORK_COLUMNS = NetworkTotals.__struct_fields__
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,10 +166,14 @@ def trials_csv(design: Design, outcomes: tuple[Outcome, ...]) -> str:
     """Return a table with one line per trial: the cell's settings, the trial's number and results."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow([*design.keys, *("trial" if name == "number" else name for name in _CSV_COLUMNS)])
+    names = ("trial" if name == "number" else name for name in _CSV_COLUMNS)
+    writer.writerow([*design.keys, *names, *_NETWORK_COLUMNS])
     for outcome in outcomes:
-        values = [value if isinstance(value, str) else json.dumps(value) for value in design.cells[outcome.cell].values]
-        writer.writerow(map(safe_cell, (*values, *(getattr(outcome, name) for name in _CSV_COLUMNS))))
+        settings = design.cells[outcome.cell].values
+        values = [value if isinstance(value, str) else json.dumps(value) for value in settings]
+        totals, network = [getattr(outcome, name) for name in _CSV_COLUMNS], outcome.network
+        networks = [getattr(network, name, None) for name in _NETWORK_COLUMNS]
+        writer.writerow(map(safe_cell, (*values, *totals, *networks)))
     return text.getvalue()
 
 

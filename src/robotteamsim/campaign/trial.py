@@ -15,6 +15,7 @@ from robotteamsim.errors import CampaignError
 from robotteamsim.mission.events import VictimLocated
 from robotteamsim.mission.status import VictimState
 from robotteamsim.recording.idleness import IdlenessLog, patrols
+from robotteamsim.recording.network_log import NetworkLog, NetworkTotals
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Observer, Result, Simulation, StepRecord
@@ -39,7 +40,8 @@ class Outcome:
              never happened; with firefighters also located_s, reported_s, reached_s, carried_s, safe_s, dead_s if it
              did, and located_by and position_error_m of the first location) and `robots` (distance_m, contact_s,
              excluded_s, longest_stay_s of each); if there are any, `casualties` (id, kind, time_s of robots that
-             failed and firefighters who collapsed); for a patrol also `idleness`, as `recording.idleness.Idleness`.
+             failed and firefighters who collapsed); `network`, as `recording.network_log.NetworkTotals`, except in
+             stores of earlier versions; for a patrol also `idleness`, as `recording.idleness.Idleness`.
     paths:   of the robots, for `decode_paths`.
     wall_s:  computing time, the only value that differs between equal trials.
     """
@@ -72,6 +74,12 @@ class Outcome:
         """Whether an exception ended the trial."""
         return self.error != ""
 
+    @property
+    def network(self) -> NetworkTotals | None:
+        """The network of the trial; None if it failed, or is in the store of an earlier version."""
+        found = json.loads(self.details or "{}").get("network")
+        return None if found is None else msgspec.convert(found, NetworkTotals)
+
 
 def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
     """Run one trial. An exception in it becomes a failed outcome.
@@ -84,9 +92,9 @@ def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
         raise CampaignError(f"a worker has robotteamsim {robotteamsim.__version__}, expected {version}")
     start_s = time.perf_counter()
     seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": trial.seed})})
-    times, paths, idleness = _EventTimes(), PathLog(), IdlenessLog()
+    times, paths, network, idleness = _EventTimes(), PathLog(), NetworkLog(), IdlenessLog()
     try:
-        result = Simulation(seeded).run([times, paths, *([idleness] if patrols(seeded) else [])])
+        result = Simulation(seeded).run([times, paths, network, *([idleness] if patrols(seeded) else [])])
     except Exception as error:  # The other trials continue.
         wall_s = time.perf_counter() - start_s
         line = " ".join(f"{type(error).__name__}: {error}".split())
@@ -100,7 +108,7 @@ def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
         **{name: values[name] for name in _OF_RESULT},
         distance_m=sum(robot.distance_m for robot in result.robots),
         contact_s=sum(robot.contact_s for robot in result.robots),
-        details=times.details(result, idleness.values()),
+        details=times.details(result, network.values() | idleness.values()),
         paths=paths.encoded(),
         wall_s=time.perf_counter() - start_s,
     )

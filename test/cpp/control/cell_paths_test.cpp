@@ -43,5 +43,32 @@ TEST(CellPaths, RefuseCellsBeyondTheGrid) {
   }
 }
 
+/// An empty floor of 3 m x 3 m in cells of 1 m.
+CellPaths Square() {
+  const std::vector<std::uint8_t> free(30 * 30, 0);
+  const auto fine = std::make_shared<const plan::PlanningGrid>(plan::GridShape{{0.0, 0.0}, 0.1, 30, 30}, free, 0.0);
+  return CellPaths(fine, {{0.0, 0.0}, 1.0, 3, 3}, std::nullopt);
+}
+
+TEST(CellPaths, WayWithinAllowedCellsGoesAroundTheOthers) {
+  const CellPaths paths = Square();
+  const std::vector<std::uint8_t> goals{0, 0, 1, 0, 0, 0, 0, 0, 0};
+  const auto straight = paths.WayWithin({0.5, 0.5}, goals, std::vector<std::uint8_t>(9, 1), 8.0);
+  ASSERT_TRUE(straight.has_value());
+  EXPECT_EQ(straight->cells, (std::vector<int>{0, 1, 2}));
+  EXPECT_NEAR(straight->ahead.x, 2.5, 0.1);
+  const auto around = paths.WayWithin({0.5, 0.5}, goals, {1, 0, 1, 1, 1, 1, 1, 1, 1}, 8.0);
+  ASSERT_TRUE(around.has_value());
+  EXPECT_EQ(around->cells, (std::vector<int>{0, 4, 2}));
+  EXPECT_NEAR(around->ahead.x, 1.5, 0.1);  // the straight line to the goal crosses the cell that is not allowed
+  EXPECT_FALSE(paths.WayWithin({0.5, 0.5}, goals, {1, 0, 1, 1, 0, 1, 1, 0, 1}, 8.0).has_value());
+}
+
+TEST(CellPaths, WayWithinNeedsAValuePerCell) {
+  const std::vector<std::uint8_t> all(9, 1);
+  EXPECT_THROW(Square().WayWithin({0.5, 0.5}, {1}, all, 8.0), std::invalid_argument);
+  EXPECT_THROW(Square().WayWithin({0.5, 0.5}, all, {1}, 8.0), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace robotteamsim::control

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import contextlib
 import datetime
+import json
 import os
 import sqlite3
 
@@ -66,14 +67,16 @@ def test_csv_has_a_line_per_trial_by_cell_then_number(short_design, outcome_of, 
     trials = list(design.all_trials())
     with open_store(tmp_path, design) as store:
         store.keep(failed_outcome_of(trials[3]))
-        store.keep(outcome_of(trials[0]))
+        network = {"split_s": 1.5, "endangered_s": 2.5, "breaks": 3, "messages_lost": 4}
+        store.keep(outcome_of(trials[0], details=json.dumps({"network": network})))
         lines = store.export().read_text().splitlines()
     assert lines == [
         "control.algorithm,voice.noise_db,trial,seed,end,time_s,areas_explored,num_areas,victims_saved,num_victims,"
         "endangered_links,discoveries_delivered,mean_delivery_delay_s,max_delivery_delay_s,distance_m,contact_s,steps,"
-        "trajectory_hash,error",
-        f"rdpso,10.0,1,{trials[0].seed},areas_explored,100.0,4,4,1,1,0,,,,20.0,0.0,1001,{0:032x}{trials[0].seed:032x},",
-        f"random_walk,10.0,2,{trials[3].seed},,,,,,,,,,,,,,,KeyError: 7",
+        "trajectory_hash,error,split_s,endangered_s,breaks,messages_lost,base_areas,base_victims",
+        f"rdpso,10.0,1,{trials[0].seed},areas_explored,100.0,4,4,1,1,0,,,,20.0,0.0,1001,{0:032x}{trials[0].seed:032x},,"
+        "1.5,2.5,3,4,,",
+        f"random_walk,10.0,2,{trials[3].seed},,,,,,,,,,,,,,,KeyError: 7,,,,,,",
     ]
 
 

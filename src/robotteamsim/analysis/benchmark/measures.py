@@ -11,6 +11,7 @@ import numpy as np
 
 from robotteamsim.analysis.benchmark.bound import Bound, search_bound
 from robotteamsim.campaign import Design, Outcome
+from robotteamsim.recording.network_log import NetworkTotals
 from robotteamsim.setup import resolve
 from robotteamsim.wording import counted
 
@@ -37,6 +38,7 @@ class SearchSample:
     saved:      number of victims saved.    areas: number of areas explored.
     last_s:     when the last victim was saved; infinity if not all were.
     end_s:      when the mission ended.     bound_s: before which no team can save all victims.
+    networks:   of the missions; fewer if some are of an earlier version.
     """
 
     place: Place
@@ -47,6 +49,7 @@ class SearchSample:
     last_s: np.ndarray
     end_s: np.ndarray
     bound_s: np.ndarray
+    networks: tuple[NetworkTotals, ...]
     num_victims: int
     num_areas: int
     limit_s: float
@@ -106,6 +109,7 @@ def search_samples(
                 last_s=np.array([last_saved_s(outcome) for outcome in own]),
                 end_s=np.array([outcome.time_s for outcome in own]),
                 bound_s=np.array([bounds[building, robots, outcome.seed].time_s for outcome in own]),
+                networks=_networks(own),
                 num_victims=scenario.mission.random_victims + len(scenario.mission.victims),
                 num_areas=len(scenario.mission.areas),
                 limit_s=scenario.mission.time_limit_s,
@@ -113,6 +117,10 @@ def search_samples(
             )
         )
     return tuple(samples)
+
+
+def _networks(outcomes: Sequence[Outcome]) -> tuple[NetworkTotals, ...]:
+    return tuple(network for outcome in outcomes if (network := outcome.network) is not None)
 
 
 def last_saved_s(outcome: Outcome) -> float:
@@ -129,6 +137,7 @@ class PatrolSample:
     mean_s, max_s: idleness of the graph, shape (missions,).
     vertices_s:    mean idleness of each vertex, shape (missions, vertices).
     vertex_max_s, visits: of each vertex, same shape.
+    networks:      of the missions; fewer if some are of an earlier version.
     """
 
     robots: int
@@ -139,6 +148,7 @@ class PatrolSample:
     vertices_s: np.ndarray
     vertex_max_s: np.ndarray
     visits: np.ndarray
+    networks: tuple[NetworkTotals, ...]
 
     @property
     def where(self) -> str:
@@ -168,6 +178,7 @@ def patrol_samples(design: Design, outcomes: Sequence[Outcome]) -> tuple[PatrolS
                 vertices_s=table("mean_s"),
                 vertex_max_s=table("max_s"),
                 visits=table("visits"),
+                networks=_networks(own),
             )
         )
     return tuple(samples)

@@ -23,7 +23,7 @@ from robotteamsim.analysis.benchmark.tables import (
 from robotteamsim.analysis.report.contrasts import Pair, compare
 from robotteamsim.analysis.report.page import FOLDER, Report, render, report_files
 from robotteamsim.analysis.report.pictures import Picture, picture
-from robotteamsim.analysis.report.tables import Table, difference_table
+from robotteamsim.analysis.report.tables import Table, difference_table, network_table
 from robotteamsim.campaign import Design, Outcome
 from robotteamsim.campaign.summary import copies_note, summarise
 from robotteamsim.errors import CampaignError
@@ -71,6 +71,7 @@ def make_search_report(
         drawn = [picture("profiles", "Performance profiles", text, draw_profiles(by_building))]
     tables = (
         mission_table(samples),
+        network_table(("place", "controller"), [((s.place.name, s.controller), s.networks) for s in samples]),
         difference_table([each for each in found if each]),
         profile_table(by_building),
     )
@@ -95,7 +96,12 @@ def make_patrol_report(design: Design, outcomes: Sequence[Outcome], command: str
         "Means over all missions with 95 % bootstrap intervals.",
         draw_idleness(samples),
     )
-    tables = (idleness_table(samples), difference_table([each for each in found if each]), vertex_table(samples))
+    tables = (
+        idleness_table(samples),
+        network_table(("controller", "robots"), [((s.controller, str(s.robots)), s.networks) for s in samples]),
+        difference_table([each for each in found if each]),
+        vertex_table(samples),
+    )
     title = f"Patrol benchmark in {design.scenario.name}: {counted(len(outcomes), 'mission')}"
     return _report(title, _notes(design, outcomes), [drawn], tables, _READING_PATROL, command)
 

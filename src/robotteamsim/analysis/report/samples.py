@@ -16,6 +16,7 @@ from robotteamsim.campaign.summary import num_different
 from robotteamsim.errors import CampaignError, ScenarioError
 from robotteamsim.mission.status import COMPLETED
 from robotteamsim.palette import OURS
+from robotteamsim.recording.network_log import NetworkTotals
 from robotteamsim.scenario import Scenario, from_mapping
 from robotteamsim.scenario.controllers import control_kind
 from robotteamsim.scenario.yaml_text import shown
@@ -35,6 +36,7 @@ class Sample:
     distance_m: driven by all robots; NaN where unknown.
     numbers:    of the trials: trials of equal number form a pair in a paired campaign.
     limit_s:    time limit of the mission.
+    networks:   of the missions; fewer if some are in stores of an earlier version.
     """
 
     time_s: np.ndarray
@@ -47,6 +49,7 @@ class Sample:
     num_victims: int
     num_areas: int
     limit_s: float
+    networks: tuple[NetworkTotals, ...] = ()
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -269,4 +272,5 @@ def _sample(outcomes: Sequence[Outcome], limit_s: float) -> Sample:
         num_victims=int(column("num_victims")[0]),
         num_areas=int(column("num_areas")[0]),
         limit_s=limit_s,
+        networks=tuple(network for outcome in outcomes if (network := outcome.network) is not None),
     )

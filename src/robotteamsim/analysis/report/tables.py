@@ -13,8 +13,9 @@ import numpy as np
 
 from robotteamsim.analysis.report.contrasts import Contrast, Overall
 from robotteamsim.analysis.report.samples import Panel, Series
-from robotteamsim.analysis.report.statistics import bootstrap_mean, generator
-from robotteamsim.analysis.report.wording import interval_text, p_text
+from robotteamsim.analysis.report.statistics import bootstrap_mean, clopper_pearson, generator
+from robotteamsim.analysis.report.wording import interval_text, p_text, share_text
+from robotteamsim.recording.network_log import NetworkTotals
 from robotteamsim.wording import safe_cell
 
 _LATEX = {
@@ -85,6 +86,7 @@ def campaign_tables(
         _missions(panels),
         _victims(panels),
         _given_victims(panels),
+        network_table(("",), [((name,), each.missions.networks) for name, each in _named(panels)]),
         _overall(all_cells),
     )
     return tuple(table for table in tables if table.rows)
@@ -163,6 +165,36 @@ def difference_table(contrasts: Sequence[Contrast]) -> Table:
     values = ("first", "second", "difference", "P(second larger)", "p")
     head = ("first, second", "", *(("pairs",) if paired else ()), *values)
     return Table("differences", title, head, tuple(rows), 2)
+
+
+def network_table(keys: Sequence[str], settings: Sequence[tuple[tuple[str, ...], Sequence[NetworkTotals]]]) -> Table:
+    """Return the networks of the missions of each setting; the last columns only if a team has a base.
+
+    Args: keys: heads of the settings' names.  settings: of each, its names and the totals of its missions.
+    """
+    known = [(names, totals) for names, totals in settings if totals]
+    has_base = any(each.base_areas is not None for _, totals in known for each in totals)
+    rows = tuple((*names, *_network_cells(names, totals, has_base)) for names, totals in known)
+    head = ("missions", "never split", "time split [s]", "time endangered [s]", "links broken", "messages lost")
+    title = "Networks: means with 95 % bootstrap intervals; missions whose team was never split, with exact intervals"
+    base = ("areas known at the base", "victims known at the base") if has_base else ()
+    return Table("networks", title, (*keys, *head, *base), rows, len(keys))
+
+
+def _network_cells(names: tuple[str, ...], totals: Sequence[NetworkTotals], has_base: bool) -> tuple[str, ...]:
+    def mean(key: str, digits: int) -> str:
+        values = [getattr(each, key) for each in totals]
+        if None in values:
+            return "-"
+        return interval_text(bootstrap_mean(np.array(values, dtype=float), generator(key, *names)), digits)
+
+    whole = sum(each.split_s == 0.0 for each in totals)
+    return (
+        str(len(totals)),
+        share_text(clopper_pearson(whole, len(totals))),
+        *(mean("split_s", 1), mean("endangered_s", 1), mean("breaks", 1), mean("messages_lost", 1)),
+        *((mean("base_areas", 2), mean("base_victims", 2)) if has_base else ()),
+    )
 
 
 def _overall(overall: Overall | None) -> Table:

@@ -140,6 +140,7 @@ class SearchController:
             doors=self._doors.sightings,
             hot=self._driver.hot.in_sight or msgspec.UNSET,
             closed_area=self._choice.closed_area_m or msgspec.UNSET,
+            wanted=self._choice.wanted,
         )
 
     def _iterate(self, pose: Pose, observation: Observation, task: Task) -> None:

@@ -52,6 +52,7 @@ class SearchUpdate(Update, frozen=True, tag="search"):
     doors:     sightings of doors, sorted by name.
     hot:       blocks of hot places that the robot sees, sorted; left out by a robot that sees none.
     closed_area: centre of the area of the task, if the robot knows no path to it; else left out.
+    wanted:    cell where it wants to be next, of a team that stays connected.
     """
 
     robot_id: Index
@@ -67,6 +68,7 @@ class SearchUpdate(Update, frozen=True, tag="search"):
     doors: tuple[Sighting, ...] = ()
     hot: tuple[tuple[Index, Index], ...] | msgspec.UnsetType = msgspec.UNSET
     closed_area: Point | msgspec.UnsetType = msgspec.UNSET
+    wanted: CellNumber | msgspec.UnsetType = msgspec.UNSET
 
 
 _parse = update_reader(SearchUpdate, kept=1024)
@@ -108,6 +110,10 @@ class Teammates:
         for robot_id in [i for i, heard_s in self._heard_s.items() if time_s - heard_s > self._given_up_s]:
             del self._heard_s[robot_id], self._updates[robot_id]
             self.positions = {i: place for i, place in self.positions.items() if i != robot_id}
+
+    def silent(self, time_s: float, for_s: float) -> list[int]:
+        """Return the ids of the teammates that have not been heard for some time."""
+        return [robot_id for robot_id, heard_s in self._heard_s.items() if time_s - heard_s > for_s]
 
     @property
     def updates(self) -> list[SearchUpdate]:

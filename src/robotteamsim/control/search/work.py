@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import math
 
+import msgspec
+import numpy as np
+
 from robotteamsim import _core
 from robotteamsim.control.driving.driver import Driver
 from robotteamsim.control.search.areas import Areas, EarlyDrive, shut_cells
 from robotteamsim.control.search.cells import NO_CELL, CellGrid, cell_paths, reachable_cell
+from robotteamsim.control.search.connected import ConnectedTeam
 from robotteamsim.control.search.goals import Approach, ListeningGoal
 from robotteamsim.control.search.hunt import Hunted
 from robotteamsim.control.search.knowledge import Knowledge
@@ -80,6 +84,9 @@ class WorkChoice:
         """Where a robot listens while a teammate drives to the last area: its time costs nothing."""
         self._approach = Approach(self._tuning, self._speed_mps)
         self._early_drive = EarlyDrive()
+        self._connected = ConnectedTeam(robot_id, setup, grid, team) if self._tuning.network == "connected" else None
+        if self._connected is not None:
+            self._connected.use((), paths.all)
         self._voice: Hunted | None = None
         self._idle_since_s: float | None = None
         self.at = self.goal = NO_CELL
@@ -87,6 +94,8 @@ class WorkChoice:
         self.work: Work = "search"
         self.target: Vector | None = None
         """Where it drives now, in `map` [m]; None: it stands still."""
+        self._way = NO_CELL, paths.all
+        """The cell to which it drives, NO_CELL for a place beside it, and the paths that it may use."""
         self.done = ""
         """Why the search is over, in one line; "" while it is not."""
 
@@ -124,6 +133,8 @@ class WorkChoice:
         if area_changed or map_changed or self._areas.must_be_measured:
             self._paths.update(self._driver.doors, self._driver.hot.blocked, self._areas)
             self._areas.measure(self._paths.all, self._paths.all.start_of(position))
+            if self._connected is not None:
+                self._connected.use(self._driver.doors, self._paths.all)
         if self.closed_area_m != closed_m:
             self._idle_since_s = None  # The mission may name another area first.
 
@@ -133,10 +144,21 @@ class WorkChoice:
         return self.at
 
     def choose(self, position: Vector, voice: Hunted | None, time_s: float, elapsed_s: float) -> None:
-        """Choose what to do now.
+        """Choose what to do now, and where to drive.
 
         Args: position: in `map` [m].  voice: that the robot hears or has heard.  elapsed_s: of the mission.
         """
+        self._choose_work(position, voice, time_s, elapsed_s)
+        if self._connected is not None:
+            to, paths = self._way
+            self.target = self._connected.steer(position, self.at, self.work, to, self.target, paths, time_s)
+
+    @property
+    def wanted(self) -> int | msgspec.UnsetType:
+        """The cell where the robot wants to be next, for a team that stays connected."""
+        return self._connected.wanted if self._connected is not None else msgspec.UNSET
+
+    def _choose_work(self, position: Vector, voice: Hunted | None, time_s: float, elapsed_s: float) -> None:
         self.done, self._voice, start = "", voice, self.at
         self._choose_paths()
         urgent = self._is_urgent(start, elapsed_s)
@@ -155,7 +177,8 @@ class WorkChoice:
         is_early = self._early_drive.is_needed(self._areas, self._team, self._paths.all, start, self._search_m)
         if is_early and not urgent and allowed != NO_CELL:
             beside = self._areas.cell_beside(self._paths.outside, allowed)
-            if beside != NO_CELL:
+            linked = self._linked("wait")
+            if beside != NO_CELL and (linked is None or linked[beside]):
                 goal = NO_CELL if beside == allowed else beside  # there it waits, so that others may explore
                 self._listening.clear()
         if goal != NO_CELL:
@@ -195,22 +218,38 @@ class WorkChoice:
 
     def _set_goal(self, work: Work, cell: int, position: Vector, paths: _core.control.CellPaths) -> None:
         self.work, self.goal = work, cell
+        self._drive_to(cell, position, paths)
+
+    def _drive_to(self, cell: int, position: Vector, paths: _core.control.CellPaths) -> None:
+        self._way = cell, paths
         self.target = paths.ahead(position, cell, _AHEAD_M)
 
     def _listen_next(self, listening: ListeningGoal, start: int, time_s: float) -> int:
         if start == NO_CELL:
             return NO_CELL
-        knowledge = self._knowledge
-        return listening.choose(
+        knowledge, candidates = self._knowledge, self._knowledge.places.candidates
+        linked = self._linked("search")
+        if linked is not None:
+            candidates = [cell for cell in candidates if linked[cell]]
+            if listening.cell != NO_CELL and not linked[listening.cell]:
+                listening.clear()
+        cell = listening.choose(
             knowledge.belief,
             self._usable,
             start,
-            self._knowledge.places.candidates,
+            candidates,
             self._team.kept_claims(self.at, self._paths.all) if self.work == "wait" else self._team.claims,
             self._team.prior_claims(listening.cell, self.at, self._paths.all),
             knowledge.victims_per_share,
             time_s,
         )
+        if cell == NO_CELL and linked is not None:
+            listening.clear()
+        return cell
+
+    def _linked(self, work: Work) -> np.ndarray | None:
+        """Return the cells that a robot with this work may choose, bool; None: all, as in a free team."""
+        return self._connected.linked(work) if self._connected is not None else None
 
     def _approach_voice(self, voice: Hunted, position: Vector, start: int, time_s: float) -> bool:
         """Drive towards a voice; return False if the robot leaves it to a teammate, or cannot reach it.
@@ -229,7 +268,9 @@ class WorkChoice:
             return False
         self._set_goal("voice", goal, position, self._usable)
         if voice.follow_m is not None and length_m <= math.dist(position, voice.source_m) + _AROUND_M:
-            self.target = self._place_beside(position, voice.follow_m) or self.target
+            beside = self._place_beside(position, voice.follow_m)
+            if beside is not None:
+                self._way, self.target = (NO_CELL, self._usable), beside
         return True
 
     def _place_beside(self, position: Vector, loudest_m: Vector) -> Vector | None:
@@ -296,15 +337,18 @@ class WorkChoice:
 
     def _wait(self, position: Vector, start: int, time_s: float) -> None:
         """Have nothing to do: wait at a later area, or end the search if no area is left."""
-        if self._idle_since_s is None:
+        if self._idle_since_s is None or (self._connected is not None and self._connected.is_behind("search")):
             self._idle_since_s = time_s
         self.work, self.goal, self.target = "wait", NO_CELL, None
+        self._way = NO_CELL, self._usable
         if self._areas.is_possible:
             cell = self._cell_to_wait_at(start)
             if start != NO_CELL and self._areas.nearest_outside(position) != position:
                 self.target = self._usable.place_of(start)  # It was pushed into the last area.
             elif cell != NO_CELL:
-                self.target = self._usable.ahead(position, cell, _AHEAD_M) if cell != start else None
+                linked = self._linked("wait")
+                if cell != start and (linked is None or linked[cell]):
+                    self._drive_to(cell, position, self._usable)
             elif self._areas.is_last and any(update.work == "area" for update in self._team.updates):
                 self._listen_meanwhile(position, start, time_s)
         elif self._team.all_wait and self._has_been_idle(_IDLE_S, time_s):
@@ -329,7 +373,7 @@ class WorkChoice:
         cell = self._listen_next(self._meanwhile, start, time_s)
         if cell != NO_CELL:
             self.goal = cell
-            self.target = self._usable.ahead(position, cell, _AHEAD_M)
+            self._drive_to(cell, position, self._usable)
 
     def _reason(self) -> str:
         """Return why the search is over, in a few words."""

@@ -7,11 +7,14 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import NoiseDb
+from robotteamsim.scenario.base import NoiseDb, wrong
 from robotteamsim.scenario.controllers.base import Control
 from robotteamsim.scenario.controllers.driving import DoorTuning
+
+_MOST_LINKED_CELLS = 10_000
+"""The predicted links between so many cells have 200 MB."""
 
 
 class SearchControl(Control):
@@ -21,6 +24,16 @@ class SearchControl(Control):
 
     algorithm: Literal["search"] = Field(description="search")
     doors: DoorTuning = DoorTuning()
+    network: Literal["free", "connected"] = Field(
+        default="free",
+        description="connected: goals and paths keep the team in one radio network; free: links do not matter",
+    )
+    link_margin_db: float = Field(
+        default=3.0,
+        ge=0.0,
+        le=100.0,
+        description="with network connected, a predicted link must be this much above network.lost_below_dbm [dB]",
+    )
     cell_m: float = Field(default=1.0, ge=0.25, le=100.0, description="cell of the belief [m]")
     most_cells: int = Field(
         default=6000,
@@ -88,3 +101,9 @@ class SearchControl(Control):
         le=10_000,
         description="number of known places that each message repeats, in turn, for robots that missed them",
     )
+
+    @model_validator(mode="after")
+    def _check(self) -> SearchControl:
+        if self.network == "connected" and self.most_cells > _MOST_LINKED_CELLS:
+            raise wrong("most_cells", f"{self.most_cells} is above {_MOST_LINKED_CELLS}, with network connected")
+        return self

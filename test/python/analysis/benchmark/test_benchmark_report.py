@@ -27,7 +27,8 @@ def outcomes(outcome_of):
         times_s = saved[trial.cell, trial.number]
         victims = {f"random_{i}": {"heard_s": 1.0, "saved_s": time_s} for i, time_s in enumerate(times_s, 1)}
         count = sum(time_s is not None for time_s in times_s)
-        details = json.dumps({"victims": victims})
+        network = {"split_s": 4.0 * trial.cell, "endangered_s": 9.0, "breaks": trial.number, "messages_lost": 2}
+        details = json.dumps({"victims": victims, "network": network})
         made.append(outcome_of(trial, victims_saved=count, num_victims=2, details=details))
     return tuple(sorted(made, key=lambda outcome: (outcome.cell, outcome.number)))
 
@@ -56,6 +57,10 @@ def test_tables_contain_the_means_and_the_bound(outcomes):
     assert saved["difference"].startswith("-0.50 [")
     profile = {row["controller"]: row for row in table(made, "profiles")}
     assert profile["clairvoyant"]["within 1.5"].startswith("100")
+    greedy, walk = table(made, "networks")
+    assert (greedy["never split"][:5], walk["never split"][:3]) == ("100 %", "0 %")
+    assert [row["time split [s]"][:3] for row in (greedy, walk)] == ["0.0", "4.0"]
+    assert greedy["links broken"].startswith("1.5 [")
     assert made.notes == ()
 
 

@@ -1,0 +1,310 @@
+"""A team that searches and stays connected: goals that are linked, ways that break no link that is needed, and help.
+
+Each robot predicts links from the plan alone, and uses its own position and the last messages of its teammates;
+docs/search.md has the equations.
+
+1. Goals. Robots are ranked by their work: who approaches a voice goes first, then who explores an area, then who
+   searches; of equal ones, the lower id. A robot listens only at places linked to the goal of a robot that goes first.
+2. Ways. A robot drives only over cells in which it keeps the team connected, with all others where they are now.
+3. Help. If a robot that goes first would lose others where it wants to go, they come nearer.
+4. Healing. If a teammate falls silent, the robot drives back to where it last heard all others.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import msgspec
+import numpy as np
+
+from robotteamsim import _core
+from robotteamsim.control.search.cells import NO_CELL, CellGrid, cell_paths
+from robotteamsim.control.search.team import SearchUpdate, Teammates, Work
+from robotteamsim.propagation import RadioField
+from robotteamsim.scenario.building import Building, Doors
+from robotteamsim.scenario.controllers.search import SearchControl
+from robotteamsim.scenario.sections import Network, Radio
+from robotteamsim.setup import Setup
+from robotteamsim.swarm import Vector
+
+_RANKS: Mapping[Work, int] = {"voice": 0, "area": 1, "search": 2, "wait": 3}
+"""Which work goes first."""
+
+_WANTED_CELLS = 10
+"""How many cells ahead a robot announces where it wants to be, so that others can come in time; chosen in the garage
+with seeds 1 to 26, as is the patience."""
+
+_STEP_M = 1.0
+"""Within this distance a place beside the robot is judged [m]."""
+
+_PATIENCE_S = 5.0
+"""A robot that is held for longer relies on links that are only likely; one that is to help, and is held for twice as
+long, goes nevertheless: others can follow [s]."""
+
+_LATE, _SILENT = 1.5, 3.5
+"""A teammate was heard recently if in the last 1.5 iterations; it is lost if not in the last 3.5."""
+
+_AHEAD_M = 8.0
+"""A robot drives to the farthest place on its way that it can reach in a straight line, within this length [m]."""
+
+_LONGEST_DETOUR = 2.0
+"""A way over cells that keep the team connected is at most so many times as long as the shortest; else others help."""
+
+CellWay = tuple[list[int], Vector]
+"""The cells of a way, the robot's own one first, and the place to drive to now, in `map` [m]."""
+
+_BASE = -1
+"""The rank and id of the base, which goes before all robots, because it cannot come."""
+
+
+def predicted_links(
+    building: Building,
+    robot_radius_m: float,
+    grid: CellGrid,
+    doors: Doors,
+    radio_json: str,
+    network: Network,
+    margin_db: float,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return which links between cells are sure, and which are likely: two arrays of bool, shape (cells, cells).
+
+    A likely link is one between the places of two cells, with a margin. It is sure if all links from each neighbour of
+    one cell to each neighbour of the other are likely: positions of teammates are old, and all robots move. Cells
+    without a free place have no links.
+    """
+    paths = cell_paths(building, robot_radius_m, grid, doors, None)
+    free = np.array([cell for cell in range(grid.size) if paths.place_of(cell) is not None])
+    places_m = np.array([paths.place_of(int(cell)) for cell in free])
+    if network.link == "distance":
+        x_m, y_m = places_m.T
+        is_link = np.hypot(x_m - x_m[:, None], y_m - y_m[:, None]) <= network.max_distance_m
+    else:
+        field = RadioField(building.plan, Radio.model_validate_json(radio_json))
+        for name, closed in doors:
+            field.set_door(name, closed)
+        is_link = field.rssi_matrix_dbm(places_m) >= network.lost_below_dbm + margin_db
+    np.fill_diagonal(is_link, True)
+    links = np.ones((grid.size, grid.size), dtype=bool)
+    links[np.ix_(free, free)] = is_link
+    is_free = np.zeros(grid.size, dtype=bool)
+    is_free[free] = True
+    both = is_free & is_free[:, None]
+    return _of_all_neighbours(_of_all_neighbours(links, grid).T, grid) & both, links & both
+
+
+def _of_all_neighbours(links: np.ndarray, grid: CellGrid) -> np.ndarray:
+    """Return for each cell the links that it and all cells around it have."""
+    rows = np.pad(links.reshape(grid.rows, grid.columns, -1), ((1, 1), (1, 1), (0, 0)), constant_values=True)
+    both: np.ndarray = rows[1:-1, 1:-1] & rows[:-2, 1:-1] & rows[2:, 1:-1] & rows[1:-1, :-2] & rows[1:-1, 2:]
+    return np.ascontiguousarray(both.reshape(links.shape))
+
+
+@dataclass(frozen=True, slots=True)
+class _Placing:
+    """Where the others are or may be: a cell of each by id; `head` is the one to whom all keep their links."""
+
+    cells: Mapping[int, int]
+    head: int
+
+
+class ConnectedTeam:
+    """What one robot does to stay connected with its team."""
+
+    def __init__(self, robot_id: int, setup: Setup, grid: CellGrid, team: Teammates) -> None:
+        scenario = setup.scenario
+        self._tuning = scenario.control.as_kind(SearchControl)
+        self._robot_id, self._grid, self._team, self._building = robot_id, grid, team, setup.building
+        self._reach_m, self._network = setup.robots[robot_id].reach_m, scenario.network
+        self._radio_json = scenario.radio.model_dump_json()
+        self._base_m = None if scenario.base is None else setup.start_m(scenario.base)
+        self._base_cell = NO_CELL
+        self._everywhere = np.ones(grid.size, dtype=bool)
+        self._home = NO_CELL
+        """The cell where the robot was when it last heard all others; NO_CELL once it has been there again."""
+        self._held_s = 0.0
+        """For how long it has been held, less the time in which it has driven since."""
+        self.wanted = NO_CELL
+        """The cell where it wants to be next; NO_CELL if it stands still."""
+
+    def use(self, doors: Doors, paths: _core.control.CellPaths) -> None:
+        """Predict links with doors as they are believed to be now."""
+        key = (self._reach_m, self._grid, doors, self._radio_json, self._network, self._tuning.link_margin_db)
+        self._sure, self._likely = self._building.shared(predicted_links, *key)
+        if self._base_m is not None:
+            self._base_cell = paths.start_of(self._base_m)
+
+    def linked(self, work: Work) -> np.ndarray | None:
+        """Return the cells that a robot with this work may choose, bool; None: all, if nobody goes first.
+
+        They are linked to the goal of a robot that goes first, or would be by the relays that have nothing to do.
+        """
+        first = [self._base_cell, *(u.goal if u.goal != NO_CELL else u.at for u in self._before(work))]
+        first = [cell for cell in first if cell != NO_CELL]
+        if not first:
+            return None
+        found = np.asarray(self._sure[first].any(axis=0))
+        own = self._rank(work, self._robot_id)
+        for update in self._team.updates:
+            if update.work == "wait" and self._rank(update.work, update.robot_id) > own:
+                found = np.asarray(self._sure[found].any(axis=0))
+        return found
+
+    def is_behind(self, work: Work) -> bool:
+        """Whether another robot goes before this one with this work."""
+        return bool(self._before(work))
+
+    def steer(
+        self,
+        position: Vector,
+        at: int,
+        work: Work,
+        goal: int,
+        target: Vector | None,
+        paths: _core.control.CellPaths,
+        time_s: float,
+    ) -> Vector | None:
+        """Return where the robot drives now, so that the team stays connected; None: it stands still.
+
+        Args: position: in `map` [m], in the cell `at`.  goal: the cell to which it drives; NO_CELL if there is none.
+              target: where it would drive now [m], to the goal or to a place beside it; None: it would stand still.
+        """
+        self.wanted = NO_CELL
+        if at == NO_CELL:
+            return target
+        iteration_s = self._tuning.iteration_s
+        if silent := self._team.silent(time_s, _SILENT * iteration_s):
+            return self._way_back(position, at, min(silent), paths)
+        if not self._team.silent(time_s, _LATE * iteration_s):
+            self._home = at
+        placings = self._placings(work)
+        connecting = [self._connecting(placing, self._sure) for placing in placings]
+        kept = [cells for cells in connecting if cells[at]]
+        if self._held_s > _PATIENCE_S:
+            kept = [self._connecting(placings[0], self._likely)]
+        allowed = np.all([self._everywhere, *kept], axis=0)
+        for placing, cells in zip(placings, connecting, strict=True):
+            if not cells[at] and not self._is_with_head(placing, at):
+                return self._help(position, at, placing, cells, allowed, paths)
+        is_whole = bool(connecting[0][at])
+        if target is None:
+            return None
+        if not is_whole and self._held_s <= 2.0 * _PATIENCE_S:
+            self._held_s += iteration_s
+            return None  # Those come who are apart.
+        if goal == NO_CELL:
+            self.wanted = self._cell_towards(position, target, paths)
+            return target if self.wanted == NO_CELL or allowed[self.wanted] else None
+        goals = ~self._everywhere
+        goals[goal] = True
+        way = self._way(position, (goals,), allowed, paths)
+        return target if way is None else self._follow(way, allowed, is_whole)
+
+    def _help(
+        self,
+        position: Vector,
+        at: int,
+        placing: _Placing,
+        connecting: np.ndarray,
+        allowed: np.ndarray,
+        paths: _core.control.CellPaths,
+    ) -> Vector | None:
+        """Return the way to the nearest place, nearer to the head of a placing, that connects all; or else them two."""
+        if self._held_s > 2.0 * _PATIENCE_S:
+            allowed = self._everywhere
+        part = self._part_of(placing.head, placing.cells, self._sure)
+        linked = self._sure[[placing.cells[i] for i in part]].any(axis=0)
+        to_head_m = paths.lengths_from(placing.cells[placing.head])
+        linked &= (to_head_m < to_head_m[at]) | ~np.isfinite(to_head_m[at])
+        way = self._way(position, (connecting & linked, linked), allowed, paths)
+        return None if way is None else self._follow(way, allowed, is_whole=False)
+
+    def _way(
+        self, position: Vector, goals: Sequence[np.ndarray], allowed: np.ndarray, paths: _core.control.CellPaths
+    ) -> CellWay | None:
+        """Return the way over allowed cells to the nearest of the first goals that have one without a long detour.
+
+        Otherwise it is the shortest way to the nearest of the last ones; None if there is none, or they are reached.
+        """
+        shortest = paths.way_within(position, goals[-1], self._everywhere, _AHEAD_M)
+        if shortest is None or len(shortest[0]) < 2:
+            return None
+        for cells in goals:
+            way = paths.way_within(position, cells & allowed, allowed, _AHEAD_M)
+            if way is not None and 1 < len(way[0]) <= _LONGEST_DETOUR * len(shortest[0]):
+                return way
+        return shortest
+
+    def _follow(self, way: CellWay, allowed: np.ndarray, is_whole: bool) -> Vector | None:
+        """Return the place ahead on a way of two cells or more; None if its next cell is not allowed.
+
+        Args: is_whole: whether the team is connected, so that the robot need not hurry.
+        """
+        cells, ahead = way
+        if not allowed[cells[1]]:
+            self._held_s += self._tuning.iteration_s
+            self.wanted = cells[1]
+            return None
+        if is_whole:
+            self._held_s = max(self._held_s - self._tuning.iteration_s, 0.0)
+        self.wanted = cells[min(_WANTED_CELLS, len(cells) - 1)]
+        return ahead
+
+    def _way_back(self, position: Vector, at: int, lost: int, paths: _core.control.CellPaths) -> Vector | None:
+        """Return the way to where the robot last heard all; from there on, to where a lost one with a lower id was."""
+        if self._home == at:
+            self._home = NO_CELL
+        goal = self._home
+        if goal == NO_CELL and lost < self._robot_id:
+            goal = next(update.at for update in self._team.updates if update.robot_id == lost)
+        return None if goal in (NO_CELL, at) else paths.ahead(position, goal, _AHEAD_M)
+
+    @staticmethod
+    def _rank(work: Work, robot_id: int) -> tuple[int, int]:
+        return _RANKS[work], robot_id
+
+    def _before(self, work: Work) -> list[SearchUpdate]:
+        """Return the updates of those that go before this robot with its work, the first one first."""
+        own = self._rank(work, self._robot_id)
+        before = [update for update in self._team.updates if self._rank(update.work, update.robot_id) < own]
+        return sorted(before, key=lambda update: self._rank(update.work, update.robot_id))
+
+    def _placings(self, work: Work) -> list[_Placing]:
+        """Return the team as it is, and as it would be if one of those that go first were where it wants to be."""
+        now = {update.robot_id: update.at for update in self._team.updates if update.at != NO_CELL}
+        before = [update for update in self._before(work) if update.robot_id in now]
+        if self._base_cell != NO_CELL:
+            now[_BASE] = self._base_cell
+        head = _BASE if _BASE in now else before[0].robot_id if before else self._robot_id
+        wanted = [(u.robot_id, u.wanted) for u in before if u.wanted is not msgspec.UNSET and u.wanted != NO_CELL]
+        return [_Placing(now, head), *(_Placing({**now, i: cell}, i) for i, cell in wanted)]
+
+    def _part_of(self, start: int, cells: Mapping[int, int], links: np.ndarray) -> set[int]:
+        """Return the ids of all that are connected with one, itself included. Args: cells: of each, by id."""
+        found, new = {start}, [start]
+        while new:
+            row = links[cells[new.pop()]]
+            near = [i for i, cell in cells.items() if i not in found and row[cell]]
+            found.update(near)
+            new += near
+        return found
+
+    def _connecting(self, placing: _Placing, links: np.ndarray) -> np.ndarray:
+        """Return the cells in which this robot connects all others: those linked to each of their parts, bool."""
+        found = self._everywhere.copy()
+        left = set(placing.cells)
+        while left:
+            part = self._part_of(min(left), placing.cells, links)
+            found &= links[[placing.cells[i] for i in part]].any(axis=0)
+            left -= part
+        return found
+
+    def _is_with_head(self, placing: _Placing, at: int) -> bool:
+        return placing.head in self._part_of(self._robot_id, {**placing.cells, self._robot_id: at}, self._sure)
+
+    def _cell_towards(self, position: Vector, target: Vector, paths: _core.control.CellPaths) -> int:
+        """Return the cell one step ahead on the straight line to a target; NO_CELL if there is none."""
+        share = min(1.0, _STEP_M / max(math.dist(position, target), 1e-9))
+        (x_m, y_m), (to_x_m, to_y_m) = position, target
+        return paths.start_of((x_m + share * (to_x_m - x_m), y_m + share * (to_y_m - y_m)))
