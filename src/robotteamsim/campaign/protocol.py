@@ -68,6 +68,7 @@ class SearchProtocol:
     controllers: names in VARIANTS, registered algorithms, or module:Class; the first is the reference of comparisons.
     buildings:   names in BUILDINGS, shipped scenarios, or files.
     victims:     number of victims at random places, which replace the scenario's own.
+    areas:       whether missions have the building's areas, of which the last one ends the mission.
     """
 
     controllers: tuple[str, ...]
@@ -77,6 +78,7 @@ class SearchProtocol:
     trials: int
     victims: int = 4
     seed: int = 1
+    areas: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,6 +131,8 @@ def search_design(protocol: SearchProtocol) -> Design:
     for building in protocol.buildings:
         base = load_building(building)
         changes = {"victims": (), "random_victims": protocol.victims, "base": None, "patrol": _lattice(base)}
+        if not protocol.areas:
+            changes["areas"] = ()
         mission = _section(Mission, base.mission, "--victims: ", **changes)
         base = base.model_copy(update={"mission": mission})
         for noise_db in protocol.noises_db:
