@@ -57,6 +57,7 @@ BUILDINGS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "garage": ("garage_sar", ()),
     "office": ("office_manet", ("mission.base=null", "mission.time_limit_s=600", _OFFICE_AREAS)),
     "warehouse": ("warehouse_push", ("robots={count: 3, start: [2.0, 7.0, 0.0]}", "objects=[]")),
+    "isr_floor": ("isr_floor_0_sar", ()),
 }
 """By name, the shipped scenario and its changes: the warehouse has a team of equal robots and nothing to push."""
 
@@ -105,8 +106,7 @@ def quick_search() -> SearchProtocol:
 
 def full_search() -> SearchProtocol:
     """Return the full search protocol with the shipped buildings."""
-    noises_db, robots = (10.0, 20.0, 30.0, 40.0), (1, 2, 4, 8, 16)
-    return SearchProtocol(_CONTROLLERS, tuple(BUILDINGS), noises_db, robots, trials=100)
+    return SearchProtocol(_CONTROLLERS, tuple(BUILDINGS), (20.0, 30.0), (1, 3, 8), trials=30)
 
 
 def quick_patrol(building: str = "garage", graph: str | None = None) -> PatrolProtocol:

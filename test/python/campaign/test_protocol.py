@@ -74,7 +74,8 @@ def test_all_cells_of_a_building_have_the_same_victims():
 
 @pytest.mark.slow
 def test_full_protocol_has_room_for_sixteen_robots_in_each_building():
-    design = search_design(replace(full_search(), controllers=("greedy",)))
+    full = full_search()
+    design = search_design(replace(full, controllers=("greedy",), robots=(*full.robots, 16)))
     assert {cell.values[0] for cell in design.cells} == set(BUILDINGS)
     assert max(cell.scenario.num_robots for cell in design.cells) == 16
     assert all(cell.scenario.mission.areas and cell.scenario.mission.base is None for cell in design.cells)
