@@ -6,8 +6,10 @@ import itertools
 from pathlib import Path
 
 import pytest
+import shapely
 
 from robotteamsim.campaign.protocol import SearchProtocol, search_design
+from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.search.areas import Areas, EarlyDrive
 from robotteamsim.control.search.cells import NO_CELL, cell_grid, cell_paths, reachable_cell
 from robotteamsim.control.search.goals import ListeningGoal
@@ -60,6 +62,19 @@ def test_robot_without_work_ignores_a_claim_to_which_it_has_a_much_shorter_path(
     team.hear(_update(0, claimer, "search", goal), 0.0)
     assert team.kept_claims(grid.cell_of((10.5, 5.5)), paths) == []
     assert team.kept_claims(grid.cell_of((3.5, 5.5)), paths) == team.claims == [goal]
+
+
+@pytest.mark.parametrize("radius_m", [0.1, 1.0, 2.3])
+def test_paths_of_a_known_map_keep_out_of_a_disc_to_a_cell(hall, radius_m):
+    scenario, *_ = hall
+    center = (10.0, 5.0)
+    grid = known_map(Building(scenario.plan), 0.2, kept_out=(center, radius_m)).grid
+    corners = grid.waypoints((5.0, 5.0), (15.0, 5.0), 100.0)
+    assert not grid.is_line_free((5.0, 5.0), (15.0, 5.0))
+    lines = [shapely.LineString(line) for line in itertools.pairwise(corners)]
+    nearest_m = min(line.distance(shapely.Point(center)) for line in lines)
+    # At least a body's clearance; of large discs, the rim.
+    assert nearest_m == pytest.approx(max(radius_m, 0.25), abs=0.15)
 
 
 def test_robot_without_work_takes_a_place_as_soon_as_a_teammate_leaves_it(hall):

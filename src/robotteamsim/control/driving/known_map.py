@@ -102,13 +102,13 @@ def known_map(
 
     Robots share it: its contents depend only on these values.
 
-    Args: hot: places that count as occupied.  kept_out: a disc that the robot's centre does not enter.
+    Args: hot: places that count as occupied.  kept_out: a disc that the robot's centre enters by at most one cell.
     """
     return building.shared(KnownMap, robot_radius_m, doors, hot, kept_out)
 
 
 def _within(occupancy: OccupancyGrid, disc: Disc, clearance_m: float) -> np.ndarray:
-    """Return the cells of a grid to block so that no robot with that clearance enters a disc, bool."""
+    """Return the cells of a grid to block so that robots with that clearance keep out of a disc, to a cell; bool."""
     (x, y), radius_m = disc
     rows, columns = np.indices(occupancy.cells.shape)
     x_m = occupancy.origin_m[0] + (columns + 0.5) * occupancy.resolution_m - x
