@@ -60,6 +60,7 @@ BUILDINGS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "garage": ("garage_sar", ()),
     "office": ("office_manet", ("mission.base=null", "mission.time_limit_s=600", _OFFICE_AREAS)),
     "warehouse": ("warehouse_push", ("robots={count: 3, start: [2.0, 7.0, 0.0]}", "objects=[]")),
+    "isr_floor": ("isr_floor_0_sar", ()),
 }
 """By name, the shipped scenario and its changes: the warehouse has a team of equal robots and nothing to push."""
 
@@ -71,6 +72,7 @@ class SearchProtocol:
     controllers: names in VARIANTS, registered algorithms, or module:Class; the first is the reference of comparisons.
     buildings:   names in BUILDINGS, shipped scenarios, or files.
     victims:     number of victims at random places, which replace the scenario's own.
+    areas:       whether missions have the building's areas, of which the last one ends the mission.
     """
 
     controllers: tuple[str, ...]
@@ -80,6 +82,7 @@ class SearchProtocol:
     trials: int
     victims: int = 4
     seed: int = 1
+    areas: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,8 +109,7 @@ def quick_search() -> SearchProtocol:
 
 def full_search() -> SearchProtocol:
     """Return the full search protocol with the shipped buildings."""
-    noises_db, robots = (10.0, 20.0, 30.0, 40.0), (1, 2, 4, 8, 16)
-    return SearchProtocol(_CONTROLLERS, tuple(BUILDINGS), noises_db, robots, trials=100)
+    return SearchProtocol(_CONTROLLERS, tuple(BUILDINGS), (20.0, 30.0), (1, 3, 8), trials=30)
 
 
 def quick_patrol(building: str = "garage", graph: str | None = None) -> PatrolProtocol:
@@ -132,6 +134,8 @@ def search_design(protocol: SearchProtocol) -> Design:
     for building in protocol.buildings:
         base = load_building(building)
         changes = {"victims": (), "random_victims": protocol.victims, "base": None, "patrol": _lattice(base)}
+        if not protocol.areas:
+            changes["areas"] = ()
         mission = _section(Mission, base.mission, "--victims: ", **changes)
         base = base.model_copy(update={"mission": mission})
         for noise_db in protocol.noises_db:

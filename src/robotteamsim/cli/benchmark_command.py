@@ -64,6 +64,7 @@ def add_to(commands: Any) -> None:
     search.add_argument("--building", action="append", metavar="NAME", help=f"{names}; or {SCENARIO_HELP}; repeatable")
     search.add_argument("--noise", type=number, action="append", metavar="DB", help="background noise [dB]; repeatable")
     search.add_argument("--victims", type=whole_number, metavar="N", help="victims in each mission; default 4")
+    search.add_argument("--no-areas", action="store_true", help="no areas to explore: the last one ends a mission")
     search.set_defaults(command=run_search)
     patrol = kinds.add_parser("patrol", help="patrols of a graph", description=_PATROL, epilog=_PATROL_EPILOG)
     patrol.add_argument("--building", default="garage", metavar="NAME", help=f"{names}; or {SCENARIO_HELP}")
@@ -104,6 +105,7 @@ def run_search(options: argparse.Namespace) -> int:
             victims=options.victims,
             seed=options.seed,
         ),
+        areas=not options.no_areas,
     )
     design = protocols.search_design(protocol)
     command = command_line(
@@ -117,6 +119,7 @@ def run_search(options: argparse.Namespace) -> int:
             "--victims": [protocol.victims],
             "--seed": [protocol.seed],
         },
+        *(() if protocol.areas else ("--no-areas",)),
     )
 
     def report(outcomes: tuple[Outcome, ...]) -> Report:

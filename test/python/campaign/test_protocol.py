@@ -55,6 +55,12 @@ def test_cells_are_all_combinations_with_random_victims_in_place_of_the_scenario
         assert len(cell.scenario.mission.areas) == 5
 
 
+def test_search_without_areas_has_the_same_victims_and_no_area():
+    cells = search_design(SMALL).cells, search_design(replace(SMALL, areas=False)).cells
+    for with_areas, without in zip(*cells, strict=True):
+        assert without.scenario.mission == with_areas.scenario.mission.model_copy(update={"areas": ()})
+
+
 def test_all_cells_of_a_building_have_the_same_victims():
     design = search_design(SMALL)
     seeds = {trial.seed for trial in design.all_trials() if trial.number == 1}
@@ -68,7 +74,8 @@ def test_all_cells_of_a_building_have_the_same_victims():
 
 @pytest.mark.slow
 def test_full_protocol_has_room_for_sixteen_robots_in_each_building():
-    design = search_design(replace(full_search(), controllers=("greedy",)))
+    full = full_search()
+    design = search_design(replace(full, controllers=("greedy",), robots=(*full.robots, 16)))
     assert {cell.values[0] for cell in design.cells} == set(BUILDINGS)
     assert max(cell.scenario.num_robots for cell in design.cells) == 16
     assert all(cell.scenario.mission.areas and cell.scenario.mission.base is None for cell in design.cells)

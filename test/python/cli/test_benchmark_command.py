@@ -91,4 +91,4 @@ def test_folder_of_another_benchmark_is_rejected(refusal, tmp_path):
 
 
 def test_quick_is_the_default_and_full_is_larger():
-    assert benchmark_command.protocols.quick_search().trials < benchmark_command.protocols.full_search().trials == 100
+    assert benchmark_command.protocols.quick_search().trials < benchmark_command.protocols.full_search().trials == 30

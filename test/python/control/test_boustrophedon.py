@@ -13,9 +13,10 @@ from robotteamsim.errors import ScenarioError
 from robotteamsim.interface import Task
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.floor_plan import Block
-from robotteamsim.scenario.sections import Mission, PlacedRobot
+from robotteamsim.scenario.sections import Area, Mission, PlacedRobot, Victim, Voice
 from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.setup import resolve
+from robotteamsim.simulation import Simulation
 
 SPACING_M = 2.0
 START = (1.0, 1.0)
@@ -81,7 +82,8 @@ def test_robots_sweep_different_lines_and_follow_a_voice(team, hall_scenario):
 
 
 def test_voice_that_does_not_become_louder_is_given_up_there_until_the_voices_change(team, hall_scenario):
-    hall = team(hall_scenario(control={"algorithm": "boustrophedon"}))
+    areas = tuple(Area(name=f"area_{i}", center=(5.0 * i + 2.0, 5.0)) for i in range(3))
+    hall = team(hall_scenario(mission=Mission(areas=areas), control={"algorithm": "boustrophedon"}))
     outside = (10.0, 9.95)  # In the wall: no robot ever stands next to it.
     hall.hear = lambda position: VoiceReading(50.0, True, outside, 60.0)
     assert all(decision.goal_m == outside for decision in hall.step())
@@ -97,3 +99,30 @@ def test_plan_in_which_no_path_can_begin_is_rejected(hall_scenario, closet):
     scenario = hall_scenario(plan=closet, robots=robots, mission=Mission(), control={"algorithm": "boustrophedon"})
     with pytest.raises(ScenarioError, match=r"hall: control.spacing_m: no line of the sweep crosses floor that"):
         make_controller(0, resolve(scenario))
+
+
+@pytest.mark.parametrize("algorithm", ["boustrophedon", "infotaxis"])
+def test_last_area_is_not_entered_before_the_floor_has_been_searched(hall_scenario, algorithm):
+    areas = (Area(name="start", center=(3.0, 5.0)), Area(name="gate", center=(10.0, 5.0)))
+    victims = (Victim(name="ann", position=(18.5, 1.0)), Victim(name="bob", position=(18.5, 9.0)))
+    scenario = hall_scenario(
+        mission=Mission(areas=areas, victims=victims, time_limit_s=300.0),
+        control={"algorithm": algorithm},
+        voice=Voice(noise_db=60.0),
+    )
+    simulation = Simulation(scenario)
+    simulation.run()
+    assert simulation.mission.status.victims == ("saved", "saved")
+
+
+def test_robots_enter_the_last_area_after_all_have_swept_their_shares(hall_scenario):
+    areas = (Area(name="start", center=(3.0, 5.0)), Area(name="gate", center=(10.0, 5.0)))
+    scenario = hall_scenario(mission=Mission(areas=areas, time_limit_s=600.0), control={"algorithm": "boustrophedon"})
+    simulation = Simulation(scenario)
+    controllers = [guard.controller for guard in simulation.controllers.guards]
+    simulation.mission.start()
+    while simulation.mission.status.state != "ended":
+        before = [controller.is_searched for controller in controllers]
+        simulation.step()
+    assert all(before)
+    assert simulation.mission.status.end == "areas_explored"

@@ -19,13 +19,16 @@ from robotteamsim.simulation import Simulation, StepRecord
 UPDATE = CoverUpdate(2, (1.0 / 3.0, 4.0), (7.0, 8.0), "00ff", (Discovery("victim", "", 4, (1.5, 2.5), 12.3),))
 
 
-def _simulation(hall_scenario, **control) -> Simulation:
+ANN = Victim(name="ann", position=(9.0, 4.0))
+
+
+def _simulation(hall_scenario, victims=(ANN,), noise_db=40.0, **control) -> Simulation:
     poses = [(1.0, 1.0, 0.0), (2.0, 1.0, 0.0), (1.0, 2.0, 0.0)]
     scenario = hall_scenario(
         robots=tuple(PlacedRobot(start_pose=pose) for pose in poses),
-        mission=Mission(base=0, victims=(Victim(name="ann", position=(9.0, 4.0)),), time_limit_s=90.0),
+        mission=Mission(base=0, victims=victims, time_limit_s=90.0),
         control={"algorithm": "cover", **control},
-        voice=Voice(noise_db=40.0),
+        voice=Voice(noise_db=noise_db),
     )
     return Simulation(scenario)
 
@@ -41,6 +44,15 @@ def test_update_keeps_every_bit_as_a_message():
 @pytest.mark.parametrize("payload", ["", "3", "{}", "[]", '{"type": "cover", "robot_id": 1}', '{"type": 1}', "ä"])
 def test_other_messages_are_not_updates(payload):
     assert parse_cover_update(payload) is None
+
+
+def test_each_saved_victim_is_announced_although_another_one_calls_nearby(hall_scenario):
+    eve = Victim(name="eve", position=(11.0, 4.0))
+    simulation = _simulation(hall_scenario, victims=(ANN, eve), noise_db=10.0)
+    for _ in range(400):
+        record = simulation.step()
+    assert record.mission.victims == ("saved", "saved")
+    assert all(len(controller.found) == 2 for controller in _controllers(simulation))
 
 
 def test_team_covers_the_hall_and_announces_the_victim_to_the_base(hall_scenario):

@@ -58,6 +58,10 @@ def run(hall_scenario):
     return run
 
 
+def _controllers(simulation):
+    return [guard.controller for guard in simulation.controllers.guards]
+
+
 def _wall(x_m: float, from_m: float, to_m: float) -> Wall:
     return Wall(name=f"wall_{x_m:g}_{from_m:g}", start=(x_m, from_m), end=(x_m, to_m))
 
@@ -102,6 +106,13 @@ def test_search_without_areas_ends_when_the_rest_is_not_worth_the_time(run):
     assert simulation.mission.status.end == "search_over"
     assert "worth less than the time" in events[-1].detail
     assert simulation.mission.status.victims == ("saved", "saved")
+
+
+@pytest.mark.parametrize("other_m", [(10.2, 4.0), (9.0, 7.0), (17.0, 8.5)])
+def test_each_saved_victim_counts_however_near_another_one_calls(run, other_m):
+    simulation, _ = run(victims=(ANN, Victim(name="eve", position=other_m)), areas=(), noise_db=10.0)
+    assert simulation.mission.status.victims == ("saved", "saved")
+    assert [len(controller.knowledge.found) for controller in _controllers(simulation)] == [2, 2]
 
 
 def test_search_for_nobody_ends_before_the_time_limit(run):

@@ -6,15 +6,21 @@ import itertools
 from pathlib import Path
 
 import pytest
+import shapely
 
+from robotteamsim.campaign.protocol import SearchProtocol, search_design
+from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.search.areas import Areas, EarlyDrive
 from robotteamsim.control.search.cells import NO_CELL, cell_grid, cell_paths, reachable_cell
+from robotteamsim.control.search.goals import ListeningGoal
+from robotteamsim.control.search.knowledge import Knowledge
 from robotteamsim.control.search.team import SearchUpdate, Teammates
 from robotteamsim.interface import Task
 from robotteamsim.scenario import load
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.floor_plan import Wall
-from robotteamsim.scenario.sections import Area, Mission, Victim, Voice
+from robotteamsim.scenario.sections import Area, Mission, Run, Victim, Voice
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation
 
 CUMBERLAND = Path(__file__).parents[2] / "data" / "scenarios" / "cumberland.yaml"
@@ -25,7 +31,7 @@ NEXT, LAST = (3.5, 5.5), (16.5, 5.5)
 def hall(hall_scenario):
     """The hall with an area at each end, its cells, and the paths between them."""
     listed = (Area(name="next", center=NEXT, radius_m=1.0), Area(name="last", center=LAST, radius_m=1.0))
-    scenario = hall_scenario(mission=Mission(areas=listed))
+    scenario = hall_scenario(mission=Mission(areas=listed), control={"algorithm": "search"})
     grid = cell_grid(scenario)
     return scenario, grid, cell_paths(Building(scenario.plan), 0.2, grid, (), None)
 
@@ -56,6 +62,44 @@ def test_robot_without_work_ignores_a_claim_to_which_it_has_a_much_shorter_path(
     team.hear(_update(0, claimer, "search", goal), 0.0)
     assert team.kept_claims(grid.cell_of((10.5, 5.5)), paths) == []
     assert team.kept_claims(grid.cell_of((3.5, 5.5)), paths) == team.claims == [goal]
+
+
+@pytest.mark.parametrize("radius_m", [0.1, 1.0, 2.3])
+def test_paths_of_a_known_map_keep_out_of_a_disc_to_a_cell(hall, radius_m):
+    scenario, *_ = hall
+    center = (10.0, 5.0)
+    grid = known_map(Building(scenario.plan), 0.2, kept_out=(center, radius_m)).grid
+    corners = grid.waypoints((5.0, 5.0), (15.0, 5.0), 100.0)
+    assert not grid.is_line_free((5.0, 5.0), (15.0, 5.0))
+    lines = [shapely.LineString(line) for line in itertools.pairwise(corners)]
+    nearest_m = min(line.distance(shapely.Point(center)) for line in lines)
+    # At least a body's clearance; of large discs, the rim.
+    assert nearest_m == pytest.approx(max(radius_m, 0.25), abs=0.15)
+
+
+def test_robot_without_work_takes_a_place_as_soon_as_a_teammate_leaves_it(hall):
+    scenario, grid, paths = hall
+    knowledge = Knowledge(resolve(scenario), 0, grid, grid.cell_of((2.5, 5.5)))
+    goal, place = ListeningGoal(scenario.control, speed_mps=0.5), grid.cell_of((10.5, 5.5))
+
+    def choose(claims, time_s):
+        start = grid.cell_of((2.5, 5.5))
+        return goal.choose(knowledge.belief, paths, start, [place], claims, claims, 4.0, time_s)
+
+    assert choose([place], 0.0) == NO_CELL
+    # Long before the next regular choice: meanwhile the team might end the search.
+    assert choose([], 0.1) == place
+
+
+@pytest.mark.slow
+def test_goal_of_a_teammate_who_is_out_of_contact_is_not_left_unsearched():
+    # Two victims are 1.6 m apart, and nobody else took over the goal of a teammate who was not heard any more.
+    protocol = SearchProtocol(("search",), ("office",), (30.0,), (3,), trials=2, seed=7, areas=False)
+    design = search_design(protocol)
+    *_, trial = design.all_trials()
+    simulation = Simulation(design.cells[0].scenario.model_copy(update={"run": Run(seed=trial.seed)}))
+    simulation.run()
+    assert simulation.mission.status.victims_saved == 4
 
 
 def test_voice_in_a_cell_without_a_path_is_looked_for_from_the_nearest_cell_with_one(hall):

@@ -4,25 +4,38 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from robotteamsim.control.baselines.searching import RouteController
 from robotteamsim.control.driving.known_map import GRID_RESOLUTION_M, known_map
+from robotteamsim.control.driving.path_controller import Situation
 from robotteamsim.errors import ScenarioError
+from robotteamsim.interface.payload import Index, Update, update_reader
+from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.controllers.routes import BoustrophedonControl
 from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
 
+class Swept(Update, frozen=True, tag="boustrophedon"):
+    """The message of a robot that has swept its share."""
+
+    robot_id: Index
+
+
+parse_swept = update_reader(Swept, kept=1024)
+"""Return what a teammate tells; None if it is another message."""
+
+
 class BoustrophedonController(RouteController):
-    """Sweeps its share of the floor, then those of the other robots in turn; it sends no messages.
+    """Sweeps its share of the floor, then those of the other robots in turn.
 
     All robots compute the same sweep from the start of robot 0 and begin at equal distances along it. A voice that is
-    heard interrupts the sweep.
+    heard interrupts the sweep. A robot tells the others when it has swept its share.
     """
 
     def __init__(self, robot_id: int, setup: Setup) -> None:
@@ -37,11 +50,35 @@ class BoustrophedonController(RouteController):
                 f"{scenario.name}: control.spacing_m: no line of the sweep crosses floor that robots can reach"
             )
         self._places = [end for segment in segments for end in segment]
-        self._index = 2 * shares(segments, scenario.num_robots)[robot_id]
+        begins = (*shares(segments, scenario.num_robots), len(segments))
+        self._index = 2 * begins[robot_id]
+        self._share = 2 * (begins[robot_id + 1] - begins[robot_id])
+        """Number of places in its share."""
+        self._num_done = 0
+        """Number of places that it has reached or given up."""
+        self._others = set(range(scenario.num_robots)) - {robot_id}
+        """The robots that are not known to have swept their shares."""
+
+    @property
+    def is_searched(self) -> bool:
+        """Whether all robots have swept their shares, or this one has swept the whole floor."""
+        return self._num_done >= (len(self._places) if self._others else self._share)
+
+    def _listen(self, inbox: Sequence[Message]) -> None:
+        for message in inbox:
+            swept = parse_swept(message.payload)
+            if swept is not None:
+                self._others.discard(swept.robot_id)
+
+    def _look(self, now: Situation) -> tuple[Message, ...]:
+        if self._num_done < self._share:
+            return ()
+        return (Message(self.robot_id, EVERYBODY, Swept(self.robot_id).to_json()),)
 
     def _next_place(self, position: Vector, is_done: bool) -> Vector:
         if is_done:
             self._index = (self._index + 1) % len(self._places)
+            self._num_done += 1
         return self._places[self._index]
 
 

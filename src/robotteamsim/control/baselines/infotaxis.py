@@ -62,6 +62,8 @@ class Belief:
         self._silent_at: set[int] = set()
         self._heard_at: set[int] = set()
         self._visited: set[int] = set()
+        self.is_searched = False
+        """Whether the whole floor has been searched at least once."""
 
     def add(self, place: int, heard: bool, probabilities: np.ndarray) -> None:
         """Add a reading. Args: probabilities: of hearing a victim at each place from `place`."""
@@ -93,6 +95,7 @@ class Belief:
 
     def _start_again_if_searched(self) -> None:
         if self._silent.mean() < _LEAST_SHARE:
+            self.is_searched = True
             self._silent[:] = 1.0
             self._silent_at.clear()
             self._visited.clear()
@@ -158,6 +161,11 @@ class InfotaxisController(RouteController):
         self._intends = 0
         self._given_up: set[int] = set()
         """Places that took too long to reach since the voice map last changed."""
+
+    @property
+    def is_searched(self) -> bool:
+        """Whether the belief of this robot has excluded the whole floor once."""
+        return self._belief.is_searched
 
     def _forget_voices(self) -> None:
         self._belief.forget_voices()

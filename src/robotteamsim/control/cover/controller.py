@@ -48,8 +48,8 @@ class CoverController:
         self._ruled_out = RuledOut(scenario, control.rule_out_places)
 
         self._epoch = 0
-        self._loudest: Vector | None = None
-        """The loudest cell of the previous step, if it was as loud as a victim within 1 m."""
+        self._was_beside: VoiceReading | None = None
+        """The voice of the previous step, if it was as loud as a victim within 1 m."""
         self._team: dict[int, tuple[float, CoverUpdate]] = {}
         """The last update of each teammate, and its time of arrival [s]."""
         self._teammates: dict[int, Vector] = {}
@@ -87,7 +87,7 @@ class CoverController:
         self._driver.hot.look(observation.robot)
         voice = observation.voice
         is_beside = voice.heard and voice.local_best_level_db >= self._level_at_1_m_db
-        self._loudest = voice.local_best_m if is_beside else None
+        self._was_beside = voice if is_beside else None
         for message in inbox:
             update = parse_cover_update(message.payload)
             if update is None or update.robot_id == self._robot_id or not self._cover.merge(update.covered):
@@ -123,14 +123,17 @@ class CoverController:
         return Decision(twist=twist, outbox=outbox, goal_m=goal)
 
     def _note_victim(self, observation: Observation) -> None:
-        """Note a victim that the robot has reached: a voice next to it that falls silent."""
-        if self._loudest is None:
+        """Note a victim that the robot has reached: a voice next to it that falls silent.
+
+        Another voice may still be heard there, but not as loud.
+        """
+        was = self._was_beside
+        if was is None or observation.voice.local_best_level_db >= was.local_best_level_db:
             return
-        pose, voice = self._driver.pose(observation), observation.voice
-        is_silent = not voice.heard or math.dist(voice.local_best_m, self._loudest) > self._found_within_m
-        if is_silent and math.dist((pose.x_m, pose.y_m), self._loudest) <= self._found_within_m:
+        pose = self._driver.pose(observation)
+        if math.dist((pose.x_m, pose.y_m), was.local_best_m) <= self._found_within_m:
             time_s = observation.sim_time_ns * 1e-9
-            self._add_victim(Discovery("victim", "", self._robot_id, self._loudest, time_s))
+            self._add_victim(Discovery("victim", "", self._robot_id, was.local_best_m, time_s))
 
     def _add_victim(self, victim: Discovery) -> None:
         """Add a victim, unless one at that place is already known."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from robotteamsim.control.driving.hot_places import HotPlaces
-from robotteamsim.control.driving.known_map import known_map
+from robotteamsim.control.driving.known_map import Disc, known_map
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.interface import Observation, Task
@@ -26,15 +26,19 @@ class Driver:
         """The hot places that it knows."""
         self.doors: Doors = ()
         """The doors that differ from the plan in `map`."""
+        self._kept_out: Disc | None = None
         self.map = known_map(setup.building, body.reach_m)
         """Free space, with doors and hot places as believed at the last update."""
 
-    def update_map(self, sim_time_ns: int, doors: Doors = ()) -> bool:
-        """Use the map with hot places and doors as believed now; return whether it has changed."""
-        if not self.hot.update(sim_time_ns) and doors == self.doors:
+    def update_map(self, sim_time_ns: int, doors: Doors = (), kept_out: Disc | None = None) -> bool:
+        """Use the map with hot places and doors as believed now; return whether it has changed.
+
+        Args: kept_out: a disc that paths do not enter.
+        """
+        if not self.hot.update(sim_time_ns) and (doors, kept_out) == (self.doors, self._kept_out):
             return False
-        self.doors = doors
-        self.map = known_map(self._building, self._reach_m, doors, self.hot.blocked)
+        self.doors, self._kept_out = doors, kept_out
+        self.map = known_map(self._building, self._reach_m, doors, self.hot.blocked, kept_out)
         return True
 
     def closed_area(self, task: Task, position: Vector) -> Vector | None:

@@ -9,7 +9,7 @@ from robotteamsim import _core
 from robotteamsim.control.driving.hot_places import with_hot_blocks
 from robotteamsim.scenario.building import Building, Doors
 from robotteamsim.scenario.fire import Block
-from robotteamsim.scenario.plan import FREE
+from robotteamsim.scenario.plan import FREE, OccupancyGrid
 from robotteamsim.swarm import Vector
 
 GRID_RESOLUTION_M = 0.1
@@ -17,6 +17,9 @@ GRID_RESOLUTION_M = 0.1
 
 MARGIN_M = 0.05
 """Clearance between a robot's body and the plan, in addition to that of the conservative occupancy grid."""
+
+Disc = tuple[Vector, float]
+"""Centre in `map` and radius [m]."""
 
 UNREACHABLE_M = 1e4
 """Added to the straight distance if there is no free path to a goal, so that any reachable place is better."""
@@ -45,12 +48,14 @@ class KnownMap:
         robot_radius_m: float,
         doors: Doors,
         hot: tuple[Block, ...] = (),
+        kept_out: Disc | None = None,
     ) -> None:
-        occupancy = building.grid(GRID_RESOLUTION_M, doors)
+        occupancy, clearance_m = building.grid(GRID_RESOLUTION_M, doors), robot_radius_m + MARGIN_M
         cells = with_hot_blocks(occupancy, hot) if hot else occupancy.cells
-        self.grid = _core.plan.PlanningGrid(
-            cells != FREE, occupancy.origin_m, GRID_RESOLUTION_M, robot_radius_m + MARGIN_M
-        )
+        blocked = cells != FREE
+        if kept_out is not None:
+            blocked |= _within(occupancy, kept_out, clearance_m)
+        self.grid = _core.plan.PlanningGrid(blocked, occupancy.origin_m, GRID_RESOLUTION_M, clearance_m)
         self._distance_maps: dict[Vector, np.ndarray | None] = {}
         self._pieces: dict[tuple[Vector, float], list[np.ndarray]] = {}
 
@@ -110,9 +115,28 @@ class KnownMap:
         return distances
 
 
-def known_map(building: Building, robot_radius_m: float, doors: Doors = (), hot: tuple[Block, ...] = ()) -> KnownMap:
-    """Return the map for a building, a robot's radius [m], the doors believed to differ from the plan, and hot places.
+def known_map(
+    building: Building,
+    robot_radius_m: float,
+    doors: Doors = (),
+    hot: tuple[Block, ...] = (),
+    kept_out: Disc | None = None,
+) -> KnownMap:
+    """Return the map for a building and a robot's radius [m], with doors that are believed to differ from the plan.
 
     Robots share it: its contents depend only on these values.
+
+    Args: hot: places that count as occupied.  kept_out: a disc that the robot's centre enters by at most one cell.
     """
-    return building.shared(KnownMap, robot_radius_m, doors, hot)
+    return building.shared(KnownMap, robot_radius_m, doors, hot, kept_out)
+
+
+def _within(occupancy: OccupancyGrid, disc: Disc, clearance_m: float) -> np.ndarray:
+    """Return the cells of a grid to block so that robots with that clearance keep out of a disc, to a cell; bool."""
+    (x, y), radius_m = disc
+    rows, columns = np.indices(occupancy.cells.shape)
+    x_m = occupancy.origin_m[0] + (columns + 0.5) * occupancy.resolution_m - x
+    y_m = occupancy.origin_m[1] + (rows + 0.5) * occupancy.resolution_m - y
+    # At least the cell in the middle.
+    reach_m = max(radius_m - clearance_m, occupancy.resolution_m)
+    return np.asarray(np.hypot(x_m, y_m) <= reach_m)

@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from robotteamsim.control.driving.driver import Driver
+from robotteamsim.control.driving.known_map import Disc
 from robotteamsim.control.driving.wander import Wander
 from robotteamsim.control.runtime.streams import robot_stream
 from robotteamsim.geometry import Pose
@@ -53,13 +54,17 @@ class PathController(abc.ABC):
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """Return the command and the messages of this step; the robot stands still while the mission does not run."""
         self.driver.hot.look(observation.robot)
-        self.driver.update_map(observation.sim_time_ns)
+        self.driver.update_map(observation.sim_time_ns, kept_out=self._kept_out(task))
         now = Situation(observation, inbox, task, self.driver.pose(observation))
         self._note(now)
         return self._decide(now) if task.running else Decision()
 
     def _note(self, now: Situation) -> None:  # noqa: B027  (few controllers need it)
         """Note the input of a step, also while the mission does not run; nothing by default."""
+
+    def _kept_out(self, task: Task) -> Disc | None:
+        """Return a disc that paths must not enter in this step; None by default."""
+        return None
 
     @abc.abstractmethod
     def _decide(self, now: Situation) -> Decision:

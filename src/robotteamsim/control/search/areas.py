@@ -8,7 +8,8 @@ import math
 import numpy as np
 
 from robotteamsim import _core
-from robotteamsim.control.search.cells import NO_CELL, CellGrid, Disc
+from robotteamsim.control.driving.known_map import Disc
+from robotteamsim.control.search.cells import NO_CELL, CellGrid
 from robotteamsim.control.search.team import Teammates
 from robotteamsim.interface import Task
 from robotteamsim.scenario.scenario import Scenario
@@ -19,27 +20,16 @@ _KEPT_OUT_M = 0.3
 """Clearance from the last area, which ends the mission [m]."""
 
 
-class Areas:
+class AreaOrder:
     """The areas in their order, of which the mission names the next one.
 
     The last area ends the mission, so the team explores it when the search is done. Until then it keeps out of it.
     """
 
-    def __init__(self, scenario: Scenario, grid: CellGrid) -> None:
+    def __init__(self, scenario: Scenario) -> None:
         self._areas = scenario.mission.areas
-        self._grid = grid
         self._next = 0
         self._center: Vector | None = None
-        self.cell = NO_CELL
-        """The cell from which the next area can be explored; NO_CELL if there is none."""
-        self._is_measured = False
-        """Whether the cells were found from a place of the robot on free floor."""
-        self._later_cells: list[int] = []
-        """The cells of the areas after the next one."""
-        self.tour_m = 0.0
-        """The length of the path from the next area through all others [m]."""
-        self.last_leg_m = 0.0
-        """The length of the path from the area before the last one to the last one [m]."""
 
     def follow(self, task: Task) -> bool:
         """Adopt the mission's next area; return whether it has changed."""
@@ -53,11 +43,6 @@ class Areas:
             self._areas, following = (self._areas[of_task[0]],), [0]
         self._next = following[0] if following else len(self._areas)
         return True
-
-    @property
-    def closed_center_m(self) -> Vector | None:
-        """The centre of the next area if no path to it was found, in `map` [m]; else None."""
-        return self.next.center if self.next is not None and self._is_measured and not self.is_possible else None
 
     @property
     def next(self) -> Area | None:
@@ -82,6 +67,11 @@ class Areas:
         last = self._areas[-1]
         return last.center, last.radius_m + _KEPT_OUT_M
 
+    @property
+    def kept_out_soon(self) -> Disc | None:
+        """That disc, when the last area is the next one or the one after it; a robot in it could not leave in time."""
+        return self.kept_out if self.num_left <= 2 else None
+
     def nearest_outside(self, place: Vector) -> Vector:
         """Return the nearest place that does not end the mission: another one only if the last area is the next."""
         if not self.is_last or self.kept_out is None:
@@ -100,6 +90,24 @@ class Areas:
         center, radius_m = self.kept_out
         return _distance_to_segment(center, start, end) < radius_m - 0.5 * _KEPT_OUT_M
 
+
+class Areas(AreaOrder):
+    """The areas in their order, and the paths to them."""
+
+    def __init__(self, scenario: Scenario, grid: CellGrid) -> None:
+        super().__init__(scenario)
+        self._grid = grid
+        self.cell = NO_CELL
+        """The cell from which the next area can be explored; NO_CELL if there is none."""
+        self._is_measured = False
+        """Whether the cells were found from a place of the robot on free floor."""
+        self._later_cells: list[int] = []
+        """The cells of the areas after the next one."""
+        self.tour_m = 0.0
+        """The length of the path from the next area through all others [m]."""
+        self.last_leg_m = 0.0
+        """The length of the path from the area before the last one to the last one [m]."""
+
     def measure(self, paths: _core.control.CellPaths, start: int) -> None:
         """Find the cells of the remaining areas that a robot can reach from a cell, and the length of the tour."""
         self._is_measured = start != NO_CELL
@@ -110,6 +118,11 @@ class Areas:
         legs_m = [paths.length_m(a, b) for a, b in itertools.pairwise(reached)]
         self.tour_m = sum(length_m for length_m in legs_m if math.isfinite(length_m))
         self.last_leg_m = legs_m[-1] if legs_m and math.isfinite(legs_m[-1]) else 0.0
+
+    @property
+    def closed_center_m(self) -> Vector | None:
+        """The centre of the next area if no path to it was found, in `map` [m]; else None."""
+        return self.next.center if self.next is not None and self._is_measured and not self.is_possible else None
 
     @property
     def must_be_measured(self) -> bool:

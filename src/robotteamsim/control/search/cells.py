@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robotteamsim import _core
-from robotteamsim.control.driving.known_map import known_map
+from robotteamsim.control.driving.known_map import Disc, known_map
 from robotteamsim.propagation import voice_obstacles
 from robotteamsim.scenario.building import Building, Doors
 from robotteamsim.scenario.controllers.search import SearchControl
@@ -14,9 +14,6 @@ from robotteamsim.scenario.fire import Block
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Voice
 from robotteamsim.swarm import Vector
-
-Disc = tuple[Vector, float]
-"""Centre in `map` and radius [m]."""
 
 NO_CELL = -1
 

@@ -21,8 +21,8 @@ from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.controllers.search import SearchControl
+from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.setup import Setup
-from robotteamsim.swarm import Vector
 
 _SHOWN_S = 5.0
 """Period with which a robot publishes its belief for display [s]."""
@@ -58,7 +58,8 @@ class SearchController:
         self._voice: Hunted | None = None
         self._num_found = 0
         """How many found victims the robot knew in the last iteration."""
-        self._was_beside_m: Vector | None = None
+        self._was_beside: VoiceReading | None = None
+        """The voice of the last step, if its victim must have been next to the robot."""
         self._next_shown_s = 0.0
         self._standing = Decision()
         """The decision to stand still in this iteration."""
@@ -75,7 +76,7 @@ class SearchController:
             self._note_found(observation)
             self._choice.begin_epoch()
         self.knowledge.noise.note(observation.voice, task.epoch)
-        self._was_beside_m = self._hunt.beside(observation.voice) if observation.voice.heard else None
+        self._was_beside = observation.voice if self._hunt.beside(observation.voice) is not None else None
         if task.running:
             if self._last_ns is not None:
                 self._elapsed_ns += observation.sim_time_ns - self._last_ns
@@ -167,12 +168,13 @@ class SearchController:
         self._choice.choose(position, self._voice, time_s, self._elapsed_ns * 1e-9)
 
     def _note_found(self, observation: Observation) -> None:
-        """Note a victim whom the robot has reached: a voice beside it that falls silent in a new epoch."""
-        if self._was_beside_m is None:
+        """Note a victim whom the robot has reached: a voice beside it that falls silent in a new epoch.
+
+        Another voice may still be heard there, but not as loud.
+        """
+        was, self._was_beside = self._was_beside, None
+        if was is None or observation.voice.local_best_level_db >= was.local_best_level_db:
             return
-        pose, voice = self._driver.pose(observation), observation.voice
-        within_m = self._reached_within_m
-        is_silent = not voice.heard or math.dist(voice.local_best_m, self._was_beside_m) > within_m
-        if is_silent and math.dist((pose.x_m, pose.y_m), self._was_beside_m) <= within_m:
-            self.knowledge.add_found(self._was_beside_m)
-        self._was_beside_m = None
+        pose = self._driver.pose(observation)
+        if math.dist((pose.x_m, pose.y_m), was.local_best_m) <= self._reached_within_m:
+            self.knowledge.add_found(was.local_best_m)

@@ -53,6 +53,8 @@ class ListeningGoal:
         self._avoided: dict[int, float] = {}
         """Cells, and until when they are avoided [s]."""
         self._next_choice_s = 0.0
+        self._claims: list[int] = []
+        """Those at the last choice."""
         self.cell = NO_CELL
         """NO_CELL if no place is worth the time."""
 
@@ -97,7 +99,9 @@ class ListeningGoal:
                     self.avoid(self.cell, time_s)
                 self.clear()
                 rate = 0.0
-        if time_s >= self._next_choice_s:
+        # Without a goal, a robot must not end the search before it has compared the places that teammates have left.
+        if time_s >= self._next_choice_s or (self.cell == NO_CELL and claims != self._claims):
+            self._claims = claims
             self._next_choice_s = time_s + self._tuning.choose_s
             self._avoided = {cell: until_s for cell, until_s in self._avoided.items() if until_s > time_s}
             if self._avoided:

@@ -52,7 +52,8 @@ class Knowledge:
         self._save_distance_m, self._tuning = scenario.mission.save_distance_m, search
         self._mean_victims = search.expected_victims
         self._step_db = loss_step_db(voice)
-        self._found_within_m = 2.0 * scenario.mission.save_distance_m + voice.map_resolution_m
+        # A victim is loudest in one cell of the voice map, or in two that are neighbours.
+        self._found_within_m = 1.5 * voice.map_resolution_m
         self.noise = NoiseEstimate(search.assumed_noise_db)
         """The robot's own estimate, from its readings."""
         self.noise_db = search.assumed_noise_db

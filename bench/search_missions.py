@@ -1,0 +1,73 @@
+"""Writes the missions of search benchmarks that are complete, one per line, for the tables of docs/search.md.
+
+Args: folders that `robotteamsim benchmark search --out` wrote. Cells with fewer missions than asked for are left out
+and named. Printed, per cell: victims saved, time to save all (the limit where not all were), and areas explored.
+
+python bench/search_missions.py full_garage full_office --missions 30 --csv bench/results/search_missions.csv
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import math
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+
+from robotteamsim.analysis.benchmark.measures import last_saved_s
+from robotteamsim.campaign import read_store
+
+CSV = Path(__file__).resolve().parent / "results" / "search_missions.csv"
+_CELL = ("building", "areas", "noise_db", "robots", "controller")
+_MISSION = ("trial", "seed", "end", "time_s", "areas_explored", "victims_saved", "last_saved_s", "trajectory_hash")
+
+
+def missions(folder: Path) -> dict[tuple[object, ...], list[tuple[object, ...]]]:
+    """Return the missions of each cell of a benchmark, by the values of `_CELL`."""
+    stored = read_store(folder)
+    limit_s = stored.settings["scenario"]["mission"]["time_limit_s"]
+    cells: dict[tuple[object, ...], list[tuple[object, ...]]] = defaultdict(list)
+    for outcome in stored.outcomes:
+        building, *rest = stored.settings["cells"][outcome.cell]
+        last_s = last_saved_s(outcome)
+        cells[(Path(building).stem, outcome.num_areas, *rest)].append(
+            (
+                outcome.number,
+                outcome.seed,
+                outcome.end,
+                round(outcome.time_s or 0.0, 1),
+                outcome.areas_explored,
+                outcome.victims_saved,
+                last_s if math.isfinite(last_s) else limit_s,
+                (outcome.trajectory_hash or "")[:12],
+            )
+        )
+    return cells
+
+
+def main() -> None:
+    """Write the complete cells, and print their means."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folders", type=Path, nargs="+", metavar="DIR")
+    parser.add_argument("--missions", type=int, required=True, help="of a complete cell")
+    parser.add_argument("--csv", type=Path, default=CSV)
+    options = parser.parse_args()
+    with options.csv.open("w", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow((*_CELL, *_MISSION))
+        for folder in options.folders:
+            for cell, rows in missions(folder).items():
+                name = ", ".join(map(str, cell))
+                if len(rows) < options.missions:
+                    print(f"{name}: left out: {len(rows)} of {options.missions} missions")
+                    continue
+                writer.writerows((*cell, *row) for row in rows)
+                saved, last_s = (np.array([row[i] for row in rows], dtype=float) for i in (5, 6))
+                areas = np.mean([float(str(row[4])) for row in rows])
+                print(f"{name}: {saved.mean():.2f} victims, all after {last_s.mean():.0f} s, {areas:.1f} areas")
+
+
+if __name__ == "__main__":
+    main()
