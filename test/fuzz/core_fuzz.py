@@ -13,7 +13,6 @@ import faulthandler
 import math
 import os
 import random
-import resource
 import signal
 import struct
 import sys
@@ -23,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from peak_memory import peak_memory_mb
 
 ODD = (
     *(math.nan, math.inf, -math.inf, 1e308, -1e308, 1e18, -1e18, 1e9, 5e-324, -5e-324, 1e-310, 0.0, -1.0),
@@ -117,7 +117,7 @@ def main() -> None:
     some = each_once(valid) if options.seconds is None else at_random(valid, options.seconds, options.seed)
     for count, call in enumerate(some, 1):  # noqa: B007
         check(call)
-    memory_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
+    memory_mb = peak_memory_mb()
     assert options.core or memory_mb < MEMORY_LIMIT_MB, f"{memory_mb} MB"
     print(f"core_fuzz: {count} inputs, seed {options.seed}, {memory_mb} MB: nothing found")
 

@@ -11,7 +11,6 @@ import argparse
 import contextlib
 import faulthandler
 import random
-import resource
 import tempfile
 import time
 from collections.abc import Callable
@@ -19,6 +18,8 @@ from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import Any
+
+from peak_memory import peak_memory_mb
 
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.recording.topics import base, decisions, mission, radio, robots, world
@@ -229,7 +230,7 @@ def main() -> None:
     for name in options.targets or TARGETS:
         with tempfile.TemporaryDirectory() as folder:
             count = fuzz(name, Path(folder), options.seconds, options.seed)
-        memory_mb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024
+        memory_mb = peak_memory_mb()
         assert memory_mb < MEMORY_LIMIT_MB, f"{name}: {memory_mb} MB"
         print(f"input_fuzz: {name}: {count} inputs, seed {options.seed}, {memory_mb} MB: nothing found", flush=True)
 
