@@ -72,7 +72,7 @@ def run(hall_scenario):
 
 
 def _update(robot_id: int, at: int, work: str = "search", goal: int = NO_CELL, wanted: int = NO_CELL) -> SearchUpdate:
-    return SearchUpdate(robot_id, (0.0, 0.0), at, work, goal, None, None, 0.0, (), "", (), wanted)
+    return SearchUpdate(robot_id, (0.0, 0.0), at, work, goal, None, None, 0.0, (), "", wanted=wanted)
 
 
 def test_link_is_sure_if_it_is_likely_from_all_cells_around_both_ends(hall):

@@ -54,7 +54,7 @@ class HeatSensor(Sensor):
             header=header(make, time_ns, MAP_FRAME),
             temperature_c=reading.temperature_c,
             hot=[point(make, place) for place in reading.hot_m],
-            hot_c=list(reading.hot_c),
+            hot_c=np.array(reading.hot_c, dtype=np.float64),
         )
 
     def reading(self, message: Any) -> HeatReading:
