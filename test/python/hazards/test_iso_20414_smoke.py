@@ -30,7 +30,7 @@ def mission(
         "plan": {"name": "room", "bounds": {"max": list(size_m)}},
         "robots": {"count": 1, "start": [0.5, 0.5, 0.0]},
         "command_centre": 0,
-        "firefighters": {"count": 1, "start": [0.5, 1.5, 0.0], "searches": False},
+        "firefighters": {"count": 1, "start": [0.5, 1.5, 0.0], "searches": False, "block_c": 2000.0},
         "control": {"algorithm": "cover"},
         "fire": {"fds": write_run(folder, slices, size_m), "heat": {"block_c": 2000.0, "robot_limit_c": 2000.0}},
         "mission": {
