@@ -152,3 +152,11 @@ def test_robots_send_hot_places_and_nothing_without_a_fire():
     ]
     assert any('"hot":[[' in payload for payload in payloads(*near))
     assert not any('"hot"' in payload for payload in payloads("fire.ignitions=[]"))
+
+
+def test_place_above_a_limit_with_a_fraction_is_hot():
+    hot = HotPlaces(load_floor_plan("garage"), 60.5)
+    warm = {"heat": HeatReading(20.0, ((30.5, 7.5),), (60.7,))}
+    nothing_m = np.zeros(0, np.float32)
+    hot.look(RobotReading(ODOMETRY.pose, Twist(), ODOMETRY, nothing_m, in_contact=False, sensors=warm))
+    assert hot.in_sight == ((7, 30),)

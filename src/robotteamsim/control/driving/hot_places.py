@@ -29,7 +29,7 @@ class HotPlaces:
 
     def __init__(self, plan: FloorPlan, limit_c: float) -> None:
         """Args: limit_c: from this temperature on, a place is too hot [degC]."""
-        self._origin_m, self._limit_c = plan.bounds.min, limit_c
+        self._origin_m, self._limit_c = plan.bounds.min, math.floor(limit_c)  # temperatures are rounded down, too
         self.known: set[Block] = set()
         """All known blocks, also those that paths do not avoid yet."""
         self._next_ns = 0
@@ -61,7 +61,9 @@ class HotPlaces:
         self.known.update(self._too_hot(blocks))
 
     def _too_hot(self, blocks: Iterable[HotBlock]) -> tuple[Block, ...]:
-        return tuple((row, column) for row, column, temperature_c in blocks if temperature_c >= self._limit_c)
+        return tuple(
+            (row, column) for row, column, temperature_c in blocks if temperature_c >= math.floor(self._limit_c)
+        )
 
     def update(self, sim_time_ns: int) -> bool:
         """Let paths avoid all known blocks, unless they have changed shortly before; return whether they change."""

@@ -28,7 +28,7 @@ _POINTS_PER_RADIUS = 40
 """A disc is looked at in so many points per radius, or in all cells of the grid."""
 
 _KEPT_DISTANCE_MAPS = 64
-"""More than the goals of a mission, which are its areas and the vertices of a patrol."""
+"""Of goals, and of discs: more than a mission has areas and a patrol vertices."""
 
 
 class KnownMap:
@@ -93,6 +93,8 @@ class KnownMap:
     def _pieces_of(self, center: Vector, radius_m: float) -> list[np.ndarray]:
         """Return a distance map of each separate piece of the free floor in a disc, float32, shape (rows, cols) [m]."""
         if (center, radius_m) not in self._pieces:
+            while len(self._pieces) >= _KEPT_DISTANCE_MAPS:
+                del self._pieces[next(iter(self._pieces))]
             pieces: list[np.ndarray] = []
             spacing_m = max(GRID_RESOLUTION_M, radius_m / _POINTS_PER_RADIUS)
             offsets_m = np.arange(-radius_m, radius_m + 0.5 * spacing_m, spacing_m).tolist()

@@ -105,7 +105,7 @@ class FloorSearch:
 
     def pause(self) -> None:
         """Go nowhere for now."""
-        self.goal = None
+        self.goal, self._voice_db = None, -math.inf
 
     def update(self, position: Point, hot: tuple[HotBlock, ...] = ()) -> CoverUpdate:
         """Return the message to the team. Args: hot: the hot places in sight."""

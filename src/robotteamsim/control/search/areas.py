@@ -27,7 +27,7 @@ class AreaOrder:
     """
 
     def __init__(self, scenario: Scenario) -> None:
-        self._areas = scenario.mission.areas
+        self._all = self._areas = scenario.mission.areas
         self._next = 0
         self._center: Vector | None = None
 
@@ -36,11 +36,10 @@ class AreaOrder:
         if task.area_center_m == self._center:
             return False
         self._center = task.area_center_m
-        of_task = [i for i, area in enumerate(self._areas) if area.center == self._center]
-        following = [i for i in of_task if i >= self._next]
-        if of_task and not following:
-            # It was passed over, and its turn comes again after all others.
-            self._areas, following = (self._areas[of_task[0]],), [0]
+        following = [i for i, area in enumerate(self._areas) if i >= self._next and area.center == self._center]
+        passed_over = [] if following else [area for area in self._all if area.center == self._center]
+        if passed_over:
+            self._areas, following = (passed_over[0],), [0]  # its turn comes again after all others
         self._next = following[0] if following else len(self._areas)
         return True
 

@@ -118,7 +118,8 @@ class SearchController:
         update = update_of(message)
         if update is None or update.robot_id == self._robot_id:
             return
-        if max(update.goal, update.at) >= self._grid.size or not self.knowledge.merge(update.listened, update.found):
+        cells = update.goal, update.at, NO_CELL if update.wanted is msgspec.UNSET else update.wanted
+        if max(cells) >= self._grid.size or not self.knowledge.merge(update.listened, update.found):
             return
         self._team.hear(update, time_s)
         self._doors.hear(update.doors)

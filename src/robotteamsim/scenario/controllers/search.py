@@ -14,7 +14,7 @@ from robotteamsim.scenario.controllers.base import Control
 from robotteamsim.scenario.controllers.driving import DoorTuning
 
 _MOST_LINKED_CELLS = 10_000
-"""The predicted links between so many cells have 200 MB."""
+"""The predicted links between so many cells have 200 MB, for each state of the doors."""
 
 
 class SearchControl(Control):
