@@ -6,10 +6,13 @@ import msgspec
 import numpy as np
 import pytest
 
+from robotteamsim.control import make_controller
 from robotteamsim.control.search.cells import NO_CELL, cell_grid, cell_paths
 from robotteamsim.control.search.connected import ConnectedTeam, predicted_links
-from robotteamsim.control.search.team import SearchUpdate, Teammates
+from robotteamsim.control.search.team import SearchUpdate, Teammates, update_of
 from robotteamsim.errors import ScenarioError
+from robotteamsim.interface import Observation
+from robotteamsim.network import EVERYBODY, Message
 from robotteamsim.recording.network_log import NetworkLog
 from robotteamsim.scenario import load
 from robotteamsim.scenario.building import Building
@@ -209,3 +212,14 @@ def network_of_garage():
         return simulation.mission.status, log.totals
 
     return run
+
+
+def test_message_with_a_wanted_cell_outside_the_grid_is_ignored():
+    scenario = load("garage_sar", ["control.algorithm=search", "control.network=connected"])
+    simulation, second = Simulation(scenario), make_controller(1, resolve(scenario))
+    for _ in range(20):
+        record = simulation.step()
+        updates = [update_of(message) for message in record.decisions[0].outbox]
+        wrong = [msgspec.structs.replace(update, wanted=60_000, work="voice") for update in updates if update]
+        observation = Observation(1, record.sim_time_ns, record.readings[1], record.voices[1])
+        second.step(observation, [Message(0, EVERYBODY, each.to_json()) for each in wrong], record.mission.task)
