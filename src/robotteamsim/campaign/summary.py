@@ -3,7 +3,7 @@
 import json
 import math
 import statistics
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -86,14 +86,14 @@ def num_different(outcomes: Sequence[Outcome]) -> int:
     return len({outcome.trajectory_hash for outcome in outcomes})
 
 
-def copies_note(cells: Mapping[str, tuple[int, int]]) -> str:
+def copies_note(cells: Iterable[tuple[str, int, int]]) -> str:
     """Return a note about cells in which missions have the same trajectories; "" if there are none.
 
-    Args: cells: number of missions and of different trajectories of each cell, by its name.
+    Args: cells: name, number of missions and of different trajectories of each cell.
     """
     listed = [
         f"{name}: {counted(missions, 'mission')}, {different} different"
-        for name, (missions, different) in cells.items()
+        for name, missions, different in cells
         if different < missions
     ]
     if not listed:

@@ -232,7 +232,7 @@ def _print_tables(design: Design, outcomes: tuple[Outcome, ...]) -> None:
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else UNLIMITED
     summaries = summarise(design, outcomes)
     print(summary_table(design, summaries, width))
-    counts = {cell.name or design.scenario.name: (cell.trials, cell.different) for cell in summaries}
+    counts = [(cell.name or design.scenario.name, cell.trials, cell.different) for cell in summaries]
     for note in (exclusion_note(outcomes), copies_note(counts)):
         if note:
             print(f"\n{note}")

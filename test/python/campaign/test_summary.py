@@ -84,6 +84,7 @@ def test_missions_with_the_same_trajectories_are_reported_with_their_cell(short_
     outcomes += [failed_outcome_of(trial) for trial in design.all_trials() if trial.number == 4]
     other, copied = summarise(design, outcomes)
     assert ((other.trials, other.different), (copied.trials, copied.different)) == ((3, 3), (3, 1))
-    assert copies_note({"10 dB": (3, 3), "none": (0, 0)}) == ""
-    assert copies_note({"10 dB": (3, 3), "20 dB": (3, 1)}).endswith("too narrow. 20 dB: 3 missions, 1 different.")
-    assert copies_note({f"{i}": (2, 1) for i in range(9)}).endswith("7: 2 missions, 1 different; and 1 more setting.")
+    assert copies_note([("10 dB", 3, 3), ("none", 0, 0)]) == ""
+    assert copies_note([("10 dB", 3, 3), ("20 dB", 3, 1)]).endswith("too narrow. 20 dB: 3 missions, 1 different.")
+    assert "north: 2 missions, 1 different; north: 2" in copies_note([("north", 2, 1), ("north", 2, 1)])
+    assert copies_note([(f"{i}", 2, 1) for i in range(9)]).endswith("7: 2 missions, 1 different; and 1 more setting.")

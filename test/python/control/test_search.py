@@ -7,7 +7,7 @@ import itertools
 import msgspec
 import pytest
 
-from robotteamsim.control.search.areas import AreaOrder
+from robotteamsim.control.search.areas import RemainingAreas
 from robotteamsim.control.search.team import HeardVoice, SearchUpdate, update_of
 from robotteamsim.interface import Task
 from robotteamsim.network import EVERYBODY, Message
@@ -35,7 +35,7 @@ UPDATE = SearchUpdate(
 
 def test_areas_that_were_passed_over_are_next_again_one_after_the_other(hall_scenario):
     middle = Area(name="middle", center=(10.0, 5.0))
-    order = AreaOrder(hall_scenario(mission=Mission(areas=(EAST, WEST, middle))))
+    order = RemainingAreas(hall_scenario(mission=Mission(areas=(EAST, WEST, middle))))
     for area in (EAST, WEST, middle, EAST, WEST):
         order.follow(Task(area_center_m=area.center))
         assert order.next == area

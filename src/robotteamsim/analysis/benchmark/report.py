@@ -145,7 +145,7 @@ def _notes(design: Design, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
         notes.append(f"This benchmark is unfinished: {len(outcomes)} of {total} missions are done.")
     if failed:
         notes.append(f"Omitted: {counted(failed, 'failed mission')}; the store contains the tracebacks.")
-    if copies := copies_note({cell.name: (cell.trials, cell.different) for cell in summarise(design, outcomes)}):
+    if copies := copies_note((cell.name, cell.trials, cell.different) for cell in summarise(design, outcomes)):
         notes.append(copies)
     return tuple(notes)
 

@@ -165,7 +165,7 @@ def campaign_notes(campaign: Campaign, missions: ShownMissions | None) -> tuple[
         )
     if campaign.failed:
         notes.append(f"Omitted: {counted(campaign.failed, 'failed trial')}; the store contains the tracebacks.")
-    if copies := copies_note({cell.name: (cell.trials, cell.different) for cell in campaign.cells}):
+    if copies := copies_note((cell.name, cell.trials, cell.different) for cell in campaign.cells):
         notes.append(copies)
     if campaign.empty:
         notes.append(f"Omitted, because no mission has ended: {listed(list(campaign.empty))}.")

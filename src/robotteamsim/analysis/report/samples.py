@@ -156,28 +156,16 @@ def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
         own = [outcome for outcome in stored.outcomes if outcome.cell == index]
         cell_settings = dict(zip(keys, values, strict=True))
         name = cell_name(cell_settings, base)
-        good = [outcome for outcome in own if not outcome.failed]
-        if not good:
+        if all(outcome.failed for outcome in own):
             empty.append(name)
             continue
-        scenario, limit_s = None, cell_settings.get(_LIMIT_KEY, base.mission.time_limit_s)
+        scenario = None
         try:
             scenario = cell_scenario(settings["scenario"], cell_settings, place)
-            limit_s = scenario.mission.time_limit_s
         except ScenarioError as error:
             unreadable.append(f"{name} ({str(error).removeprefix(f'{place}: ')})")
-        cells.append(
-            Cell(
-                name=name,
-                settings=cell_settings,
-                scenario=scenario,
-                trials=len(good),
-                failed=len(own) - len(good),
-                missions=_sample(good, limit_s),
-                different=num_different(good),
-                paths_m=tuple(decode_paths(outcome.paths) for outcome in good if outcome.paths is not None),
-            )
-        )
+        limit_s = cell_settings.get(_LIMIT_KEY, base.mission.time_limit_s)
+        cells.append(_cell(name, cell_settings, scenario, own, limit_s))
     if not cells:
         raise CampaignError(f"{place}: no mission of this campaign has ended yet; nothing to report")
     return Campaign(
@@ -195,6 +183,23 @@ def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
         versions=stored.versions,
         started=(stored.started,) if stored.started else (),
         commands=(stored.command,) if stored.command else (),
+    )
+
+
+def _cell(
+    name: str, settings: dict[str, Any], scenario: Scenario | None, outcomes: Sequence[Outcome], limit_s: float
+) -> Cell:
+    """Return a cell with at least one finished mission. Args: limit_s: that of missions without a scenario."""
+    good = [outcome for outcome in outcomes if not outcome.failed]
+    return Cell(
+        name=name,
+        settings=settings,
+        scenario=scenario,
+        trials=len(good),
+        failed=len(outcomes) - len(good),
+        missions=_sample(good, limit_s if scenario is None else scenario.mission.time_limit_s),
+        different=num_different(good),
+        paths_m=tuple(decode_paths(outcome.paths) for outcome in good if outcome.paths is not None),
     )
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from robotteamsim.control.driving.known_map import Disc
 from robotteamsim.control.driving.path_controller import PathController, Situation
 from robotteamsim.control.rdpso.terms import RuledOut
-from robotteamsim.control.search.areas import AreaOrder
+from robotteamsim.control.search.areas import RemainingAreas
 from robotteamsim.interface import Decision, Task
 from robotteamsim.network.messages import Message
 from robotteamsim.scenario.controllers.routes import RouteControl
@@ -34,7 +34,7 @@ class RouteController(PathController, abc.ABC):
     def __init__(self, robot_id: int, setup: Setup, tuning: RouteControl) -> None:
         super().__init__(robot_id, setup)
         self._tuning = tuning
-        self._areas = AreaOrder(setup.scenario)
+        self._areas = RemainingAreas(setup.scenario)
         self._ruled_out = RuledOut(setup.scenario, tuning.rule_out_places)
         self._iteration_ns = round(setup.scenario.control.iteration_s * 1e9)
         self._iteration = self._epoch = -1

@@ -20,8 +20,8 @@ _KEPT_OUT_M = 0.3
 """Clearance from the last area, which ends the mission [m]."""
 
 
-class AreaOrder:
-    """The areas in their order, of which the mission names the next one.
+class RemainingAreas:
+    """The areas that are left, in their order; the mission names the next one.
 
     The last area ends the mission, so the team explores it when the search is done. Until then it keeps out of it.
     """
@@ -90,7 +90,7 @@ class AreaOrder:
         return _distance_to_segment(center, start, end) < radius_m - 0.5 * _KEPT_OUT_M
 
 
-class Areas(AreaOrder):
+class Areas(RemainingAreas):
     """The areas in their order, and the paths to them."""
 
     def __init__(self, scenario: Scenario, grid: CellGrid) -> None:
