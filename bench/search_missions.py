@@ -1,7 +1,8 @@
 """Writes the missions of search benchmarks that are complete, one per line, for the tables of docs/search.md.
 
 Args: folders that `robotteamsim benchmark search --out` wrote. Cells with fewer missions than asked for are left out
-and named. Printed, per cell: victims saved, time to save all (the limit where not all were), and areas explored.
+and named. Printed, per cell: victims saved, time to save all (the limit where not all were), areas explored, and the
+times in which the team was split and had endangered links.
 
 python bench/search_missions.py full_garage full_office --missions 30 --csv bench/results/search_missions.csv
 """
@@ -18,20 +19,26 @@ import numpy as np
 
 from robotteamsim.analysis.benchmark.measures import last_saved_s
 from robotteamsim.campaign import read_store
+from robotteamsim.campaign.protocol import load_building
 
 CSV = Path(__file__).resolve().parent / "results" / "search_missions.csv"
 _CELL = ("building", "areas", "noise_db", "robots", "controller")
-_MISSION = ("trial", "seed", "end", "time_s", "areas_explored", "victims_saved", "last_saved_s", "trajectory_hash")
+_NETWORK = ("split_s", "endangered_s", "breaks", "messages_lost")
+_MISSION = (
+    *("trial", "seed", "end", "time_s", "areas_explored", "victims_saved", "last_saved_s", *_NETWORK),
+    "trajectory_hash",
+)
 
 
 def missions(folder: Path) -> dict[tuple[object, ...], list[tuple[object, ...]]]:
     """Return the missions of each cell of a benchmark, by the values of `_CELL`."""
     stored = read_store(folder)
-    limit_s = stored.settings["scenario"]["mission"]["time_limit_s"]
+    buildings = {cell[0] for cell in stored.settings["cells"]}
+    limits_s = {building: load_building(building).mission.time_limit_s for building in buildings}
     cells: dict[tuple[object, ...], list[tuple[object, ...]]] = defaultdict(list)
     for outcome in stored.outcomes:
         building, *rest = stored.settings["cells"][outcome.cell]
-        last_s = last_saved_s(outcome)
+        last_s, network = last_saved_s(outcome), outcome.network
         cells[(Path(building).stem, outcome.num_areas, *rest)].append(
             (
                 outcome.number,
@@ -40,7 +47,8 @@ def missions(folder: Path) -> dict[tuple[object, ...], list[tuple[object, ...]]]
                 round(outcome.time_s or 0.0, 1),
                 outcome.areas_explored,
                 outcome.victims_saved,
-                last_s if math.isfinite(last_s) else limit_s,
+                last_s if math.isfinite(last_s) else limits_s[building],
+                *("" if network is None else getattr(network, name) for name in _NETWORK),
                 (outcome.trajectory_hash or "")[:12],
             )
         )
@@ -65,8 +73,9 @@ def main() -> None:
                     continue
                 writer.writerows((*cell, *row) for row in rows)
                 saved, last_s = (np.array([row[i] for row in rows], dtype=float) for i in (5, 6))
-                areas = np.mean([float(str(row[4])) for row in rows])
-                print(f"{name}: {saved.mean():.2f} victims, all after {last_s.mean():.0f} s, {areas:.1f} areas")
+                areas, split_s, endangered_s = (np.mean([float(str(row[i])) for row in rows]) for i in (4, 7, 8))
+                print(f"{name}: {saved.mean():.2f} victims, all after {last_s.mean():.0f} s, {areas:.1f} areas", end="")
+                print(f", split {split_s:.1f} s, endangered {endangered_s:.0f} s")
 
 
 if __name__ == "__main__":

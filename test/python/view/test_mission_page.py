@@ -2,18 +2,23 @@
 
 from __future__ import annotations
 
+import io
 import itertools
 import shutil
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
+import msgspec
 import pytest
+from PIL import Image, ImageChops
 from playwright.sync_api import Browser
 from shown_page import READY_MS, seek, shown
 
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Mission, Victim
 from robotteamsim.simulation import Simulation
+from robotteamsim.view.frame import ShownEvent
 from robotteamsim.view.html import mission_page
 from robotteamsim.view.recorder import FrameRecorder, Recording
 
@@ -102,6 +107,52 @@ def test_clicks_on_a_robot_and_on_an_event_show_its_name_and_its_time(
         page.locator("#events li").first.click()
         begin = f"{recording.events[0].time_s:.1f}"
         page.wait_for_selector(f".view[data-time='{begin}']")
+
+
+def test_events_are_filtered_by_topic_and_those_of_links_are_one_line(
+    browser: Browser, recording: Recording, tmp_path: Path
+) -> None:
+    links = [ShownEvent(0.2, "link_endangered", f"link {pair} is endangered") for pair in ("1-2", "2-3", "1-3")]
+    victim = ShownEvent(0.3, "victim_heard", "eve is heard")
+    again = ShownEvent(0.4, "link_endangered", "link 1-2 is endangered")
+    recording = replace(recording, events=[*links, victim, again])
+    with shown(browser, tmp_path, [recording]) as page:
+        listed = page.locator("#events li span")
+        assert listed.all_text_contents() == ["3 links endangered", "eve is heard", "link 1-2 is endangered"]
+        assert page.locator("#events label").all_text_contents() == [" link 4", " victim 1"]
+        page.get_by_label("link 4").uncheck()
+        assert listed.all_text_contents() == ["eve is heard"]
+        page.get_by_label("link 4").check()
+        page.get_by_label("victim 1").uncheck()
+        assert listed.all_text_contents() == ["4 links endangered"]
+
+
+def test_curves_of_a_long_mission_end_with_its_last_frame(
+    browser: Browser, recording: Recording, tmp_path: Path
+) -> None:
+    first = recording.frames[0]
+    frames = [msgspec.structs.replace(first, time_s=0.1 * index) for index in range(1300)]
+    frames.append(msgspec.structs.replace(first, time_s=130.0, links=()))
+    assert first.links
+    with shown(browser, tmp_path, [replace(recording, frames=frames)]) as page:
+        seek(page, 130.0)
+        assert "links: 0" in page.locator("#curves figcaption").all_text_contents()
+
+
+@pytest.mark.parametrize("size", [(1600, 900), (1000, 1000), (600, 1200)])
+def test_building_fills_the_picture(
+    browser: Browser, recording: Recording, tmp_path: Path, size: tuple[int, int]
+) -> None:
+    with shown(browser, tmp_path, [recording], size=size) as page:
+        page.click("#camera")
+        seek(page, 0.0)
+        page.add_style_tag(content=".view > :not(canvas) { visibility: hidden }")
+        picture = Image.open(io.BytesIO(page.locator(".view canvas").screenshot())).convert("RGB")
+    background = Image.new("RGB", picture.size, picture.getpixel((0, 0)))
+    left, top, right, bottom = ImageChops.difference(picture, background).getbbox()
+    assert max((right - left) / picture.width, (bottom - top) / picture.height) > 0.9
+    assert left + right == pytest.approx(picture.width, abs=0.05 * picture.width)
+    assert top + bottom == pytest.approx(picture.height, abs=0.05 * picture.height)
 
 
 def test_without_webgl_one_line_says_what_the_page_needs(

@@ -216,11 +216,41 @@ def test_live_page_follows_the_mission_and_sends_commands(browser: Browser, serv
 
 
 @pytest.mark.slow
-def test_live_page_shows_what_is_wrong_with_a_command(browser: Browser, server: ViewServer) -> None:
+def test_live_page_says_that_a_mission_is_paused_and_its_fields_follow_a_restart(
+    browser: Browser, server: ViewServer
+) -> None:
+    with opened(browser, server.url) as page:
+        assert page.inner_text("#state").endswith("paused")
+        noise_db = page.input_value("#live-noise")
+        page.fill("#live-noise", "42")
+        page.click("#live >> text=set")
+        page.wait_for_function("document.getElementById('state').textContent.includes('42 dB')")
+        page.fill("#live-seed", "7")
+        page.click("#live >> text=restart")
+        page.wait_for_function("document.getElementById('title').textContent.endsWith('seed 7')")
+        assert (page.input_value("#live-noise"), page.input_value("#live-seed")) == (noise_db, "7")
+        page.click("#play")
+        page.wait_for_function("!document.getElementById('state').textContent.includes('paused')")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("field", "value", "verb", "said"),
+    [
+        ("noise", "-5", "set", "noise_db: -5.0 is below 0"),
+        ("noise", "1e999", "set", "noise [dB]: expected a number"),
+        ("seed", "1.5", "restart", "seed: expected a whole number from 0 on"),
+        ("seed", "-3", "restart", "seed: expected a whole number from 0 on"),
+        ("seed", "", "restart", "seed: expected a whole number from 0 on"),
+    ],
+)
+def test_live_page_shows_what_is_wrong_with_a_value(
+    browser: Browser, server: ViewServer, field: str, value: str, verb: str, said: str
+) -> None:
     page = browser.new_page()
     page.goto(server.url)
     page.wait_for_selector("body[data-ready]", state="attached", timeout=READY_MS)
-    page.fill("#live-noise", "-5")
-    page.click("#live >> text=set")
-    page.wait_for_selector("#live >> text=noise_db", timeout=READY_MS)
+    page.fill(f"#live-{field}", value)
+    page.click(f"#live >> text={verb}")
+    page.wait_for_selector(f'#live p:text-is("{said}")', timeout=READY_MS)
     page.close()

@@ -6,7 +6,7 @@ import {
 } from "three";
 
 const FLOOR_MARGIN_M = 1.0;
-const CUT_M = 1.2; // taller walls would hide the robots behind them
+export const CUT_M = 1.2; // taller walls would hide the robots behind them
 
 /** A prism over an outline of corners [x, y]. */
 export function prism(outline, height) {

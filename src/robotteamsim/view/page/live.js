@@ -43,6 +43,8 @@ export class LiveMission extends Mission {
   }
 }
 
+const isSeed = (value) => Number.isSafeInteger(value) && value >= 0;
+
 /** The part of the panel with the commands. */
 export class LiveControls {
   constructor(section, mission, player) {
@@ -53,14 +55,15 @@ export class LiveControls {
     this.victims = make("select", "", { title: "Move this victim: choose one, then click on the floor" });
     section.replaceChildren(
       make("h2", "Live"),
-      this._row("noise [dB]", this._number("noise", mission.status.noise_db), () => this.noise.value, "set", (value) =>
-        ({ command: "set_noise", noise_db: Number(value) })),
-      this._row("seed", this._number("seed", mission.status.seed), () => this.seed.value, "restart", (value) =>
-        ({ command: "restart", seed: Number(value) })),
+      this._row("noise [dB]", this._number("noise"), "set", "expected a number", Number.isFinite, (value) =>
+        ({ command: "set_noise", noise_db: value })),
+      this._row("seed", this._number("seed"), "restart", "expected a whole number from 0 on", isSeed, (value) =>
+        ({ command: "restart", seed: value })),
       this._victimRow(),
       make("p", mission.scene.doors.length ? "Click on a door to open or close it." : ""),
       this.answer,
     );
+    this.refreshNumbers();
     mission.onanswer = (error) => { this.answer.textContent = error; };
     player.onplay = (playing) => mission.send({ command: playing ? "play" : "pause" });
     player.onspeed = (speed) => mission.send({ command: "set_speed", speed });
@@ -71,19 +74,26 @@ export class LiveControls {
     });
   }
 
-  _number(name, value) {
-    this[name] = make("input", "", { type: "number", value, ariaLabel: name, id: `live-${name}` });
+  _number(name) {
+    this[name] = make("input", "", { type: "number", step: "any", ariaLabel: name, id: `live-${name}` });
     return this[name];
   }
 
-  _row(text, input, value, verb, command) {
+  /** A row with a number and a button that sends it if it is right, or else says what is expected. */
+  _row(text, input, verb, expected, isRight, command) {
     const row = make("p"), button = make("button", verb);
     button.addEventListener("click", () => {
-      if (value() === "") this.answer.textContent = `${text}: expected a number`;
-      else this.mission.send(command(value()));
+      if (isRight(input.valueAsNumber)) this.mission.send(command(input.valueAsNumber));
+      else this.answer.textContent = `${text}: ${expected}`;
     });
     row.append(make("span", text), input, button);
     return row;
+  }
+
+  /** Show noise and seed of the mission, such as after a restart. */
+  refreshNumbers() {
+    this.noise.value = this.mission.status.noise_db;
+    this.seed.value = this.mission.status.seed;
   }
 
   _victimRow() {

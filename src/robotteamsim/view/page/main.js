@@ -107,6 +107,7 @@ async function startLive() {
   mission.onrestart = () => {
     element("title").textContent = mission.title;
     player.following = true;
+    controls.refreshNumbers();
     view.rebuild();
   };
   mission.onclose = () => fail("The simulation has ended, or its program was closed.");

@@ -138,7 +138,7 @@ export class Mission {
   /** Curves over time: {name: {times, values}}. */
   curves() {
     const stride = Math.max(Math.floor(this.frames.length / 600), 1);
-    const isChosen = (_, index) => index % stride === 0, chosen = this.frames.filter(isChosen);
+    const isChosen = (_, index) => index % stride === 0 || index === this.frames.length - 1, chosen = this.frames.filter(isChosen);
     const times = chosen.map((frame) => frame.time_s);
     const curve = (value) => ({ times, values: chosen.map(value) });
     return {

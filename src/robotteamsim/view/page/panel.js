@@ -25,12 +25,33 @@ export function table(rows) {
   return made;
 }
 
+/** What an event is about, such as "victim" of victim_saved. */
+const topic = (event) => event.kind.split("_")[0];
+
+/** Events of which those about links that follow each other are one, so that they do not hide the others. */
+function summarised(events) {
+  const shown = [];
+  for (const event of events) {
+    const last = shown.at(-1);
+    if (topic(event) === "link" && last && topic(last) === "link") {
+      last.count++;
+      last.text = `${last.count} links endangered`;
+    } else shown.push({ ...event, count: 1 });
+  }
+  return shown;
+}
+
 export class Panel {
   constructor(onSeek, colours) {
     this.onSeek = onSeek;
     this.curves = new Curves(element("curves"), onSeek, colours);
     this.events = [];
-    this.items = []; // of the list, one for each event
+    this.shown = []; // those of the list
+    this.items = []; // of the list, one for each event shown
+    this.hidden = new Set(); // topics
+    this.topics = make("p");
+    this.list = make("ol");
+    element("events").replaceChildren(make("h2", "Events"), this.topics, this.list);
   }
 
   /** List the events of missions, and mark them on the slider. A list that is the same stays, with clicks on it. */
@@ -59,22 +80,47 @@ export class Panel {
     this.events = lists.flatMap((events, index) =>
       events.map((event) => ({ ...event, text: lists.length > 1 ? `${"AB"[index] ?? index}: ${event.text}` : event.text })));
     this.events.sort((a, b) => a.time_s - b.time_s);
-    this.items = this.events.map((event) => {
+    this._listTopics();
+    this._listShown();
+  }
+
+  /** A box for each topic, with the number of its events, that shows or hides them. */
+  _listTopics() {
+    const counts = new Map();
+    for (const event of this.events) counts.set(topic(event), (counts.get(topic(event)) ?? 0) + 1);
+    this.topics.replaceChildren(...[...counts].map(([name, count]) => {
+      const label = make("label"), box = make("input", "", { type: "checkbox", checked: !this.hidden.has(name) });
+      box.addEventListener("change", () => {
+        if (box.checked) this.hidden.delete(name); else this.hidden.add(name);
+        this._listShown();
+      });
+      label.append(box, ` ${name} ${count}`);
+      return label;
+    }));
+  }
+
+  _listShown() {
+    this.shown = summarised(this.events.filter((event) => !this.hidden.has(topic(event))));
+    this.items = this.shown.map((event) => {
       const item = make("li");
       item.append(make("time", event.time_s.toFixed(1)), make("span", event.text));
       item.addEventListener("click", () => this.onSeek(event.time_s));
       return item;
     });
-    const list = make("ol");
-    list.append(...this.items);
-    element("events").replaceChildren(make("h2", "Events"), list);
+    this.list.replaceChildren(...this.items);
+    this._markLatest();
+  }
+
+  _markLatest() {
+    this.latest?.classList.remove("latest");
+    const isBefore = !(this.shown[0]?.time_s <= this.time);
+    this.latest = isBefore ? null : this.items[lastIndex(this.shown, this.time, (event) => event.time_s)];
+    this.latest?.classList.add("latest");
   }
 
   show(views, start, time) {
-    this.latest?.classList.remove("latest");
-    if (this.events[0]?.time_s <= time) this.latest = this.items[lastIndex(this.events, time, (event) => event.time_s)];
-    else this.latest = null;
-    this.latest?.classList.add("latest");
+    this.time = time;
+    this._markLatest();
     this.curves.mark(time);
     this._showRobot(views.find((view) => view.selected !== null));
     this._showVictim(views.find((view) => view.selectedVictim !== null), start);

@@ -99,7 +99,13 @@ export class Player {
     this.panel.show(this.views, this.start, this.time);
     element("time").value = this.time;
     element("clock").textContent = `${(this.time - this.start).toFixed(1)} / ${(this.end - this.start).toFixed(1)} s`;
-    element("state").textContent = this.views.map((view) => statusText(view.frame)).join("   |   ");
+    element("state").textContent = this.views.map((view) => statusText(view.frame, this._stateOf(view))).join("   |   ");
+  }
+
+  /** The state of a view's mission; one that is live and waits for "play" is paused. */
+  _stateOf(view) {
+    const { state } = view.frame;
+    return view.mission.isLive && !this.playing && state === "running" ? "paused" : state;
   }
 
   _controls() {
@@ -171,7 +177,7 @@ export class Player {
   }
 }
 
-function statusText(frame) {
+function statusText(frame, state) {
   const { victims, explored } = frame, parts = [];
   if (explored.length) parts.push(`${explored.filter(Boolean).length} of ${explored.length} areas`);
   if (victims.length) {
@@ -179,6 +185,6 @@ function statusText(frame) {
     const dead = victims.filter((victim) => victim.state === "dead").length;
     if (dead) parts.push(`${dead} dead`);
   }
-  if (frame.state) parts.push(`${frame.noise_db} dB noise`, frame.state);
+  if (state) parts.push(`${frame.noise_db} dB noise`, state);
   return parts.join(", ");
 }

@@ -5,7 +5,7 @@ import {
   WebGLRenderer,
 } from "three";
 import { Annotations } from "viewer/annotations";
-import { Building } from "viewer/building";
+import { Building, CUT_M } from "viewer/building";
 import { Hazards } from "viewer/hazards";
 import { Layers } from "viewer/layers";
 import { People } from "viewer/people";
@@ -13,6 +13,7 @@ import { Team, enlarged } from "viewer/team";
 
 const CLICK_PX = 5;
 const TILT_RAD = 0.5; // from the vertical
+const FILLED = { x: 0.96, y: 0.93 }; // of the picture by a building that fits
 
 export class View {
   selected = null;
@@ -70,29 +71,31 @@ export class View {
     this.team.ink = style.getPropertyValue("--ink").trim();
   }
 
-  /** Place the camera so that the whole building is visible, tilted or from above. */
+  /** Place the camera so that the whole building fills the picture, tilted or from above. */
   fit(fromAbove = false) {
-    const [x0, y0, x1, y1] = this.mission.scene.bounds;
-    const centre = new Vector3((x0 + x1) / 2, (y0 + y1) / 2, 0);
+    const [x0, y0, x1, y1] = this.mission.scene.bounds, { camera } = this;
     const tilt = fromAbove ? 0.001 : TILT_RAD;
-    const direction = new Vector3(0, -Math.sin(tilt), Math.cos(tilt));
-    const corners = [[x0, y0], [x1, y0], [x0, y1], [x1, y1]].map(([x, y]) => new Vector3(x, y, 0));
+    const back = new Vector3(0, -Math.sin(tilt), Math.cos(tilt)); // from the floor to the camera
     this.fittedFromAbove = fromAbove;
-    this.camera.aspect = Math.max(this.container.clientWidth, 1) / Math.max(this.container.clientHeight, 1);
-    this.camera.updateProjectionMatrix();
-    let near = 1, far = 4000; // the nearest distance from which all corners are visible
-    for (let i = 0; i < 40; i++) {
-      const distance = (near + far) / 2;
-      this.camera.position.copy(centre).addScaledVector(direction, distance);
-      this.camera.lookAt(centre);
-      this.camera.updateMatrixWorld();
-      const visible = corners.every((corner) => {
-        const point = corner.clone().project(this.camera);
-        return Math.abs(point.x) < 0.96 && Math.abs(point.y) < 0.93 && point.z < 1;
-      });
-      if (visible) far = distance; else near = distance;
-    }
-    this.controls.target.copy(centre);
+    camera.aspect = Math.max(this.container.clientWidth, 1) / Math.max(this.container.clientHeight, 1);
+    camera.updateProjectionMatrix();
+    camera.position.copy(back);
+    camera.lookAt(0, 0, 0);
+    camera.updateMatrixWorld();
+    const corners = [0, CUT_M].flatMap((z) => [[x0, y0, z], [x1, y0, z], [x0, y1, z], [x1, y1, z]]).map((corner) =>
+      new Vector3(...corner).applyMatrix4(camera.matrixWorldInverse)); // right, up, backwards
+    const slopeUp = Math.tan(camera.fov * Math.PI / 360), slopes = { x: FILLED.x * slopeUp * camera.aspect, y: FILLED.y * slopeUp };
+    // From (right, up, away), a corner (x, y, z) is in the picture if |x - right| <= slope (away - z), and so for y.
+    const limits = (axis) => {
+      const low = Math.min(...corners.map((corner) => corner[axis] - slopes[axis] * corner.z));
+      const high = Math.max(...corners.map((corner) => corner[axis] + slopes[axis] * corner.z));
+      return { middle: (low + high) / 2, away: (high - low) / (2 * slopes[axis]) };
+    };
+    const right = limits("x"), up = limits("y");
+    camera.translateX(right.middle);
+    camera.translateY(up.middle);
+    camera.translateZ(Math.max(right.away, up.away));
+    this.controls.target.copy(camera.position).addScaledVector(back, -camera.position.z / back.z);
     this.controls.update();
     this.moved = false;
   }
