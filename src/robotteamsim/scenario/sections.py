@@ -31,6 +31,9 @@ from robotteamsim.scenario.sensors import AnySensor
 from robotteamsim.scenario.sensors import Laser as Laser
 from robotteamsim.scenario.victims import Victim as Victim
 
+LARGEST_AREA_M = 100.0
+"""Radius of the largest area [m]."""
+
 
 class Radio(Model):
     """The multi-wall radio model [dissertation, eq. 2-4 and Table 3]; rssi = tx power - path loss."""
@@ -234,7 +237,7 @@ class Area(Model):
     name: Name = Field(description="a name, unique among areas")
     center: Point = Field(description="[x, y] in the map frame [m]")
     radius_m: float = Field(
-        default=2.0, gt=0.0, le=100.0, description="explored when a robot is within this distance [m]"
+        default=2.0, gt=0.0, le=LARGEST_AREA_M, description="explored when a robot is within this distance [m]"
     )
 
 

@@ -206,7 +206,12 @@ def test_everything_else_that_is_published_can_be_sent(make):
         (
             lambda m: mission.read_task(m, 2),
             MissionStatus(area_radius_m=math.nan),
-            "area_radius_m: nan; expected finite numbers",
+            "area_radius_m: nan; expected 0 to 100 m",
+        ),
+        (
+            lambda m: mission.read_task(m, 2),
+            MissionStatus(area_radius_m=1e308),
+            "area_radius_m: 1e+308; expected 0 to 100 m",
         ),
         (
             lambda m: mission.read_task(m, 2),

@@ -12,8 +12,8 @@ from robotteamsim.interface import Assistance, Discovery, Task
 from robotteamsim.message_parts import MAP_FRAME, Make, header, point
 from robotteamsim.mission.events import Event, VictimLocated
 from robotteamsim.mission.status import DeliveredDiscoveries, MissionStatus, VictimState
-from robotteamsim.recording.topics.base import Topic, When, check_finite, read_point
-from robotteamsim.scenario.sections import Area, Victim
+from robotteamsim.recording.topics.base import Topic, When, read_point
+from robotteamsim.scenario.sections import LARGEST_AREA_M, Area, Victim
 
 _NOTHING_DELIVERED = DeliveredDiscoveries()
 
@@ -65,7 +65,8 @@ def read_task(message: Any, num_robots: int) -> Task:
     for one in message.assistance:
         if not 0 <= one.robot_id < num_robots:
             raise ValueError(f"assistance: robot {one.robot_id}; expected the id of a firefighter")
-    check_finite("area_radius_m", message.area_radius_m)
+    if not 0.0 <= message.area_radius_m <= LARGEST_AREA_M:
+        raise ValueError(f"area_radius_m: {message.area_radius_m:g}; expected 0 to {LARGEST_AREA_M:g} m")
     return Task(
         running=message.running,
         epoch=message.epoch,
