@@ -78,7 +78,8 @@ void Start(const std::string& name, const std::map<std::string, std::string>& re
 class Publisher {
  public:
   Publisher(const std::string& topic, const std::string& type, const std::string& md5sum, const std::string& definition,
-            bool has_header, bool latched) {
+            bool has_header, bool latched)
+      : latched_(latched) {
     static Immediate immediate;
     constexpr int kUnlimited = 0;
     const auto count = [subscribers = num_subscribers_](int change) {
@@ -92,11 +93,19 @@ class Publisher {
     if (!publisher_) throw std::runtime_error(topic + ": cannot be advertised as " + type);
   }
 
-  void Publish(nb::bytes data) const { publisher_.publish(Bytes{data.c_str(), data.size()}); }
+  void Publish(nb::bytes data) const {
+    const Bytes message{data.c_str(), data.size()};
+    const int before = num_subscribers();
+    publisher_.publish(message);
+    // roscpp keeps a latched message for later subscribers only after it has sent it to those that it knows. One that
+    // connects between the two gets neither.
+    if (latched_ && num_subscribers() > before) publisher_.publish(message);
+  }
 
   int num_subscribers() const { return *num_subscribers_; }
 
  private:
+  const bool latched_;
   // Counted here, because roscpp looks each topic up in a list.
   std::shared_ptr<std::atomic<int>> num_subscribers_ = std::make_shared<std::atomic<int>>(0);
   ros::Publisher publisher_;
