@@ -46,6 +46,8 @@ BATCH = 2000
 """Messages between two checks of the nodes."""
 MEMORY_LIMIT_MB = 1024.0
 START_TIMEOUT_S = 120.0
+TRIES = 4
+"""How often a topic is published until a node connects to it, within the timeout."""
 QUIET_TOPICS = ("/rosout", "/rosout_agg")
 
 
@@ -115,8 +117,10 @@ class Flood:
     def _advertise(self) -> None:
         """Publish each topic that a node subscribes to now, and wait until it has connected.
 
-        Publish it again if nobody is connected: rospy ends the connection after a message that it cannot read.
+        Publish it again if nobody connects: rospy ends the connection after a message that it cannot read, and gives up
+        connecting to a topic that is being withdrawn.
         """
+        lost = self._unconnected()
         master = rosgraph.Master("/faults")
         _, subscribed, _ = master.getSystemState()
         types = dict(master.getTopicTypes())
@@ -126,12 +130,15 @@ class Flood:
             if is_ours and message_class is not None and topic not in self._publishers:
                 self._makers[topic] = GarbageMaker(message_class, self._random)
                 self._publishers[topic] = rospy.Publisher(topic, message_class, queue_size=BATCH)
-        for topic in self._unconnected():
-            message_class = self._publishers[topic].data_class
-            self._publishers[topic].unregister()
-            self._publishers[topic] = rospy.Publisher(topic, message_class, queue_size=BATCH)
-        if not wait_for(lambda: not self._unconnected(), START_TIMEOUT_S):
-            self.faults.append(f"nobody subscribes to {', '.join(self._unconnected())}")
+        for _ in range(TRIES):
+            for topic in lost:
+                message_class = self._publishers[topic].data_class
+                self._publishers[topic].unregister()
+                self._publishers[topic] = rospy.Publisher(topic, message_class, queue_size=BATCH)
+            if wait_for(lambda: not self._unconnected(), START_TIMEOUT_S / TRIES):
+                return
+            lost = self._unconnected()
+        self.faults.append(f"nobody subscribes to {', '.join(lost)}")
 
     def _unconnected(self) -> list[str]:
         return [topic for topic, publisher in self._publishers.items() if not publisher.get_num_connections()]
