@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
+import math
 import os
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
 import numpy as np
+import shapely
 from pydantic import ConfigDict, Field, model_validator
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.map_import.cells import FREE_THRESH, OCCUPIED_THRESH, darkness, lightness, read_image, solid_cells
-from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Model, PlanarPose, wrong
-from robotteamsim.scenario.floor_plan import Bounds, FloorPlan
-from robotteamsim.scenario.image_walls import in_metres, walls_and_blocks
+from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Model, PlanarPose, Point, wrong
+from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
+from robotteamsim.scenario.image_walls import MIN_PIECE_M2, in_metres, walls_and_blocks
 from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN, OccupancyGrid, occupancy_grid
 from robotteamsim.scenario.plan_cache import cached_plan
 from robotteamsim.scenario.problems import checked
@@ -38,7 +41,7 @@ class MapFile(Model):
 
     image: str = Field(min_length=1, description="image file, relative to this file")
     resolution: float = Field(ge=0.001, le=10.0, description="edge of a pixel [m]")
-    origin: PlanarPose = Field(description="[x, y, yaw] of the lower left pixel's corner; yaw must be 0")
+    origin: PlanarPose = Field(description="[x, y, yaw] of the lower left pixel's corner")
     negate: Literal[0, 1, False, True] = Field(default=0, description="1: white is occupied")
     occupied_thresh: float = Field(
         default=OCCUPIED_THRESH, gt=0.0, lt=1.0, description="darker than this share is occupied"
@@ -48,8 +51,6 @@ class MapFile(Model):
 
     @model_validator(mode="after")
     def _check(self) -> MapFile:
-        if self.origin[2] != 0.0:
-            raise wrong("origin", f"yaw {self.origin[2]:g} is not 0; turn the image instead")
         if self.free_thresh >= self.occupied_thresh:
             raise wrong("free_thresh", f"{self.free_thresh:g} is not below occupied_thresh, {self.occupied_thresh:g}")
         return self
@@ -123,7 +124,8 @@ def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
     """Return the floor plan of a map_server image.
 
     `map_import.cells.solid_cells` decides which cells are solid, and `image_walls.walls_and_blocks` converts them to
-    walls and blocks. Plans of large images are taken from the cache, see `plan_cache`.
+    walls and blocks. Plans of large images are taken from the cache, see `plan_cache`. A yaw turns the plan about the
+    map's origin.
 
     Raises: ScenarioError: one line with file, key, value and what was expected.
     """
@@ -131,7 +133,11 @@ def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
     image = read_map(path)
     settings, pixels = image.settings, image.pixels
     cell_m = (settings.resolution, settings.resolution)
-    low, high = in_metres(settings.origin[:2], cell_m, np.array([(0, 0), pixels.shape[1::-1]])).tolist()
+    columns, rows = pixels.shape[1::-1]
+    corners = np.array([(0, 0), (columns, 0), (columns, rows), (0, rows)])
+    turn = _Turn(settings.origin)
+    frame = turn.points(in_metres(settings.origin[:2], cell_m, corners).tolist())
+    low, high = np.min(frame, axis=0).tolist(), np.max(frame, axis=0).tolist()
     bounds = checked(Bounds, {"min": low, "max": high}, place=f"{path}: image: bounds.")
     if not (image.dark < settings.free_thresh).any():
         text = f"no cell of '{settings.image}' is free; is negate or free_thresh wrong?"
@@ -144,6 +150,8 @@ def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
             image.dark, settings.occupied_thresh, settings.free_thresh, settings.resolution, closed=True
         )
         walls, blocks = walls_and_blocks(solid, settings.origin[:2], cell_m)
+        if settings.origin[2] != 0.0:
+            walls, blocks = turn.walls(walls), [*turn.blocks(blocks), *_outside(frame, bounds)]
         return FloorPlan(name=name, bounds=bounds, walls=tuple(walls), blocks=tuple(blocks))
 
     if pixels.shape[0] * pixels.shape[1] < CACHED_PIXELS:
@@ -152,17 +160,51 @@ def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
     return cached_plan((keys.encode(), pixels.tobytes()), plan)
 
 
+class _Turn:
+    """The turn of a map about its origin, by the origin's yaw; in whole micrometres, see `in_metres`."""
+
+    def __init__(self, origin: PlanarPose) -> None:
+        self._origin_m = np.array(origin[:2])
+        cos, sin = math.cos(origin[2]), math.sin(origin[2])
+        self._matrix = np.array([[cos, -sin], [sin, cos]])
+
+    def points(self, points: Sequence[Point]) -> tuple[Point, ...]:
+        turned_m = np.round(self._origin_m + (np.array(points) - self._origin_m) @ self._matrix.T, 6)
+        return tuple((x, y) for x, y in turned_m.tolist())
+
+    def walls(self, walls: Sequence[Wall]) -> list[Wall]:
+        ends = [self.points((wall.start, wall.end)) for wall in walls]
+        return [
+            wall.model_copy(update={"start": start, "end": end}) for wall, (start, end) in zip(walls, ends, strict=True)
+        ]
+
+    def blocks(self, blocks: Sequence[Block]) -> list[Block]:
+        return [block.model_copy(update={"polygon": self.points(block.polygon)}) for block in blocks]
+
+
+def _outside(frame: Sequence[Point], bounds: Bounds) -> Iterator[Block]:
+    """Yield the corners of the bounds that a turned image does not reach, as blocks outside_1, outside_2, ..."""
+    corners = shapely.difference(shapely.box(*bounds.min, *bounds.max), shapely.Polygon(frame))
+    large = [corner for corner in shapely.get_parts(corners) if corner.area > MIN_PIECE_M2]
+    for number, corner in enumerate(large, 1):
+        polygon = tuple((float(x), float(y)) for x, y in shapely.get_coordinates(corner.exterior)[:-1].tolist())
+        yield Block(name=f"outside_{number}", polygon=polygon)
+
+
 def published_map(scenario: Scenario) -> OccupancyGrid:
     """Return the grid that map_server publishes if the plan is a map_server yaml, else the plan in cells of 5 cm.
 
-    A plan with changed keys is not the image any more, so it is drawn.
+    A plan with changed keys is not the image any more, so it is drawn. So is one whose origin has a yaw, because amcl
+    and other subscribers of a map ignore the yaw.
 
     Raises: ScenarioError: the yaml or its image cannot be read any more.
     """
     if scenario.plan_file is not None:
         path = Path(scenario.plan_file)
         if "image" in read_mapping(path, scenario.plan_file, "a floor plan"):
-            return read_map(path).occupancy_grid()
+            image = read_map(path)
+            if image.settings.origin[2] == 0.0:
+                return image.occupancy_grid()
     return occupancy_grid(scenario.plan, RESOLUTION_M)
 
 

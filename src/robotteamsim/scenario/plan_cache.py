@@ -67,7 +67,8 @@ def _store(file: Path, data: bytes) -> None:
 def _code() -> bytes:
     """Return a digest of everything that may change the import of the same image."""
     digest = hashlib.sha256()
-    for file in (*sorted(Path(map_import.__file__).parent.glob("*.py")), Path(__file__).with_name("image_walls.py")):
+    here = [Path(__file__).with_name(name) for name in ("image_walls.py", "map_image.py")]
+    for file in (*sorted(Path(map_import.__file__).parent.glob("*.py")), *here):
         digest.update(file.read_bytes())
     for name in _LIBRARIES:
         try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -94,6 +95,22 @@ def test_bag_with_a_type_that_is_no_python_is_rejected_in_one_line(tmp_path, cap
     status = main(["analyse", str(tmp_path / "odd.bag")])
     assert status in (0, 2)
     assert "Traceback" not in capsys.readouterr().err
+
+
+def test_names_in_a_foreign_bag_are_printed_without_control_characters_and_markup(tmp_path, capsys):
+    types = get_typestore(Stores.ROS1_NOETIC)
+    with Writer(tmp_path / "odd.bag") as bag:
+        for name in ("\x1b[2Jrover", "[red]rover"):
+            connection = bag.add_connection(f"/{name}/odom", "nav_msgs/msg/Odometry", typestore=types)
+            for time_s in (1, 2):
+                # Sequence number, stamp, two empty frames, pose; then covariances and twist.
+                begin = struct.pack("<5I7d", 0, time_s, 0, 0, 0, *(6 * [0.0]), 1.0)
+                bag.write(connection, 10**9 * time_s, begin + bytes(8 * 78))
+    assert main(["analyse", str(tmp_path / "odd.bag")]) == 0
+    captured = capsys.readouterr()
+    assert "\x1b" not in captured.out + captured.err
+    assert "\\x1b[2Jrover" in captured.out
+    assert "[red]rover" in captured.out
 
 
 def test_own_mistake_is_one_line_with_its_place_and_a_traceback_on_request(monkeypatch, capsys):

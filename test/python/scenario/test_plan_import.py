@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 import pytest
 import shapely
+from shapely.affinity import rotate
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.propagation import RadioField
@@ -237,6 +238,33 @@ def test_wide_unknown_region_is_a_void_behind_one_cell_of_wall(tmp_path: Path) -
     np.testing.assert_array_equal(grid.cells[10:30, 10:40], shell)
 
 
+def _solid(plan: FloorPlan) -> shapely.Geometry:
+    return shapely.union_all([solid.polygon for solid in solids(plan)])
+
+
+def test_quarter_turn_of_the_origin_is_that_of_the_image(tmp_path: Path) -> None:
+    image = _room()
+    image[10:13, 20:40] = BLACK
+    turned = import_map(_write(tmp_path, image, f"origin: [-1, 2, {math.pi / 2}]"))
+    drawn = import_map(_write(tmp_path, image.T[:, ::-1], "origin: [-5, 2, 0]"))
+    assert turned.bounds == drawn.bounds
+    assert shapely.symmetric_difference(_solid(turned), _solid(drawn)).area < 1e-4
+    assert {wall.thickness_m for wall in turned.walls} == {wall.thickness_m for wall in drawn.walls}
+
+
+@pytest.mark.parametrize("yaw_rad", [0.5, -2.0, 1e-9])
+def test_floor_of_a_turned_map_is_turned_about_its_origin_and_all_around_it_is_solid(
+    tmp_path: Path, yaw_rad: float
+) -> None:
+    image = _room()
+    image[10:13, 20:40] = BLACK
+    free = shapely.difference(shapely.box(-1.0, 2.0, 5.0, 6.0), _solid(import_map(_write(tmp_path, image))))
+    plan = import_map(_write(tmp_path, image, f"origin: [-1, 2, {yaw_rad}]"))
+    turned = shapely.difference(shapely.box(*plan.bounds.min, *plan.bounds.max), _solid(plan))
+    expected = rotate(free, yaw_rad, origin=(-1.0, 2.0), use_radians=True)
+    assert shapely.symmetric_difference(turned, expected).area < 1e-4
+
+
 def test_negated_image_is_read_inverted(tmp_path: Path) -> None:
     image = _room()
     image[10:13, 20:40] = BLACK
@@ -260,7 +288,6 @@ def test_plain_text_image_and_comments_are_read(tmp_path: Path) -> None:
     [
         ("image: hall.png", "image: there is no file 'hall.png'"),
         ("image: room.yaml", "image: 'room.yaml' cannot be read as an image"),
-        ("origin: [0, 0, 0.5]", "origin: yaw 0.5 is not 0; turn the image instead"),
         ("origin: [0, 0]", "origin: [0, 0] is not [x, y, yaw]"),
         ("resolution: 0", "resolution: 0 is below 0.001"),
         ("negate: 2", "negate: 2 is not one of 0, 1, False, True"),

@@ -74,9 +74,12 @@ def test_map_has_the_values_of_map_server_cell_by_cell(tmp_path: Path, channels:
         np.testing.assert_array_equal(grid.cells, expected)
 
 
-def test_map_of_a_changed_plan_and_of_a_plan_file_is_drawn_in_cells_of_5_cm(tmp_path: Path) -> None:
+def test_map_of_a_changed_or_turned_plan_and_of_a_plan_file_is_drawn_in_cells_of_5_cm(tmp_path: Path) -> None:
     file = _scenario(tmp_path, _image(1), "")
-    for scenario in (load(file, ["plan.name=hall"]), load("garage_sar")):
+    changed = load(file, ["plan.name=hall"])
+    yaml_file = tmp_path / "room.yaml"
+    yaml_file.write_text(yaml_file.read_text().replace("[-1, 2, 0]", "[-1, 2, 0.3]"), encoding="utf-8")
+    for scenario in (changed, load(file), load("garage_sar")):
         np.testing.assert_array_equal(published_map(scenario).cells, occupancy_grid(scenario.plan, 0.05).cells)
 
 

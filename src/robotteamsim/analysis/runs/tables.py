@@ -85,14 +85,14 @@ def print_totals(
 ) -> None:
     """Print the totals of a mission, its hash and the written files."""
     console.print(_totals_table([*_result_rows(result), *_idleness_rows(idleness)]))
-    console.print(Text(f"  trajectories {result.trajectory_hash}"), soft_wrap=True)
+    console.print(_text(f"  trajectories {result.trajectory_hash}"), soft_wrap=True)
     for path in filter(None, written):
-        console.print(Text(f"  written      {path}"), soft_wrap=True)
+        console.print(_text(f"  written      {path}"), soft_wrap=True)
 
 
 def _event_table(title: str, events: Sequence[AnyEvent]) -> Table:
     """Return the events in order; if there are many, endangered links are only counted."""
-    heading = Text(printable(title), style="bold")
+    heading = _text(title, "bold")
     table = Table(title=heading, title_justify="left", box=box.SIMPLE_HEAD, caption_justify="left")
     table.add_column("time", justify="right", no_wrap=True)
     table.add_column("what happened")
@@ -102,7 +102,7 @@ def _event_table(title: str, events: Sequence[AnyEvent]) -> Table:
         if len(shown) < len(events):
             table.caption = f"and {counted(len(events) - len(shown), 'endangered link')}"
     for event in shown:
-        table.add_row(f"{event.time_s:.1f} s", Text(printable(event.detail), style=_STYLES.get(event.kind, "")))
+        table.add_row(f"{event.time_s:.1f} s", _text(event.detail, _STYLES.get(event.kind, "")))
     return table
 
 
@@ -111,7 +111,7 @@ def print_run(console: Console, run: RecordedRun, totals: RunTotals) -> None:
     if run.events:
         console.print(_event_table(totals.title, [event for _, event in run.events]))
     else:
-        console.print(Text(printable(totals.title), style="bold"))
+        console.print(_text(totals.title, "bold"))
     rows = [("recorded", f"{totals.duration_s:.1f} s")]
     rows += _mission_rows(totals.mission) if totals.mission else []
     rows += _network_rows(totals.network, totals.mission is None) if totals.network else []
@@ -123,7 +123,7 @@ def print_run(console: Console, run: RecordedRun, totals: RunTotals) -> None:
     if any(robot.context for robot in totals.robots):
         console.print(_context_table(totals.robots))
     if totals.trajectory_hash:
-        console.print(Text(f"  trajectories {totals.trajectory_hash}"), soft_wrap=True)
+        console.print(_text(f"  trajectories {totals.trajectory_hash}"), soft_wrap=True)
     _print_omitted(console, totals, "")
 
 
@@ -151,10 +151,10 @@ def _fitting_tables(
             is_number = any(row[column][:1].isdigit() for row in rows)
             table.add_column(Text(names[column]), justify="right" if is_number else "left", no_wrap=True)
         for row in rows:
-            table.add_row(Text(row[0]), *(Text(row[column]) for column in columns))
+            table.add_row(_text(row[0]), *(_text(row[column]) for column in columns))
         if last_row:
             table.add_section()
-            table.add_row(Text(last_row[0]), *(Text(last_row[column]) for column in columns))
+            table.add_row(_text(last_row[0]), *(_text(last_row[column]) for column in columns))
         yield table
 
 
@@ -195,7 +195,7 @@ def _context_table(robots: Sequence[RobotTotals]) -> Table:
         table.add_column(name, justify="right")
     for robot in robots:
         if robot.context:
-            table.add_row(robot.name, *(f"{value:.2f}" for value in robot.context.values()))
+            table.add_row(_text(robot.name), *(f"{value:.2f}" for value in robot.context.values()))
     return table
 
 
@@ -246,7 +246,7 @@ def _number(value: float | None, form: str) -> str:
 
 def _print_omitted(console: Console, totals: RunTotals, prefix: str) -> None:
     for line in totals.omitted:
-        console.print(Text(f"  {prefix}omitted: {line}", style="yellow"), soft_wrap=True)
+        console.print(_text(f"  {prefix}omitted: {line}", "yellow"), soft_wrap=True)
 
 
 def _result_rows(result: Result) -> list[tuple[str, str]]:
@@ -292,8 +292,13 @@ def _totals_table(rows: Iterable[tuple[str, str]]) -> Table:
     table.add_column(style="dim")
     table.add_column()
     for name, value in rows:
-        table.add_row(name, value)
+        table.add_row(name, _text(value))
     return table
+
+
+def _text(words: str, style: str = "") -> Text:
+    """Return words that may come from a file: without markup, and with control characters escaped."""
+    return Text(printable(words), style=style)
 
 
 def _title(result: Result) -> str:
