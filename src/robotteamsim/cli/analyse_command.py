@@ -14,9 +14,9 @@ from rich.console import Console
 from rich.progress import track
 
 from robotteamsim import scenario
-from robotteamsim.cli.output import OutputConsole
+from robotteamsim.cli.output import OutputConsole, add_png_option
 from robotteamsim.cli.parser import UsageError, path_of, positive_number
-from robotteamsim.recording.files import atomically, check_replaceable, write_atomically
+from robotteamsim.recording.files import check_replaceable, write_atomically
 
 if TYPE_CHECKING:
     import numpy as np
@@ -64,7 +64,7 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument("--json", type=path_of, metavar="FILE", help="write totals and events; - prints them instead")
     parser.add_argument("--csv", type=path_of, metavar="DIR", help="write totals, events and time series as tables")
-    parser.add_argument("--png", type=path_of, metavar="FILE", help=f"draw paths and curves of up to {MAX_DRAWN} bags")
+    add_png_option(parser, f"draw paths and curves of up to {MAX_DRAWN} bags", required=False)
     parser.add_argument("--gif", type=path_of, metavar="FILE", help="make a small film for web pages")
     parser.add_argument("--mp4", type=path_of, metavar="FILE", help="make a large film for talks; needs ffmpeg")
     parser.add_argument(
@@ -95,10 +95,10 @@ def analyse(options: argparse.Namespace) -> None:
     all_totals = [run_totals(run) for run in runs]
     written = _write(options, runs, all_totals)
     if options.png:
+        from robotteamsim.analysis.figure_files import write_figure
         from robotteamsim.analysis.runs.picture import draw_runs
 
-        with atomically(options.png) as part:
-            draw_runs(runs, all_totals, plan).savefig(part, format="png")
+        write_figure(draw_runs(runs, all_totals, plan), options.png)
         written.append(options.png)
     written += _film(options, runs[0], all_totals[0], loaded)
     if options.json != Path("-"):

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from robotteamsim import scenario
-from robotteamsim.cli.output import save
+from robotteamsim.cli.output import add_png_option, save
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, number, path_of, point
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.errors import ScenarioError
@@ -98,7 +98,7 @@ def add_to(commands: Any) -> None:
             metavar="'K=V ...'",
             help="settings of one of several maps drawn side by side: as in --set, or at=X,Y, or range=...; repeatable",
         )
-        kind.add_argument("--png", type=path_of, metavar="FILE", help="the picture to write")
+        add_png_option(kind, required=False)
         kind.add_argument("--out", type=path_of, metavar="FILE.npz", help="write the values for NumPy")
 
 

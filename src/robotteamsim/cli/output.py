@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 from rich.console import Console
 
-from robotteamsim.cli.parser import path_of
-from robotteamsim.recording.files import atomically
+from robotteamsim.cli.parser import PICTURES, picture_of
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -55,13 +54,15 @@ def _open_null(number: int) -> None:
         os.close(null)
 
 
-def add_png_option(parser: argparse.ArgumentParser) -> None:
-    """Add --png."""
-    parser.add_argument("--png", type=path_of, required=True, metavar="FILE", help="the picture to write")
+def add_png_option(parser: argparse.ArgumentParser, text: str = "the picture to write", required: bool = True) -> None:
+    """Add --png, also for PDF and SVG. Args: text: its help."""
+    kinds = f"{', '.join(PICTURES[:-1])} or {PICTURES[-1]}"
+    parser.add_argument("--png", type=picture_of, required=required, metavar="FILE", help=f"{text}: {kinds}")
 
 
 def save(figure: Figure, path: Path) -> None:
     """Write a picture and print its path. Raises: RecordingError."""
-    with atomically(path) as part:
-        figure.savefig(part, format="png")
+    from robotteamsim.analysis.figure_files import write_figure  # Matplotlib is an extra, and slow to import.
+
+    write_figure(figure, path)
     print(path)

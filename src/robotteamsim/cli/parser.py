@@ -17,6 +17,8 @@ SCENARIO_HELP = f"a file, or a shipped scenario: {', '.join(scenario_names())}"
 COMPLETE_FILES = {"bash": "_shtab_compgen_files", "zsh": "_files", "tcsh": "f"}
 COMPLETE_SCENARIOS = {"bash": "_robotteamsim_scenarios", "zsh": "_files", "tcsh": "f"}
 """What shells complete, as shtab names it."""
+PICTURES = (".png", ".pdf", ".svg")
+"""Kinds of pictures that commands write."""
 PLAN_HELP = f"a floor plan, a map_server yaml, or a shipped map: {', '.join(map_names())}"
 
 
@@ -38,7 +40,7 @@ class Parser(argparse.ArgumentParser):
         action = super().add_argument(*names, **settings)
         if settings.get("help") == SCENARIO_HELP:
             action.complete = COMPLETE_SCENARIOS  # type: ignore[attr-defined]  # read by shtab
-        elif settings.get("type") is path_of:
+        elif settings.get("type") in (path_of, picture_of):
             action.complete = COMPLETE_FILES  # type: ignore[attr-defined]
         return action
 
@@ -97,6 +99,14 @@ def path_of(text: str) -> Path:
     if not text:
         raise argparse.ArgumentTypeError("the name is empty")
     return Path(text)
+
+
+def picture_of(text: str) -> Path:
+    """Return the path of a picture. Raises: ArgumentTypeError: its suffix is not one of PICTURES."""
+    path = path_of(text)
+    if path.suffix.lower() not in PICTURES:
+        raise argparse.ArgumentTypeError(f"'{text}' does not end in {', '.join(PICTURES[:-1])} or {PICTURES[-1]}")
+    return path
 
 
 def address(text: str) -> str:

@@ -85,7 +85,7 @@ def test_unwritable_bag_is_rejected(refusal, tmp_path):
 
 
 def test_devices_are_never_replaced(refusal, tmp_path):
-    pipe = tmp_path / "pipe"
+    pipe = tmp_path / "pipe.png"
     os.mkfifo(pipe)
     wanted = f"{pipe}: cannot be written: is a device, expected a file name"
     assert refusal("run", "garage_sar", "--bag", str(pipe)) == wanted
@@ -174,6 +174,10 @@ def test_broken_pipe_is_silent(arguments):
             "field radio garage_sar",
             "no output given; use --png FILE for a picture, --out FILE.npz for the values, or both",
         ),
+        ("field radio garage_sar --png x.jpg", "argument --png: 'x.jpg' does not end in .png, .pdf or .svg"),
+        ("plan render garage --png x", "argument --png: 'x' does not end in .png, .pdf or .svg"),
+        ("scenario render garage_sar --png x.eps", "argument --png: 'x.eps' does not end in .png, .pdf or .svg"),
+        ("analyse a.bag --png x.gif", "argument --png: 'x.gif' does not end in .png, .pdf or .svg"),
         ("field radio garage_sar --out x.csv", "--out x.csv: expected a name that ends in .npz"),
         (
             "field voice garage_sar --range wide --png x.png",
@@ -207,15 +211,15 @@ def test_broken_pipe_is_silent(arguments):
         ("field radio garage_sar --at 1 --png x.png", "argument --at: '1' does not have the form X,Y"),
         ("field voice garage_sar --at 99,1 --png x.png", "--at 99,1 lies outside the plan"),
         (
-            "field voice garage_sar --set run.seed=2 --compare range=lowest --compare voice.noise_db=x --png x",
+            "field voice garage_sar --set run.seed=2 --compare range=lowest --compare voice.noise_db=x --png x.png",
             "--compare: voice.noise_db: 'x'",
         ),
         (
-            "field voice garage_sar --set run.seed=2 --compare range=lowest --compare voice..a=1 --png x",
+            "field voice garage_sar --set run.seed=2 --compare range=lowest --compare voice..a=1 --png x.png",
             "--compare: 'voice..a=1' is not of the form KEY=VALUE",
         ),
         (
-            "field voice garage_sar --set voice.noise=1 --compare range=lowest --compare voice.noise_db=20 --png x",
+            "field voice garage_sar --set voice.noise=1 --compare range=lowest --compare voice.noise_db=20 --png x.png",
             "--set: voice.noise: unknown key; did you mean 'noise_db'?",
         ),
         ("plan render garage --png no/plan.png", "no/plan.png: cannot be written: No such file or directory"),
@@ -383,9 +387,19 @@ def test_field_maps_are_compared_in_one_picture_and_written_as_numbers(capsys, t
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("arguments", [["plan", "render", "garage"], ["scenario", "render", "garage_sar"]])
-def test_plan_or_scenario_is_drawn(capsys, tmp_path, arguments):
-    picture = tmp_path / "plan.png"
+@pytest.mark.parametrize(
+    ("arguments", "name", "start"),
+    [
+        (["plan", "render", "garage"], "plan.png", b"\x89PNG"),
+        (["scenario", "render", "garage_sar"], "scenario.SVG", b"<?xml"),
+        (["plan", "render", "tutorial_arena"], "plan.pdf", b"%PDF"),
+    ],
+)
+def test_plan_or_scenario_is_drawn_as_the_kind_of_its_suffix(capsys, tmp_path, arguments, name, start):
+    picture = tmp_path / name
     assert main([*arguments, "--png", str(picture)]) == 0
     assert capsys.readouterr().out == f"{picture}\n"
-    assert picture.read_bytes().startswith(b"\x89PNG")
+    drawn = picture.read_bytes()
+    assert drawn.startswith(start)
+    assert main([*arguments, "--png", str(picture)]) == 0
+    assert picture.read_bytes() == drawn

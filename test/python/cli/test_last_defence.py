@@ -161,7 +161,7 @@ def test_output_is_never_written_over_other_output_or_input(tmp_path, refusal):
     assert not out.exists()
     bag = tmp_path / "m.bag"
     assert main(["run", "garage_sar", *SHORT, "--bag", str(bag), "--quiet"]) == 0
-    for arguments in (["--json", bag], ["--png", tmp_path / "x", "--json", tmp_path / "x"]):
+    for arguments in (["--json", bag], ["--png", tmp_path / "x.png", "--json", tmp_path / "x.png"]):
         line = refusal("analyse", bag, *arguments)
         assert line == f"{arguments[1]}: would overwrite a bag or another file of this command"
     (tmp_path / "map.yaml").write_text("image: map.png\n")
@@ -187,7 +187,7 @@ def test_controller_that_cannot_be_constructed_is_an_error(tmp_path, monkeypatch
         (("run", Path("maps/garage/plan.yaml")), "maps/garage/plan.yaml: this is a floor plan, not a scenario"),
         (("run", Path("maps/garage/map.yaml")), "maps/garage/map.yaml: this is a floor plan, not a scenario"),
         (
-            ("plan", "render", "scenarios/garage_sar.yaml", "--png", "x"),
+            ("plan", "render", "scenarios/garage_sar.yaml", "--png", "x.png"),
             "scenarios/garage_sar.yaml: this is a scenario, not a floor plan",
         ),
     ],

@@ -1,16 +1,21 @@
-"""Figures as PNG pictures of a page."""
+"""Figures as pictures of a page, and as files."""
 
 from __future__ import annotations
 
 import base64
 import io
 from dataclasses import dataclass
+from typing import Any
 
 from matplotlib.figure import Figure
 from PIL import Image
 
+from robotteamsim.analysis.figure_files import figure_bytes
+
 _FEW, _COLOURS = 2_000, 256
 """Pictures with fewer than _FEW colours are stored with 256, at a third of the size; maps would show bands."""
+
+_TIGHT: dict[str, Any] = {"bbox_inches": "tight", "pad_inches": 0.08}
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,20 +28,25 @@ class Picture:
     png: bytes
     inches: float
     """Width; text of about 11 points is legible at 61 px per inch."""
+    figure: Figure
 
     @property
     def source(self) -> str:
         """The picture as the source of an image in HTML."""
         return "data:image/png;base64," + base64.b64encode(self.png).decode()
 
+    def files(self) -> dict[str, bytes]:
+        """Return it as PNG for slides, PDF and SVG for papers, by file name."""
+        drawn = {kind: figure_bytes(self.figure, kind, **_TIGHT) for kind in ("pdf", "svg")}
+        return {f"{self.name}.png": self.png, **{f"{self.name}.{kind}": data for kind, data in drawn.items()}}
+
 
 def picture(name: str, title: str, caption: str, figure: Figure) -> Picture:
     """Return a drawn figure as a picture; the same figure gives the same bytes."""
-    raw = io.BytesIO()
-    figure.savefig(raw, format="png", bbox_inches="tight", pad_inches=0.08, pil_kwargs={"compress_level": 0})
-    image = Image.open(raw).convert("RGB")
+    raw = figure_bytes(figure, "png", pil_kwargs={"compress_level": 0}, **_TIGHT)
+    image = Image.open(io.BytesIO(raw)).convert("RGB")
     if image.getcolors(_FEW) is not None:
         image = image.quantize(_COLOURS, dither=Image.Dither.NONE)
     packed = io.BytesIO()
     image.save(packed, format="PNG", optimize=True)
-    return Picture(name, title, caption, packed.getvalue(), image.width / figure.dpi)
+    return Picture(name, title, caption, packed.getvalue(), image.width / figure.dpi, figure)
