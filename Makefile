@@ -155,7 +155,7 @@ build_fuzz: build_tests
 	@{ cmake -S test/fuzz -B $(FUZZ) -DCMAKE_CXX_COMPILER=clang++-14 -DPython_EXECUTABLE=$(CURDIR)/$(PYTHON) && \
 		cmake --build $(FUZZ) -j$(JOBS); } > $(FUZZ)/build.log 2>&1 || { cat $(FUZZ)/build.log; exit 1; }
 
-fuzz: build_fuzz ## fuzz C++, YAML, bags, messages and import, C++ under ASan and UBSan, FUZZ_SECONDS=60 each
+fuzz: build_fuzz ## fuzz C++, YAML, bags, messages, missions and import, C++ under ASan and UBSan, FUZZ_SECONDS=60 each
 	@for name in propagation network; do mkdir -p $(FUZZ)/corpus_$$name; echo "-- $$name"; \
 		$(FUZZ)/$${name}_fuzzer -max_total_time=$(FUZZ_SECONDS) -max_len=400 -len_control=0 -verbosity=0 \
 		-print_final_stats=1 -artifact_prefix=$(FUZZ)/ $(FUZZ)/corpus_$$name test/fuzz/corpus/$$name || exit 1; done

@@ -1,8 +1,8 @@
 """Any YAML text, scenario, bag and ROS message: it is read, or refused in one line, within 5 s and 1 GB.
 
-Usage: python test/fuzz/input_fuzz.py [--seconds 60] [--seed 0] [yaml scenario bag message ...]; each target gets the
-time. Inputs are valid ones with bytes changed, cut and put together at random; an input that fails is printed and
-written to `failed-<target>`.
+Usage: python test/fuzz/input_fuzz.py [--seconds 60] [--seed 0] [yaml scenario bag message mission ...]; each target
+gets the time. Inputs are valid ones with bytes changed, cut and put together at random; missions are drawn from the
+schema, and run. An input that fails is printed and written to `failed-<target>`.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import faulthandler
+import json
 import random
 import tempfile
 import time
@@ -20,14 +21,17 @@ from pathlib import Path
 from typing import Any
 
 from peak_memory import peak_memory_mb
+from random_missions import MissionMaker
 
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.recording.topics import base, decisions, mission, radio, robots, world
-from robotteamsim.scenario import load
+from robotteamsim.scenario import from_mapping, load
 from robotteamsim.scenario.shipped import shipped_scenario
 from robotteamsim.scenario.yaml_text import parse
+from robotteamsim.simulation import Observer, Simulation, StepRecord
 
 TIME_LIMIT_S = 5.0
+MISSION_TIME_LIMIT_S = 120.0
 MEMORY_LIMIT_MB = 1024
 
 WORDS = (
@@ -195,11 +199,37 @@ class MessageTarget:
             decode(self._read(type(message), data[1:]))
 
 
+class MissionTarget:
+    """A mission drawn from the schema, which the loader accepts: it runs twice to the same bits, without a fault."""
+
+    time_limit_s = MISSION_TIME_LIMIT_S
+
+    def make(self, generator: random.Random) -> bytes:
+        return json.dumps(MissionMaker(generator).mission()).encode()
+
+    def check(self, data: bytes) -> None:
+        _refused_in_one_line(self._run_twice, data)
+
+    def _run_twice(self, data: bytes) -> None:
+        scenario = from_mapping(json.loads(data), "random")
+        first, second = (Simulation(scenario).run([NoFaults()]) for _ in range(2))
+        assert first == second
+
+
+class NoFaults(Observer):
+    """No controller raises, or decides what it must not."""
+
+    def step(self, record: StepRecord) -> None:
+        faults = [decision.fault for decision in record.decisions if decision.fault]
+        assert not faults, faults
+
+
 TARGETS: dict[str, Callable[[Path], Any]] = {
     "yaml": lambda _: YamlTarget(),
     "scenario": ScenarioTarget,
     "bag": BagTarget,
     "message": MessageTarget,
+    "mission": lambda _: MissionTarget(),
 }
 
 
@@ -208,7 +238,7 @@ def fuzz(name: str, folder: Path, seconds: float, seed: int) -> int:
     target, generator, end_s, count = TARGETS[name](folder), random.Random(seed), time.monotonic() + seconds, 0
     while time.monotonic() < end_s:
         data = target.make(generator)
-        faulthandler.dump_traceback_later(TIME_LIMIT_S, exit=True)
+        faulthandler.dump_traceback_later(getattr(target, "time_limit_s", TIME_LIMIT_S), exit=True)
         try:
             target.check(data)
         except BaseException:

@@ -28,17 +28,22 @@ def _form(text: str, length: int) -> BeforeValidator:
 Point = Annotated[tuple[float, float], _form("[x, y]", 2)]
 """[x, y] in the map frame [m]."""
 
-PlanarPose = Annotated[tuple[float, float, float], _form("[x, y, yaw]", 3)]
+Yaw = Annotated[float, Field(ge=-1000.0, le=1000.0)]
+
+PlanarPose = Annotated[tuple[float, float, Yaw], _form("[x, y, yaw]", 3)]
 """[x, y, yaw] in the map frame [m, m, rad]."""
 
-Interval = Annotated[tuple[float, float], _form("[low, high]", 2)]
-"""[low, high]."""
-
 Item = TypeVar("Item")
+
+Interval = Annotated[tuple[Item, Item], _form("[low, high]", 2)]
+"""[low, high]: Interval[float]."""
 
 Many = Annotated[tuple[Item, ...], BeforeValidator(_as_tuple)]
 """An immutable sequence that YAML writes as a list: Many[Wall]."""
 
+
+SMALLEST = 1e-6
+"""Smallest value of a key that must be above 0, in any unit: quotients of such numbers stay finite in C++."""
 
 MAX_NAME_CHARACTERS = 100
 

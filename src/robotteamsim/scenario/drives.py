@@ -5,17 +5,19 @@ from typing import Annotated, Literal
 
 from pydantic import Field, Tag
 
-from robotteamsim.scenario.base import Model, by_kind
+from robotteamsim.scenario.base import SMALLEST, Model, by_kind
 
 
 class Drive(Model):
     """A differential drive: it turns on the spot and cannot move sideways."""
 
     kind: Literal["differential"] = Field(default="differential", description="differential, omni or car")
-    max_speed_mps: float = Field(default=0.7, gt=0.0, le=10.0, description="forward and backward [m/s]")
-    max_turn_radps: float = Field(default=2.0, gt=0.0, le=20.0, description="turning [rad/s]")
-    max_acceleration_mps2: float = Field(default=2.0, gt=0.0, le=50.0, description="change of speed [m/s^2]")
-    max_turn_acceleration_radps2: float = Field(default=8.0, gt=0.0, le=200.0, description="change of turn [rad/s^2]")
+    max_speed_mps: float = Field(default=0.7, ge=SMALLEST, le=10.0, description="forward and backward [m/s]")
+    max_turn_radps: float = Field(default=2.0, ge=SMALLEST, le=20.0, description="turning [rad/s]")
+    max_acceleration_mps2: float = Field(default=2.0, ge=SMALLEST, le=50.0, description="change of speed [m/s^2]")
+    max_turn_acceleration_radps2: float = Field(
+        default=8.0, ge=SMALLEST, le=200.0, description="change of turn [rad/s^2]"
+    )
 
 
 class OmniDrive(Model):
@@ -26,10 +28,12 @@ class OmniDrive(Model):
     """
 
     kind: Literal["omni"] = Field(description="omni")
-    max_speed_mps: float = Field(default=0.7, gt=0.0, le=10.0, description="in any direction [m/s]")
-    max_turn_radps: float = Field(default=2.0, gt=0.0, le=20.0, description="turning [rad/s]")
-    max_acceleration_mps2: float = Field(default=2.0, gt=0.0, le=50.0, description="change of velocity [m/s^2]")
-    max_turn_acceleration_radps2: float = Field(default=8.0, gt=0.0, le=200.0, description="change of turn [rad/s^2]")
+    max_speed_mps: float = Field(default=0.7, ge=SMALLEST, le=10.0, description="in any direction [m/s]")
+    max_turn_radps: float = Field(default=2.0, ge=SMALLEST, le=20.0, description="turning [rad/s]")
+    max_acceleration_mps2: float = Field(default=2.0, ge=SMALLEST, le=50.0, description="change of velocity [m/s^2]")
+    max_turn_acceleration_radps2: float = Field(
+        default=8.0, ge=SMALLEST, le=200.0, description="change of turn [rad/s^2]"
+    )
 
 
 class CarDrive(Model):
@@ -40,11 +44,11 @@ class CarDrive(Model):
     """
 
     kind: Literal["car"] = Field(description="car")
-    wheelbase_m: float = Field(gt=0.0, le=10.0, description="from the rear to the front axle [m]")
-    max_steering_rad: float = Field(gt=0.0, le=1.5, description="of the front wheel, to either side [rad]")
-    max_steering_rate_radps: float = Field(default=2.0, gt=0.0, le=100.0, description="change of steering [rad/s]")
-    max_speed_mps: float = Field(default=0.7, gt=0.0, le=10.0, description="forward and backward [m/s]")
-    max_acceleration_mps2: float = Field(default=2.0, gt=0.0, le=50.0, description="change of speed [m/s^2]")
+    wheelbase_m: float = Field(ge=SMALLEST, le=10.0, description="from the rear to the front axle [m]")
+    max_steering_rad: float = Field(ge=SMALLEST, le=1.5, description="of the front wheel, to either side [rad]")
+    max_steering_rate_radps: float = Field(default=2.0, ge=SMALLEST, le=100.0, description="change of steering [rad/s]")
+    max_speed_mps: float = Field(default=0.7, ge=SMALLEST, le=10.0, description="forward and backward [m/s]")
+    max_acceleration_mps2: float = Field(default=2.0, ge=SMALLEST, le=50.0, description="change of speed [m/s^2]")
 
     @property
     def max_turn_radps(self) -> float:

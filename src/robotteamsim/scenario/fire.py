@@ -7,7 +7,7 @@ from typing import Literal
 import shapely
 from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Many, Model, Name, Point, by_index, check_names, wrong
+from robotteamsim.scenario.base import SMALLEST, Many, Model, Name, Point, by_index, check_names, wrong
 from robotteamsim.scenario.floor_plan import Door
 
 Growth = Literal["slow", "medium", "fast", "ultra_fast"]
@@ -39,8 +39,8 @@ class Fuel(Model):
     )
     polygon: Many[Point] | None = Field(default=None, min_length=3, description="corners in order [m]")
     center: Point | None = Field(default=None, description="[x, y] of a disc in the map frame [m]")
-    radius_m: float | None = Field(default=None, gt=0.0, le=1000.0, description="of the disc [m]")
-    load_mj_m2: float = Field(default=400.0, ge=1.0, le=100_000.0, description="heat of all that burns [MJ/m^2]")
+    radius_m: float | None = Field(default=None, ge=SMALLEST, le=1000.0, description="of the disc [m]")
+    load_mj_m2: float = Field(default=400.0, ge=1.0, le=40_000.0, description="heat of all that burns [MJ/m^2]")
     growth: Growth = Field(default="medium", description="class of the t-squared fire")
     peak_kw_m2: float = Field(default=250.0, ge=1.0, le=10_000.0, description="highest heat release rate [kW/m^2]")
 
@@ -77,18 +77,20 @@ class Soot(Model):
     co_yield_g_g: float = Field(default=0.04, ge=0.0, le=0.5, description="carbon monoxide per mass of fuel [g/g]")
     heat_kj_g: float = Field(default=20.0, ge=1.0, le=150.0, description="heat of combustion [kJ/g]")
     diffusivity_m2_s: float = Field(
-        default=0.15, gt=0.0, le=10.0, description="of smoke and heat over the floor, by turbulence [m^2/s]"
+        default=0.15, ge=SMALLEST, le=10.0, description="of smoke and heat over the floor, by turbulence [m^2/s]"
     )
     height_m: float = Field(default=2.6, ge=1.0, le=50.0, description="height over which smoke mixes [m]")
-    extinction_m2_g: float = Field(default=8.7, gt=0.0, le=100.0, description="extinction per mass of soot [m^2/g]")
+    extinction_m2_g: float = Field(
+        default=8.7, ge=SMALLEST, le=100.0, description="extinction per mass of soot [m^2/g]"
+    )
     visibility_c: float = Field(
-        default=3.0, gt=0.0, le=20.0, description="C of Jin's C/K: 3 for reflecting things, 8 for lamps"
+        default=3.0, ge=SMALLEST, le=20.0, description="C of Jin's C/K: 3 for reflecting things, 8 for lamps"
     )
     door_leakage: float = Field(
         default=0.01, ge=0.0, le=1.0, description="share of the smoke that passes a closed door that is not fireproof"
     )
     laser_optical_depth: float = Field(
-        default=1.5, gt=0.0, le=20.0, description="a laser gets no return from beyond this optical depth, one way"
+        default=1.5, ge=SMALLEST, le=20.0, description="a laser gets no return from beyond this optical depth, one way"
     )
 
 
@@ -123,8 +125,8 @@ class Heat(Model):
 class Casualties(Model):
     """At which fractional effective dose (FED) people collapse and die [purser2016]."""
 
-    collapse_dose: float = Field(default=1.0, gt=0.0, le=100.0, description="FED at which a person collapses")
-    lethal_dose: float = Field(default=2.0, gt=0.0, le=100.0, description="FED at which a person dies")
+    collapse_dose: float = Field(default=1.0, ge=SMALLEST, le=100.0, description="FED at which a person collapses")
+    lethal_dose: float = Field(default=2.0, ge=SMALLEST, le=100.0, description="FED at which a person dies")
 
     @model_validator(mode="after")
     def _check(self) -> Casualties:

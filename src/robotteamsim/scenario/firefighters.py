@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
+from robotteamsim.scenario.base import SMALLEST
 from robotteamsim.scenario.controllers.cover import FloorSearchTuning
 from robotteamsim.scenario.drives import AnyDrive, OmniDrive
 from robotteamsim.scenario.rescue import Dispatch
@@ -26,11 +27,11 @@ class Firefighters(Team):
 
     count: int = Field(default=3, ge=1, le=100, description="number of firefighters; their ids follow the robots'")
     radius_m: float = Field(default=0.25, gt=0.02, le=5.0, description="of the body [m]")
-    height_m: float = Field(default=1.8, gt=0.0, le=5.0, description="for 3D views [m]")
-    mass_kg: float = Field(default=100.0, gt=0.0, le=10_000.0, description="with equipment, for pushing [kg]")
+    height_m: float = Field(default=1.8, ge=SMALLEST, le=5.0, description="for 3D views [m]")
+    mass_kg: float = Field(default=100.0, ge=SMALLEST, le=10_000.0, description="with equipment, for pushing [kg]")
     drive: AnyDrive = Field(default=_WALK, description="how they walk")
     escort_speed_mps: float = Field(
-        default=0.6, gt=0.0, le=10.0, description="speed with a victim, whom they carry or lead [m/s]"
+        default=0.6, ge=SMALLEST, le=10.0, description="speed with a victim, whom they carry or lead [m/s]"
     )
     breathing_apparatus: bool = Field(
         default=True, description="whether they breathe clean air from a bottle, so that only heat harms them"

@@ -8,7 +8,7 @@ from typing import Literal
 import shapely
 from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Many, Model, Name, Point, by_index, check_names, wrong
+from robotteamsim.scenario.base import SMALLEST, Many, Model, Name, Point, by_index, check_names, wrong
 
 MAX_SIDE_M = 1000.0
 """Grids of larger plans would not fit into memory."""
@@ -57,8 +57,8 @@ class Wall(Model):
         validation_alias="from", serialization_alias="from", description="one end of the centre line [m]"
     )
     end: Point = Field(validation_alias="to", serialization_alias="to", description="other end of the centre line [m]")
-    thickness_m: float = Field(default=0.2, gt=0.0, le=0.8, description="determines the loss class (Table 3) [m]")
-    height_m: float = Field(default=2.6, gt=0.0, le=20.0, description="for 3D views [m]")
+    thickness_m: float = Field(default=0.2, ge=SMALLEST, le=0.8, description="determines the loss class (Table 3) [m]")
+    height_m: float = Field(default=2.6, ge=SMALLEST, le=20.0, description="for 3D views [m]")
     material: str | None = Field(default=None, description="key in radio.materials; default: loss by thickness")
 
     @model_validator(mode="after")
@@ -77,11 +77,11 @@ class Block(Model):
     polygon: Many[Point] = Field(min_length=3, description="corners in order, not self-crossing [m]")
     thickness_m: float | None = Field(
         default=None,
-        gt=0.0,
+        ge=SMALLEST,
         le=MAX_SIDE_M,
         description="determines the loss class (Table 3); default: the least width [m]",
     )
-    height_m: float = Field(default=2.6, gt=0.0, le=20.0, description="for 3D views [m]")
+    height_m: float = Field(default=2.6, ge=SMALLEST, le=20.0, description="for 3D views [m]")
     material: str | None = Field(default=None, description="key in radio.materials; default: loss by the least width")
 
     @model_validator(mode="after")
@@ -108,8 +108,8 @@ class Door(Model):
     end: Point = Field(validation_alias="to", serialization_alias="to", description="other side of the leaf [m]")
     kind: Literal["normal", "fireproof"] = Field(default="normal", description="Table 3: 1.4 dB or 10.2 dB when closed")
     closed: bool = Field(default=False, description="state at the start")
-    thickness_m: float = Field(default=0.06, gt=0.0, le=0.2, description="of the leaf as a body [m]")
-    height_m: float = Field(default=2.1, gt=0.0, le=20.0, description="for 3D views [m]")
+    thickness_m: float = Field(default=0.06, ge=SMALLEST, le=0.2, description="of the leaf as a body [m]")
+    height_m: float = Field(default=2.1, ge=SMALLEST, le=20.0, description="for 3D views [m]")
     motion: Literal["instant", "swing", "slide"] = Field(
         default="instant",
         description="instant: opens or closes instantly, an open leaf does not exist; swing or slide: the leaf moves",
@@ -164,7 +164,7 @@ class BayRow(Model):
         serialization_alias="to",
         description="other end; the bays lie to the left of from -> to [m]",
     )
-    depth_m: float = Field(default=5.0, gt=0.0, le=30.0, description="length of a bay [m]")
+    depth_m: float = Field(default=5.0, ge=SMALLEST, le=30.0, description="length of a bay [m]")
     count: int = Field(ge=1, le=1000, description="number of bays")
 
     @model_validator(mode="after")

@@ -6,7 +6,7 @@ import math
 
 from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Many, Model, Name, Point, by_index, check_names, wrong
+from robotteamsim.scenario.base import SMALLEST, Many, Model, Name, Point, by_index, check_names, wrong
 from robotteamsim.scenario.plan import Corners
 
 
@@ -19,15 +19,19 @@ class Wheels(Model):
         le=2.0,
         description="default: a quarter of the body's half width, at most 0.4 height_m [m]",
     )
-    friction: float = Field(default=0.9, gt=0.0, le=10.0, description="of a tyre on the floor, as a share of its load")
+    friction: float = Field(
+        default=0.9, ge=SMALLEST, le=10.0, description="of a tyre on the floor, as a share of its load"
+    )
 
 
 class Gripper(Model):
     """A gripper, which holds one object at a time."""
 
-    reach_m: float = Field(default=0.3, gt=0.0, le=10.0, description="from the robot's outline to the object's [m]")
+    reach_m: float = Field(
+        default=0.3, ge=SMALLEST, le=10.0, description="from the robot's outline to the object's [m]"
+    )
     lift_m: float = Field(default=0.05, ge=0.0, le=2.0, description="height to which it lifts an object [m]")
-    max_mass_kg: float = Field(default=5.0, gt=0.0, le=10_000.0, description="of an object that it can lift [kg]")
+    max_mass_kg: float = Field(default=5.0, ge=SMALLEST, le=10_000.0, description="of an object that it can lift [kg]")
 
 
 class Light(Model):
@@ -35,8 +39,8 @@ class Light(Model):
 
     name: Name = Field(description="a name, unique among lights")
     position: Point = Field(description="[x, y] in the map frame [m]")
-    height_m: float = Field(default=2.4, gt=0.0, le=100.0, description="above the floor [m]")
-    intensity_cd: float = Field(default=120.0, gt=0.0, le=1e6, description="1500 lumen are about 120 cd [cd]")
+    height_m: float = Field(default=2.4, ge=SMALLEST, le=100.0, description="above the floor [m]")
+    intensity_cd: float = Field(default=120.0, ge=SMALLEST, le=1e6, description="1500 lumen are about 120 cd [cd]")
     lit: bool = Field(default=True, description="whether it is lit at the start")
 
 

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Model, Name, PlanarPose, Point, wrong
+from robotteamsim.scenario.base import SMALLEST, Model, Name, PlanarPose, Point, wrong
 from robotteamsim.scenario.body import MAX_REACH_M, MIN_WIDTH_M, Body, disc_at, polygon_at
 from robotteamsim.scenario.plan import Corners
 
@@ -21,10 +21,10 @@ class MovableObject(Model):
     kind: Literal["box", "barrel"] = Field(default="box", description="box or barrel")
     size_m: Point | None = Field(default=None, description="length and width of a box [m]")
     radius_m: SizeM | None = Field(default=None, description="of a barrel [m]")
-    height_m: float = Field(default=0.5, gt=0.0, le=5.0, description="for 3D views [m]")
+    height_m: float = Field(default=0.5, ge=SMALLEST, le=5.0, description="for 3D views [m]")
     pose: PlanarPose = Field(description="[x, y, yaw] of its centre in the map frame [m, m, rad]")
-    mass_kg: float = Field(default=2.0, gt=0.0, le=10_000.0, description="mass [kg]")
-    friction: float = Field(default=0.5, gt=0.0, le=10.0, description="of the ground, as a share of the weight")
+    mass_kg: float = Field(default=2.0, ge=SMALLEST, le=10_000.0, description="mass [kg]")
+    friction: float = Field(default=0.5, ge=SMALLEST, le=10.0, description="of the ground, as a share of the weight")
 
     @model_validator(mode="after")
     def _check(self) -> MovableObject:

@@ -11,7 +11,7 @@ from typing import TypeVar
 from pydantic import Field, model_validator
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.scenario.base import Many, Model, Point, wrong
+from robotteamsim.scenario.base import SMALLEST, Many, Model, Point, wrong
 from robotteamsim.scenario.yaml_text import read_text, shown
 
 MAX_VERTICES = 10_000
@@ -68,7 +68,7 @@ class Patrol(Model):
     )
     arrived_m: float = Field(
         default=0.5,
-        gt=0.0,
+        ge=SMALLEST,
         le=10.0,
         description="a vertex counts as visited within this distance, so that robots can meet there [m]",
     )
@@ -136,7 +136,7 @@ class _Words:
             number = kind(word)
             if math.isfinite(number):
                 return number
-        except ValueError:
+        except (ValueError, OverflowError):  # not a number, or too many digits
             pass
         raise self.error(f"{shown(word)} is not a {'whole ' if kind is int else ''}number; expected {what}")
 

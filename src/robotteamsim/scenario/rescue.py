@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag
 
-from robotteamsim.scenario.base import Model, Name, Point, wrong
+from robotteamsim.scenario.base import SMALLEST, Model, Name, Point, wrong
 from robotteamsim.scenario.yaml_text import shown
 
 
@@ -33,13 +33,15 @@ class Exit(Model):
 
     name: Name = Field(description="a name, unique among exits")
     center: Point = Field(description="[x, y] in the map frame [m]")
-    radius_m: float = Field(default=1.0, gt=0.0, le=100.0, description="people within this distance are safe [m]")
+    radius_m: float = Field(default=1.0, ge=SMALLEST, le=100.0, description="people within this distance are safe [m]")
 
 
 class PeopleTuning(Model):
     """The collision-free speed model of people who flee or follow [tordeux2016]."""
 
-    radius_m: float = Field(default=0.15, gt=0.0, le=1.0, description="of a person; the length l is twice this [m]")
+    radius_m: float = Field(
+        default=0.15, ge=SMALLEST, le=1.0, description="of a person; the length l is twice this [m]"
+    )
     time_gap_s: float = Field(default=1.0, gt=0.01, le=10.0, description="T: time to the one ahead [s]")
     neighbour_strength: float = Field(
         default=8.0, ge=0.0, le=1000.0, description="a: how far neighbours turn the direction aside"
@@ -69,13 +71,19 @@ class Rescue(Model):
         default=50.0, ge=0.0, le=200.0, description="a voice with this level nearby locates the victim [dB]"
     )
     moved_m: float = Field(
-        default=1.5, gt=0.0, le=100.0, description="a victim who is seen farther from the last position is news [m]"
+        default=1.5,
+        ge=SMALLEST,
+        le=100.0,
+        description="a victim who is seen farther from the last position is news [m]",
     )
     pick_up_s: float = Field(
         default=5.0, ge=0.0, le=3600.0, description="from reaching a victim until they leave together [s]"
     )
     safe_m: float = Field(
-        default=2.0, gt=0.0, le=100.0, description="victims within this distance of the command centre are safe [m]"
+        default=2.0,
+        ge=SMALLEST,
+        le=100.0,
+        description="victims within this distance of the command centre are safe [m]",
     )
 
 
@@ -84,7 +92,7 @@ class Relays(Model):
 
     count: int = Field(default=0, ge=0, le=3000, description="number of robots that are relays, the last ones")
     given_up_s: float = Field(
-        default=90.0, gt=0.0, le=1e6, description="whoever was not heard for longer is not connected any more [s]"
+        default=90.0, ge=SMALLEST, le=1e6, description="whoever was not heard for longer is not connected any more [s]"
     )
 
 
@@ -102,29 +110,29 @@ class Dispatch(Model):
         description="a firefighter keeps a victim unless another assignment is shorter by more than this [m]",
     )
     contact_timeout_s: float = Field(
-        default=5.0, gt=0.0, le=1e6, description="without news for this time, contact is lost [s]"
+        default=5.0, ge=SMALLEST, le=1e6, description="without news for this time, contact is lost [s]"
     )
     alone_s: float = Field(
         default=60.0,
-        gt=0.0,
+        ge=SMALLEST,
         le=1e6,
         description="a firefighter who searches without contact for this time returns to where it was lost [s]",
     )
     given_up_s: float = Field(
         default=180.0,
-        gt=0.0,
+        ge=SMALLEST,
         le=1e6,
         description="without contact for this time, the victim of a firefighter is assigned to another [s]",
     )
     look_around_s: float = Field(
         default=10.0,
-        gt=0.0,
+        ge=SMALLEST,
         le=3600.0,
         description="a firefighter who finds nobody there, nor near it, gives up after this time [s]",
     )
     feel_m: float = Field(
         default=4.0,
-        gt=0.0,
+        ge=SMALLEST,
         le=20.0,
         description="within this distance of the place they feel their way; a voice of 50 dB is at most 3.6 m off [m]",
     )

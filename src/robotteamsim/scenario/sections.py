@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
 from robotteamsim.scenario.base import (
+    SMALLEST,
     Interval,
     LossDb,
     Many,
@@ -34,6 +35,9 @@ from robotteamsim.scenario.victims import Victim as Victim
 LARGEST_AREA_M = 100.0
 """Radius of the largest area [m]."""
 
+ConstantDb = Annotated[float, Field(ge=-200.0, le=200.0)]
+Exponent = Annotated[float, Field(ge=0.1, le=20.0)]
+
 
 class Radio(Model):
     """The multi-wall radio model [dissertation, eq. 2-4 and Table 3]; rssi = tx power - path loss."""
@@ -44,7 +48,7 @@ class Radio(Model):
     )
     tx_power_dbm: float = Field(default=0.0, ge=-40.0, le=40.0, description="transmit power [dBm]")
     constant_loss_db: float = Field(default=47.4, ge=0.0, le=120.0, description="l0 + l_c [dB]")
-    slope_db: float = Field(default=23.2, gt=0.0, le=80.0, description="10*gamma: loss per tenfold distance [dB]")
+    slope_db: float = Field(default=23.2, ge=SMALLEST, le=80.0, description="10*gamma: loss per tenfold distance [dB]")
     wall_loss_db: Many[LossDb] = Field(
         default=(3.8, 3.9, 5.7, 12.4),
         min_length=4,
@@ -55,7 +59,7 @@ class Radio(Model):
     fireproof_door_loss_db: LossDb = Field(default=10.2, description="closed fireproof door [dB]")
     materials: dict[str, LossDb] = Field(default={}, description="loss of a whole wall by material name [dB]")
     pillars: bool = Field(default=True, description="whether pillars attenuate radio")
-    min_distance_m: float = Field(default=0.1, gt=0.0, le=1.0, description="shorter distances count as this [m]")
+    min_distance_m: float = Field(default=0.1, ge=SMALLEST, le=1.0, description="shorter distances count as this [m]")
     floor_loss_db: float = Field(default=18.3, ge=0.0, le=120.0, description="L_f: the first floor crossed [dB]")
     floor_exponent: float = Field(
         default=0.46, ge=0.0, le=2.0, description="b: k floors cost k^((k+2)/(k+1) - b) times L_f"
@@ -71,8 +75,10 @@ class Voice(Model):
     """A victim's voice [dissertation, eq. 7]: level = -l_c - 10*gamma*log10(d) - sum of walls."""
 
     noise_db: NoiseDb = Field(default=10.0, description="background noise; below it the level is 0 [dB]")
-    constant_db: Interval = Field(default=(-78.0, -72.0), description="l_c is drawn from this range per victim [dB]")
-    exponent: Interval = Field(
+    constant_db: Interval[ConstantDb] = Field(
+        default=(-78.0, -72.0), description="l_c is drawn from this range per victim [dB]"
+    )
+    exponent: Interval[Exponent] = Field(
         default=(5.0, 6.0), description="gamma is drawn from this range per victim; 2 in free field"
     )
     wall_model: Literal["count", "thickness"] = Field(
@@ -82,10 +88,10 @@ class Voice(Model):
     attenuation_per_cm: float = Field(
         default=0.0115, ge=0.0, le=1.0, description="mu, for `thickness`; concrete has 0.01 .. 0.035 [1/cm]"
     )
-    min_distance_m: float = Field(default=0.1, gt=0.0, le=1.0, description="shorter distances count as this [m]")
+    min_distance_m: float = Field(default=0.1, ge=SMALLEST, le=1.0, description="shorter distances count as this [m]")
     map_resolution_m: float = Field(default=0.25, ge=0.05, le=2.0, description="cell of the voice map [m]")
     local_best_radius_m: float = Field(
-        default=1.5, gt=0.0, le=20.0, description="radius within which a robot perceives the voice map [m]"
+        default=1.5, ge=SMALLEST, le=20.0, description="radius within which a robot perceives the voice map [m]"
     )
 
     @model_validator(mode="after")
@@ -93,8 +99,6 @@ class Voice(Model):
         for key, (low, high) in (("constant_db", self.constant_db), ("exponent", self.exponent)):
             if low > high:
                 raise wrong(key, f"[{low:g}, {high:g}] is not in the order low, high")
-        if self.exponent[0] <= 0.0:
-            raise wrong("exponent", f"{self.exponent[0]:g} is not above 0")
         return self
 
 
@@ -114,8 +118,8 @@ class Robot(Model):
     footprint_m: Many[Point] = Field(
         default=(), description="convex body: 3 to 8 corners in order around base_link, in its frame [m]"
     )
-    height_m: float = Field(default=0.25, gt=0.0, le=5.0, description="for 3D views [m]")
-    mass_kg: float = Field(default=5.0, gt=0.0, le=10_000.0, description="for pushing [kg]")
+    height_m: float = Field(default=0.25, ge=SMALLEST, le=5.0, description="for 3D views [m]")
+    mass_kg: float = Field(default=5.0, ge=SMALLEST, le=10_000.0, description="for pushing [kg]")
     drive: AnyDrive = Field(default=Drive(), description="differential, omni or car")
     wheels: Wheels = Wheels()
     laser: Laser = Laser()
@@ -124,7 +128,9 @@ class Robot(Model):
     )
     gripper: Gripper | None = Field(default=None, description="lifts objects; only in `run.world: mujoco`")
     odometry: Odometry = Odometry()
-    cmd_vel_hold_s: float = Field(default=0.8, gt=0.0, le=60.0, description="time for which the last command holds [s]")
+    cmd_vel_hold_s: float = Field(
+        default=0.8, ge=SMALLEST, le=60.0, description="time for which the last command holds [s]"
+    )
 
     @model_validator(mode="after")
     def _check_body(self) -> Robot:
@@ -168,7 +174,7 @@ class Team(Robot):
         description="number of robots, the last ones, that are absent at the start and arrive later",
     )
     start: PlanarPose | None = Field(default=None, description="centre and heading of the formation [m, m, rad]")
-    spacing_m: float = Field(default=0.8, gt=0.0, le=20.0, description="between neighbours in the formation [m]")
+    spacing_m: float = Field(default=0.8, ge=SMALLEST, le=20.0, description="between neighbours in the formation [m]")
     formation: Literal["square", "spiral", "random"] = Field(
         default="square",
         description="a square grid; the spiral of Theodorus with spacing_m between successive robots; or poses that "
@@ -197,7 +203,9 @@ class Network(Model):
     link: Literal["signal", "distance"] = Field(
         default="signal", description="whether links depend on signal or distance (eq. 16)"
     )
-    max_distance_m: float = Field(default=25.0, gt=0.0, le=10_000.0, description="d_max, for links by distance [m]")
+    max_distance_m: float = Field(
+        default=25.0, ge=SMALLEST, le=10_000.0, description="d_max, for links by distance [m]"
+    )
     hop_delay_s: float = Field(
         default=0.0,
         ge=0.0,
@@ -237,7 +245,7 @@ class Area(Model):
     name: Name = Field(description="a name, unique among areas")
     center: Point = Field(description="[x, y] in the map frame [m]")
     radius_m: float = Field(
-        default=2.0, gt=0.0, le=LARGEST_AREA_M, description="explored when a robot is within this distance [m]"
+        default=2.0, ge=SMALLEST, le=LARGEST_AREA_M, description="explored when a robot is within this distance [m]"
     )
 
 
@@ -257,7 +265,10 @@ class Mission(Model):
         default=1.0, ge=0.05, le=60.0, description="victims who move, and their voices, do so at this interval [s]"
     )
     save_distance_m: float = Field(
-        default=1.0, gt=0.0, le=20.0, description="a robot, or firefighter, within this distance reaches a victim [m]"
+        default=1.0,
+        ge=SMALLEST,
+        le=20.0,
+        description="a robot, or firefighter, within this distance reaches a victim [m]",
     )
     saved_by: Literal["robot", "firefighter"] = Field(
         default="robot",
@@ -266,7 +277,7 @@ class Mission(Model):
     rescue: Rescue = Rescue()
     patrol: Patrol = Patrol()
     exits: Many[Exit] = Field(default=(), description="places where people are safe")
-    time_limit_s: float = Field(default=600.0, gt=0.0, le=1e6, description="the mission ends after this time [s]")
+    time_limit_s: float = Field(default=600.0, ge=SMALLEST, le=1e6, description="the mission ends after this time [s]")
     base: int | None = Field(
         default=None,
         ge=0,

@@ -14,7 +14,7 @@ from robotteamsim.scenario.base import PlanarPose
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import FREE, obstacles
-from robotteamsim.scenario.sections import Team
+from robotteamsim.scenario.sections import PlacedRobot, Team
 from robotteamsim.world.clearance import Solids, check_inside, overlaps, point_text
 
 CLEARANCE_M = 0.05
@@ -31,7 +31,7 @@ def formation(
     team: Team,
     taken: list[PlanarPose],
     *,
-    others: Sequence[PlanarPose] = (),
+    others: Sequence[PlacedRobot] = (),
     section: str = "robots",
     seed: int = 0,
 ) -> list[PlanarPose]:
@@ -43,14 +43,14 @@ def formation(
     `formation: random` draws places and headings; those of the first robots do not depend on the number of robots.
 
     Args:   taken: poses of the team's other robots.
-            others: poses of other teams, which must not touch it.
+            others: robots of other teams, which it must not touch.
             section: key of the team, for errors.
             seed: of random poses.
     Raises: PlacementError: the start itself is not free, or there is not enough room.
     """
     plan, start = building.plan, team.start or team.start_poses[0]
     wanted = team.count - len(taken)
-    room = _Room(building, start, team, [*taken, *others], section)
+    room = _Room(building, start, team, taken, others, section)
     if team.formation == "random":
         return _random(team, room, start, wanted, rng.stream(seed, "random_starts", section))
     return (_spiral if team.formation == "spiral" else _square)(plan, team, room, start, wanted)
@@ -124,7 +124,13 @@ class _Room:
     """The places where a robot of the team fits and that it can reach from the start."""
 
     def __init__(
-        self, building: Building, start: PlanarPose, team: Team, taken: Sequence[PlanarPose], section: str
+        self,
+        building: Building,
+        start: PlanarPose,
+        team: Team,
+        taken: Sequence[PlanarPose],
+        others: Sequence[PlacedRobot],
+        section: str,
     ) -> None:
         self.section, plan = section, building.plan
         key = f"{section}.start" if team.start else f"{section}.start_poses.0"
@@ -135,7 +141,8 @@ class _Room:
             raise PlacementError(f"{key}: {point_text(start[:2])}: a robot {radius}{overlaps(hit)}", key)
         self._obstacles = obstacles(plan)
         self._radius_m = team.reach_m
-        self._taken = shapely.MultiPoint([pose[:2] for pose in taken])
+        self._taken = shapely.MultiPoint([pose[:2] for pose in (*taken, *(other.start_pose for other in others))])
+        self._larger = [other for other in others if other.reach_m > self._radius_m]
         self._bounds = plan.bounds
         longest_m = max(high - low for low, high in zip(plan.bounds.min, plan.bounds.max, strict=True))
         self._grid = building.grid(max(_REACH_RESOLUTION_M, longest_m / _MAX_REACH_CELLS))
@@ -151,6 +158,8 @@ class _Room:
         candidates = shapely.points(points[inside])
         clear = shapely.is_empty(self._obstacles) | (shapely.distance(self._obstacles, candidates) >= keep_m)
         alone = shapely.is_empty(self._taken) | (shapely.distance(self._taken, candidates) >= keep_m + self._radius_m)
+        for other in self._larger:
+            alone &= shapely.distance(shapely.Point(other.start_pose[:2]), candidates) >= keep_m + other.reach_m
         cells = [self._grid.cell_at(x, y) for x, y in points[inside]]
         reached = np.array([self._reached[cell] for cell in cells], dtype=bool)
         free[inside] = clear & alone & reached

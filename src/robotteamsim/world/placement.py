@@ -146,11 +146,10 @@ def _placed(building: Building, members: _Members) -> tuple[PlacedRobot, ...]:
     plan, (robots, firefighters, centre, seed) = building.plan, members
     placed = _placed_team(building, robots, "robots", seed) if isinstance(robots, Team) else _checked_list(plan, robots)
     if firefighters is not None:
-        others = [robot.start_pose for robot in placed]
-        placed += _placed_team(building, firefighters, "firefighters", seed, others)
+        placed += _placed_team(building, firefighters, "firefighters", seed, placed)
     if centre is not None:
         body = centre_body(centre)
-        _check_poses(plan, [body.start_pose], [body], ["command_centre"], "the command centre")
+        _check_poses(plan, [body.start_pose], [body], ["command_centre"], "the command centre", placed)
         placed += (body,)
     return placed
 
@@ -162,10 +161,11 @@ def _checked_list(plan: FloorPlan, robots: tuple[PlacedRobot, ...]) -> tuple[Pla
 
 
 def _placed_team(
-    building: Building, team: Team, section: str, seed: int, others: Sequence[PlanarPose] = ()
+    building: Building, team: Team, section: str, seed: int, others: Sequence[PlacedRobot] = ()
 ) -> tuple[PlacedRobot, ...]:
     poses = list(team.start_poses[: team.count])
-    _check_poses(building.plan, poses, [team] * len(poses), [f"{section}.start_poses.{i}" for i in range(len(poses))])
+    keys = [f"{section}.start_poses.{i}" for i in range(len(poses))]
+    _check_poses(building.plan, poses, [team] * len(poses), keys, f"{section.removesuffix('s')} {{}}", others)
     if len(poses) < team.count:
         poses += formation(building, team, taken=poses, others=others, section=section, seed=seed)
     shared = {key: getattr(team, key) for key in Robot.model_fields}
@@ -204,8 +204,17 @@ def _check_schedule(plan: FloorPlan, schedule: Sequence[ScheduledEvent], robots:
 
 
 def _check_poses(
-    plan: FloorPlan, poses: list[PlanarPose], robots: Sequence[Robot], keys: list[str], what: str = "robot {}"
+    plan: FloorPlan,
+    poses: list[PlanarPose],
+    robots: Sequence[Robot],
+    keys: list[str],
+    what: str = "robot {}",
+    others: Sequence[PlacedRobot] = (),
 ) -> None:
+    """Raise PlacementError, with its key, for a pose in a solid, outside, in an earlier one, or in another robot.
+
+    Args: what: how messages call one of them, with its index. others: that are placed already, in id order.
+    """
     still = Solids(plan)
     reaches_m = [robot.reach_m for robot in robots]
     present = [not isinstance(robot, PlacedRobot) or robot.present for robot in robots]
@@ -219,7 +228,12 @@ def _check_poses(
         for j in range(i):
             is_near = math.dist(point, poses[j][:2]) < reaches_m[i] + reaches_m[j]
             if is_near and present[i] and present[j] and _overlap(robot, pose, robots[j], poses[j]):
-                raise PlacementError(f"{key}: {point_text(point)}: robot {i} overlaps robot {j}", key)
+                text = f"{what.format(i)} overlaps {what.format(j)}"
+                raise PlacementError(f"{key}: {point_text(point)}: {text}", key)
+        for robot_id, other in enumerate(others):
+            is_near = math.dist(point, other.start_pose[:2]) < reaches_m[i] + other.reach_m
+            if is_near and other.present and _overlap(robot, pose, other, other.start_pose):
+                raise PlacementError(f"{key}: {point_text(point)}: {what.format(i)} overlaps robot {robot_id}", key)
 
 
 def _overlap(robot: Robot, pose: PlanarPose, other: Robot, other_pose: PlanarPose) -> bool:

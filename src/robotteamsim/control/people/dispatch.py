@@ -178,7 +178,9 @@ class DispatchController:
     def _assign_all(self, time_s: float) -> None:
         """Choose the orders from now on."""
         ages_s = {i: time_s - heard_s for i, (heard_s, _) in self._reports.items()}
-        in_contact = [i for i, age_s in sorted(ages_s.items()) if age_s <= self._section.contact_timeout_s]
+        # Whoever is given up is not in contact, either.
+        timeout_s = min(self._section.contact_timeout_s, self._section.given_up_s)
+        in_contact = [i for i, age_s in sorted(ages_s.items()) if age_s <= timeout_s]
         kept = {
             i: order
             for i, order in self._orders.items()

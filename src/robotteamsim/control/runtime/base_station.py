@@ -27,6 +27,11 @@ def with_base(controller: Controller, robot_id: int, scenario: Scenario) -> Cont
     return Announcer(controller, robot_id, scenario, ("area",) if announces_victims else ("area", "victim"))
 
 
+def controls_base(controller: object, scenario: Scenario) -> bool:
+    """Whether a controller, or a class of controllers, also controls the base, which otherwise stands still."""
+    return scenario.firefighters is not None or bool(getattr(controller, "announces_victims", False))
+
+
 class StandingBase:
     """The controller of a base that stands still; its radio forwards messages like any other."""
 

@@ -7,7 +7,7 @@ from importlib.metadata import EntryPoint, entry_points
 
 from robotteamsim.control.people.dispatch import DispatchController
 from robotteamsim.control.people.firefighter import FirefighterController
-from robotteamsim.control.runtime.base_station import with_base
+from robotteamsim.control.runtime.base_station import StandingBase, controls_base, with_base
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.interface import Controller
 from robotteamsim.scenario.controllers import ALGORITHMS
@@ -45,6 +45,8 @@ def make_controller(robot_id: int, setup: Setup, arrival: int = 1) -> Controller
         make = _make_for(robot_id, scenario)
     except _NotFoundError as error:
         raise ScenarioError(f"{scenario.name}: control.algorithm: {error}") from None
+    if robot_id == scenario.base and not controls_base(make, scenario):
+        return with_base(StandingBase(), robot_id, scenario)
     taken = _parameters(make)
     own = {"arrival": arrival} if "arrival" in taken else {}
     made = make(robot_id, setup if "setup" in taken else scenario, **own)

@@ -9,7 +9,7 @@ from typing import ClassVar, Literal, TypeVar, get_args
 
 from pydantic import Field
 
-from robotteamsim.scenario.base import Model
+from robotteamsim.scenario.base import SMALLEST, Model
 from robotteamsim.scenario.controllers.driving import NavigatorTuning, WanderTuning
 
 Kind = TypeVar("Kind", bound="Control")
@@ -26,8 +26,10 @@ class Control(Model):
     patrols: ClassVar[bool] = False
 
     algorithm: str = Field(description="name of the controller")
-    iteration_s: float = Field(default=1.0, gt=0.0, le=60.0, description="period of the swarm's iterations [s]")
-    max_step_speed_mps: float = Field(default=0.58, gt=0.0, le=10.0, description="limit of the swarm velocity [m/s]")
+    iteration_s: float = Field(default=1.0, ge=SMALLEST, le=60.0, description="period of the swarm's iterations [s]")
+    max_step_speed_mps: float = Field(
+        default=0.58, ge=SMALLEST, le=10.0, description="limit of the swarm velocity [m/s]"
+    )
     navigation: Literal["path", "straight"] = Field(
         default="path", description="distances and directions along free paths of the known map, or in a straight line"
     )
@@ -37,7 +39,7 @@ class Control(Model):
     )
     tf_timeout_s: float = Field(
         default=0.3,
-        gt=0.0,
+        ge=SMALLEST,
         le=60.0,
         description="with localisation tf, a robot without a new transform for this time stops [s]",
     )
@@ -82,7 +84,7 @@ class LinkTuning(Model):
     )
     endangered_fraction: float = Field(
         default=0.8,
-        gt=0.0,
+        ge=SMALLEST,
         lt=1.0,
         description="a link by distance is endangered beyond this fraction of network.max_distance_m",
     )

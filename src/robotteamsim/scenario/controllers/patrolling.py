@@ -6,6 +6,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field
 
+from robotteamsim.scenario.base import SMALLEST
 from robotteamsim.scenario.controllers.base import Control
 
 
@@ -34,8 +35,10 @@ class SebsControl(PatrolControl):
     controller: ClassVar[str] = "robotteamsim.control.baselines.sebs:SebsController"
 
     algorithm: Literal["sebs"] = Field(description="sebs")
-    g1: float = Field(default=0.1, gt=0.0, lt=1.0, description="G1: probability of a vertex without gain")
-    g2: float = Field(default=100.0, gt=0.0, le=1e6, description="G2: gain at which the probability reaches 1 [s/m]")
+    g1: float = Field(default=0.1, ge=SMALLEST, lt=1.0, description="G1: probability of a vertex without gain")
+    g2: float = Field(
+        default=100.0, ge=SMALLEST, le=1e6, description="G2: gain at which the probability reaches 1 [s/m]"
+    )
     edge_min_m: float = Field(
-        default=1.0, gt=0.0, le=100.0, description="lower limit of the lengths of edges in the gain [m]"
+        default=1.0, ge=SMALLEST, le=100.0, description="lower limit of the lengths of edges in the gain [m]"
     )

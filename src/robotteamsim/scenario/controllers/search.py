@@ -9,7 +9,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import NoiseDb, wrong
+from robotteamsim.scenario.base import SMALLEST, NoiseDb, wrong
 from robotteamsim.scenario.controllers.base import Control
 from robotteamsim.scenario.controllers.driving import DoorTuning
 
@@ -42,24 +42,30 @@ class SearchControl(Control):
         description="largest number of cells; for a larger plan, cell_m is doubled until they fit",
     )
     expected_victims: float = Field(
-        default=4.0, gt=0.0, le=10_000.0, description="how many victims the robots expect before they have found any"
+        default=4.0,
+        ge=SMALLEST,
+        le=10_000.0,
+        description="how many victims the robots expect before they have found any",
     )
     assumed_noise_db: NoiseDb = Field(
         default=30.0, description="noise that robots assume until the first voice shows how loud it is [dB]"
     )
     victim_worth_s: float = Field(
         default=1500.0,
-        gt=0.0,
+        ge=SMALLEST,
         le=1e9,
         description="time of one robot that a victim is worth: a place whose expected victims per second of travel are "
         "below 1 / this value is not searched [s]",
     )
     delay_s: float = Field(
-        default=3.0, gt=0.0, le=600.0, description="added to the travel time to a place, so that far places count [s]"
+        default=3.0,
+        ge=SMALLEST,
+        le=600.0,
+        description="added to the travel time to a place, so that far places count [s]",
     )
-    place_spacing_m: float = Field(default=2.0, gt=0.0, le=100.0, description="between places to listen at [m]")
+    place_spacing_m: float = Field(default=2.0, ge=SMALLEST, le=100.0, description="between places to listen at [m]")
     choose_s: float = Field(
-        default=2.0, gt=0.0, le=600.0, description="a robot compares all places at this interval [s]"
+        default=2.0, ge=SMALLEST, le=600.0, description="a robot compares all places at this interval [s]"
     )
     better: float = Field(
         default=1.3, ge=1.0, le=100.0, description="a robot leaves its goal for a place that is better by this factor"
@@ -78,13 +84,16 @@ class SearchControl(Control):
     )
     reserve_s: float = Field(default=20.0, ge=0.0, le=1e6, description="added to that time [s]")
     given_up_s: float = Field(
-        default=30.0, gt=0.0, le=1e6, description="a teammate that was not heard for longer is ignored [s]"
+        default=30.0, ge=SMALLEST, le=1e6, description="a teammate that was not heard for longer is ignored [s]"
     )
     same_voice_m: float = Field(
         default=6.0, ge=0.0, le=1000.0, description="voices whose sources seem to be this near are one voice [m]"
     )
     progress_timeout_s: float = Field(
-        default=20.0, gt=0.0, le=1e6, description="a goal to which the path does not become shorter is given up [s]"
+        default=20.0,
+        ge=SMALLEST,
+        le=1e6,
+        description="a goal to which the path does not become shorter is given up [s]",
     )
     avoided_s: float = Field(
         default=60.0, ge=0.0, le=1e6, description="a goal that was given up is avoided for this time [s]"

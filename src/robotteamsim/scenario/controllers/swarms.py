@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 
 from pydantic import Field, model_validator
 
-from robotteamsim.scenario.base import Model, wrong
+from robotteamsim.scenario.base import SMALLEST, Model, wrong
 from robotteamsim.scenario.controllers.base import LinkedControl, ListeningControl
 from robotteamsim.scenario.controllers.driving import DoorTuning
 
@@ -76,13 +76,13 @@ class SwarmControl(ListeningControl):
     )
     member_timeout_s: float = Field(
         default=30.0,
-        gt=0.0,
+        ge=SMALLEST,
         le=1e6,
         description="a member that was not heard for longer no longer attracts others [s]",
     )
     longest_detour_m: float = Field(
         default=60.0,
-        gt=0.0,
+        ge=SMALLEST,
         le=10_000.0,
         description="bests with a longer path attract in a straight line [m]",
     )
@@ -118,7 +118,7 @@ class ObstacleControl(SwarmControl):
     """The keys of the obstacle term."""
 
     c3: float = Field(default=0.29, ge=0.0, le=2.0, description="obstacle weight")
-    sensing_radius_m: float = Field(default=1.0, gt=0.0, le=50.0, description="r_s of the obstacle term [m]")
+    sensing_radius_m: float = Field(default=1.0, ge=SMALLEST, le=50.0, description="r_s of the obstacle term [m]")
 
 
 class InertiaControl(SwarmControl):

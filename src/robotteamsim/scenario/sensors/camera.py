@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from robotteamsim.message_parts import Make, header, robot_frame
+from robotteamsim.scenario.base import SMALLEST
 from robotteamsim.scenario.sensors.base import Carrier, Frame, Moment, MountedSensor, SensorName
 
 _OPTICAL = (-0.5, 0.5, -0.5, 0.5)
@@ -34,7 +35,7 @@ class Camera(MountedSensor):
     height_px: int = Field(default=240, ge=16, le=4096, description="rows of an image")
     fov_rad: float = Field(default=1.2, gt=0.05, le=2.8, description="horizontal angle of view [rad]")
     forward_m: float = Field(default=0.1, ge=-5.0, le=5.0, description="ahead of base_link [m]")
-    height_m: float = Field(default=0.25, gt=0.0, le=5.0, description="above base_link [m]")
+    height_m: float = Field(default=0.25, ge=SMALLEST, le=5.0, description="above base_link [m]")
     every_steps: int = Field(default=5, ge=1, le=10_000, description="an image every n-th step")
 
     @property

@@ -10,6 +10,7 @@ import numpy as np
 from pydantic import Field
 
 from robotteamsim.message_parts import Make, header, robot_frame
+from robotteamsim.scenario.base import SMALLEST
 from robotteamsim.scenario.sensors.base import Carrier, Moment, Sensor, SensorName, expect_within
 
 # Constants of sensor_msgs/NavSatStatus and NavSatFix.
@@ -47,7 +48,9 @@ class Gps(Sensor):
     noise_m: float = Field(
         default=1.0, ge=0.0, le=1000.0, description="standard deviation to the east and to the north [m]"
     )
-    rate_hz: float = Field(default=1.0, gt=0.0, le=1000.0, description="fixes per second, at most one per step [Hz]")
+    rate_hz: float = Field(
+        default=1.0, ge=SMALLEST, le=1000.0, description="fixes per second, at most one per step [Hz]"
+    )
 
     def is_due(self, moment: Moment) -> bool:
         """Return whether there is a fix in a step; the k-th fix is due at k / rate."""

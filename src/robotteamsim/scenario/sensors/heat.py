@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from robotteamsim.message_parts import MAP_FRAME, Make, header, point
+from robotteamsim.scenario.base import SMALLEST
 from robotteamsim.scenario.sensors.base import Carrier, Moment, Sensor, SensorName, expect_within
 
 _FARTHEST_M = 1e6
@@ -37,7 +38,7 @@ class HeatSensor(Sensor):
 
     name: SensorName = Field(default="heat", description="a name, for topic robot_<id>/<name>")
     kind: Literal["heat"] = Field(default="heat", description="heat")
-    range_m: float = Field(default=5.0, gt=0.0, le=100.0, description="farthest hot place that it sees [m]")
+    range_m: float = Field(default=5.0, ge=SMALLEST, le=100.0, description="farthest hot place that it sees [m]")
 
     def is_due(self, moment: Moment) -> bool:
         """See `Sensor`."""

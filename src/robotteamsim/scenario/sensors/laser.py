@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from robotteamsim.message_parts import Make
-from robotteamsim.scenario.base import Model, wrong
+from robotteamsim.scenario.base import SMALLEST, Model, wrong
 from robotteamsim.scenario.sensors.base import BeamModel, Carrier, Fan, Moment, MountedSensor
 
 
@@ -20,7 +20,7 @@ class Laser(Model):
     angle_min_rad: float = Field(default=-1.5707963267948966, ge=-6.2832, le=6.2832, description="first beam [rad]")
     angle_max_rad: float = Field(default=1.5707963267948966, ge=-6.2832, le=6.2832, description="last beam [rad]")
     range_min_m: float = Field(default=0.05, ge=0.0, le=10.0, description="shortest range [m]")
-    range_max_m: float = Field(default=5.0, gt=0.0, le=200.0, description="longest range [m]")
+    range_max_m: float = Field(default=5.0, ge=SMALLEST, le=200.0, description="longest range [m]")
     forward_m: float = Field(default=0.1, ge=-5.0, le=5.0, description="ahead of base_link [m]")
     height_m: float = Field(default=0.25, ge=0.0, le=2.0, description="above base_link, for tf [m]")
     no_return: Literal["range_max", "inf"] = Field(

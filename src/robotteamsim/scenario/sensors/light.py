@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field
 
 from robotteamsim.message_parts import Make
+from robotteamsim.scenario.base import SMALLEST
 from robotteamsim.scenario.sensors.base import Carrier, Frame, MountedSensor, expect_within
 
 _BRIGHTEST_LX = 1e12
@@ -21,7 +22,7 @@ class LightSensor(MountedSensor):
     needs_mujoco: ClassVar[bool] = True
 
     kind: Literal["light"] = Field(default="light", description="light")
-    height_m: float = Field(default=0.3, gt=0.0, le=5.0, description="above base_link [m]")
+    height_m: float = Field(default=0.3, ge=SMALLEST, le=5.0, description="above base_link [m]")
     pitch_rad: float = Field(default=0.5 * math.pi, ge=-1.5708, le=1.5708, description="its direction upwards [rad]")
 
     def frames(self) -> tuple[Frame, ...]:

@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from robotteamsim.message_parts import Make
-from robotteamsim.scenario.base import wrong
+from robotteamsim.scenario.base import SMALLEST, wrong
 from robotteamsim.scenario.sensors.base import BeamModel, Carrier, Fan, MountedSensor
 
 _ULTRASOUND = 0  # constant of sensor_msgs/Range
@@ -25,12 +25,12 @@ class Sonar(MountedSensor):
     type_name: ClassVar[str] = "sensor_msgs/Range"
 
     kind: Literal["sonar"] = Field(default="sonar", description="sonar")
-    opening_rad: float = Field(default=0.5, gt=0.0, le=3.1416, description="full angle of the cone [rad]")
+    opening_rad: float = Field(default=0.5, ge=SMALLEST, le=3.1416, description="full angle of the cone [rad]")
     rays: int = Field(
         default=15, ge=2, le=1000, description="number of rays, spread evenly over the cone, edges included"
     )
     range_min_m: float = Field(default=0.02, ge=0.0, le=10.0, description="reading for anything nearer [m]")
-    range_max_m: float = Field(default=3.0, gt=0.0, le=200.0, description="reading without a return [m]")
+    range_max_m: float = Field(default=3.0, ge=SMALLEST, le=200.0, description="reading without a return [m]")
     noise_m: float = Field(default=0.0, ge=0.0, le=1.0, description="standard deviation of a range [m]")
 
     @model_validator(mode="after")
