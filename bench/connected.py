@@ -27,7 +27,6 @@ from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation
 
 CSV = Path(__file__).resolve().parent / "results" / "connected.csv"
-FIRST_SEED = 9001
 TEAMS = {"search": "free", "search_connected": "connected"}
 KEYS = ("building", "noise_db", "robots", "team", "seed")
 TOTALS = tuple(name for name in NetworkTotals.__struct_fields__ if not name.startswith("base"))
@@ -49,7 +48,7 @@ def run_missing(options: argparse.Namespace) -> None:
     done = {tuple(row[key] for key in KEYS) for row in read(options.csv)}
     robots, noises_db = tuple(options.robots), tuple(options.noise)
     design = search_design(SearchProtocol(tuple(TEAMS), (options.building,), noises_db, robots, trials=1))
-    for seed in range(FIRST_SEED, FIRST_SEED + options.missions):
+    for seed in range(options.first_seed, options.first_seed + options.missions):
         for cell in design.cells:
             building, noise_db, count, controller = cell.values
             key = (building, f"{noise_db:g}", str(count), TEAMS[controller], str(seed))
@@ -118,7 +117,8 @@ def print_table(rows: list[dict[str, str]]) -> None:
 def main() -> None:
     """Run missions, or print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--missions", type=int, default=0, help="of each cell, with the seeds from 9001 on")
+    parser.add_argument("--missions", type=int, default=0, help="of each cell")
+    parser.add_argument("--first-seed", type=int, default=9001)
     parser.add_argument("--building", default="garage", help="as in `robotteamsim benchmark search`")
     parser.add_argument("--noise", type=float, nargs="+", default=[10.0, 20.0, 30.0])
     parser.add_argument("--robots", type=int, nargs="+", default=[3, 5, 8])

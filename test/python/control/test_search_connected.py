@@ -91,10 +91,12 @@ def test_link_is_sure_if_it_is_likely_from_all_cells_around_both_ends(hall):
     assert not np.any(sure & ~likely)
 
 
-@pytest.mark.parametrize(("margin_db", "linked"), [(0.0, True), (8.0, False)])
-def test_link_by_signal_needs_the_margin(hall_scenario, margin_db, linked):
-    # A 40 cm wall costs 3.9 dB; 10 m in free space 70.6 dB: -74.5 dBm.
-    scenario = hall_scenario(network=Network(lost_below_dbm=-80.0, endangered_below_dbm=-70.0))
+@pytest.mark.parametrize(
+    ("margin_db", "loss", "linked"), [(0.0, "none", True), (8.0, "none", False), (0.0, "signal", False)]
+)
+def test_link_by_signal_needs_the_margin_and_loses_few_messages(hall_scenario, margin_db, loss, linked):
+    # A 40 cm wall costs 3.9 dB; 10 m in free space 70.6 dB: -74.5 dBm, at which 45 % of the messages are lost.
+    scenario = hall_scenario(network=Network(lost_below_dbm=-80.0, endangered_below_dbm=-70.0, loss=loss))
     wall = Wall(name="middle", start=(10.0, 0.0), end=(10.0, 10.0), thickness_m=0.4)
     plan = scenario.plan.model_copy(update={"walls": (*scenario.plan.walls, wall)})
     grid = cell_grid(hall_scenario(control=CONNECTED))
@@ -134,6 +136,18 @@ def test_robot_stops_where_it_would_lose_another_and_comes_if_another_would_lose
     assert paths.place_of(wanted)[0] > position[0]  # But it says where it wants to be.
     ahead, _ = steer(1, _update(0, near, wanted=near - 2))
     assert ahead[0] < position[0]
+
+
+def test_robot_whose_links_are_only_likely_breaks_none_of_them(hall, team_of):
+    # 5 m from the one that goes first and 6 m from the other: a step to the first would lose the other.
+    _, grid, paths = hall
+    position = paths.place_of(grid.cell_of((7.5, 5.5)))
+    at = grid.cell_of(position)
+    team, connected = team_of(1)
+    team.hear(_update(0, grid.cell_of((2.5, 5.5))), 0.0)
+    team.hear(_update(2, grid.cell_of((13.5, 5.5))), 0.0)
+    assert connected.steer(position, at, "wait", NO_CELL, None, paths, 0.0) is None
+    assert paths.place_of(connected.wanted)[0] < position[0]  # It says where it wants to be.
 
 
 def test_robot_that_loses_another_goes_back_to_where_it_last_heard_it(hall, team_of):

@@ -4,9 +4,11 @@ Each robot predicts links from the plan alone, and uses its own position and the
 docs/search.md has the equations.
 
 1. Goals. Robots are ranked by their work: who approaches a voice goes first, then who explores an area, then who
-   searches; of equal ones, the lower id. A robot listens only at places linked to the goal of a robot that goes first.
-2. Ways. A robot drives only over cells in which it keeps the team connected, with all others where they are now.
-3. Help. If a robot that goes first would lose others where it wants to go, they come nearer.
+   searches; of equal ones, the lower id. A robot listens, and explores areas, only at places linked to the goal of a
+   robot that goes first.
+2. Ways. A robot drives only over cells in which it stays connected with all others with whom it is, where they are now.
+3. Help. If a robot that goes first would lose others where it wants to go, they come nearer: to the first of those
+   whom they can help.
 4. Healing. If a teammate falls silent, the robot drives back to where it last heard all others.
 """
 
@@ -22,6 +24,7 @@ import numpy as np
 from robotteamsim import _core
 from robotteamsim.control.search.cells import NO_CELL, CellGrid, cell_paths
 from robotteamsim.control.search.team import SearchUpdate, Teammates, Work
+from robotteamsim.network.delivery import loss_probability
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.building import Building, Doors
 from robotteamsim.scenario.controllers.search import SearchControl
@@ -40,8 +43,10 @@ _STEP_M = 1.0
 """Within this distance a place beside the robot is judged [m]."""
 
 _PATIENCE_S = 5.0
-"""A robot that is held for longer relies on links that are only likely; one that is to help, and is held for twice as
-long, goes nevertheless: others can follow [s]."""
+"""A robot that is held for longer relies on links that are only likely, until it has driven for as long [s]."""
+
+_MOST_LOST = 0.25
+"""A link that loses a larger share of the messages is not relied on: positions would be too old."""
 
 _LATE, _SILENT = 1.5, 3.5
 """A teammate was heard recently if in the last 1.5 iterations; it is lost if not in the last 3.5."""
@@ -84,7 +89,8 @@ def predicted_links(
         field = RadioField(building.plan, Radio.model_validate_json(radio_json))
         for name, closed in doors:
             field.set_door(name, closed)
-        is_link = field.rssi_matrix_dbm(places_m) >= network.lost_below_dbm + margin_db
+        rssi_dbm = field.rssi_matrix_dbm(places_m)
+        is_link = (rssi_dbm >= network.lost_below_dbm + margin_db) & (loss_probability(rssi_dbm, network) <= _MOST_LOST)
     np.fill_diagonal(is_link, True)
     links = np.ones((grid.size, grid.size), dtype=bool)
     links[np.ix_(free, free)] = is_link
@@ -109,6 +115,14 @@ class _Placing:
     head: int
 
 
+@dataclass(frozen=True, slots=True)
+class _Step:
+    """Where a robot drives now, in `map` [m], None if it is held; and the cell where it wants to be, or NO_CELL."""
+
+    ahead: Vector | None
+    wanted: int
+
+
 class ConnectedTeam:
     """What one robot does to stay connected with its team."""
 
@@ -124,7 +138,9 @@ class ConnectedTeam:
         self._home = NO_CELL
         """The cell where the robot was when it last heard all others; NO_CELL once it has been there again."""
         self._held_s = 0.0
-        """For how long it has been held, less the time in which it has driven since."""
+        """For how long it has been held, less the time since."""
+        self._is_held = False
+        """Whether it has been held for long."""
         self.wanted = NO_CELL
         """The cell where it wants to be next; NO_CELL if it stands still."""
 
@@ -180,26 +196,36 @@ class ConnectedTeam:
             self._home = at
         placings = self._placings(work)
         connecting = [self._connecting(placing, self._sure) for placing in placings]
-        kept = [cells for cells in connecting if cells[at]]
-        if self._held_s > _PATIENCE_S:
-            kept = [self._connecting(placings[0], self._likely)]
-        allowed = np.all([self._everywhere, *kept], axis=0)
-        for placing, cells in zip(placings, connecting, strict=True):
-            if not cells[at] and not self._is_with_head(placing, at):
-                return self._help(position, at, placing, cells, allowed, paths)
-        is_whole = bool(connecting[0][at])
-        if target is None:
-            return None
-        if not is_whole and self._held_s <= 2.0 * _PATIENCE_S:
-            self._held_s += iteration_s
-            return None  # Those come who are apart.
+        allowed = self._keeping(at, placings[0], self._likely)
+        if not self._is_held:
+            kept = [self._keeping(at, placings[0], self._sure), *(cells for cells in connecting if cells[at])]
+            allowed = np.all([allowed, *kept], axis=0)
+        helps = [
+            self._help(position, at, placing, cells, allowed, paths)
+            for placing, cells in zip(placings, connecting, strict=True)
+            if not cells[at] and not self._is_with_head(placing, at)
+        ]
+        if helps:
+            step = next((step for step in helps if step.ahead is not None), helps[0])
+        elif target is None or not connecting[0][at]:
+            step = _Step(None, NO_CELL)  # Those come who are apart.
+        else:
+            step = self._step_to(goal, target, position, allowed, paths)
+        self.wanted = step.wanted
+        self._note(is_held=step.ahead is None and step.wanted != NO_CELL)
+        return step.ahead
+
+    def _step_to(
+        self, goal: int, target: Vector, position: Vector, allowed: np.ndarray, paths: _core.control.CellPaths
+    ) -> _Step:
+        """Return the step to the goal, or straight to the target if there is none."""
         if goal == NO_CELL:
-            self.wanted = self._cell_towards(position, target, paths)
-            return target if self.wanted == NO_CELL or allowed[self.wanted] else None
+            cell = self._cell_towards(position, target, paths)
+            return _Step(target if cell == NO_CELL or allowed[cell] else None, cell)
         goals = ~self._everywhere
         goals[goal] = True
         way = self._way(position, (goals,), allowed, paths)
-        return target if way is None else self._follow(way, allowed, is_whole)
+        return _Step(target, NO_CELL) if way is None else _step_on(way, allowed)
 
     def _help(
         self,
@@ -209,16 +235,14 @@ class ConnectedTeam:
         connecting: np.ndarray,
         allowed: np.ndarray,
         paths: _core.control.CellPaths,
-    ) -> Vector | None:
-        """Return the way to the nearest place, nearer to the head of a placing, that connects all; or else them two."""
-        if self._held_s > 2.0 * _PATIENCE_S:
-            allowed = self._everywhere
+    ) -> _Step:
+        """Return the step to the nearest place, nearer to the head of a placing, that connects all, or else both."""
         part = self._part_of(placing.head, placing.cells, self._sure)
         linked = self._sure[[placing.cells[i] for i in part]].any(axis=0)
         to_head_m = paths.lengths_from(placing.cells[placing.head])
         linked &= (to_head_m < to_head_m[at]) | ~np.isfinite(to_head_m[at])
         way = self._way(position, (connecting & linked, linked), allowed, paths)
-        return None if way is None else self._follow(way, allowed, is_whole=False)
+        return _Step(None, NO_CELL) if way is None else _step_on(way, allowed)
 
     def _way(
         self, position: Vector, goals: Sequence[np.ndarray], allowed: np.ndarray, paths: _core.control.CellPaths
@@ -236,21 +260,6 @@ class ConnectedTeam:
                 return way
         return shortest
 
-    def _follow(self, way: CellWay, allowed: np.ndarray, is_whole: bool) -> Vector | None:
-        """Return the place ahead on a way of two cells or more; None if its next cell is not allowed.
-
-        Args: is_whole: whether the team is connected, so that the robot need not hurry.
-        """
-        cells, ahead = way
-        if not allowed[cells[1]]:
-            self._held_s += self._tuning.iteration_s
-            self.wanted = cells[1]
-            return None
-        if is_whole:
-            self._held_s = max(self._held_s - self._tuning.iteration_s, 0.0)
-        self.wanted = cells[min(_WANTED_CELLS, len(cells) - 1)]
-        return ahead
-
     def _way_back(self, position: Vector, at: int, lost: int, paths: _core.control.CellPaths) -> Vector | None:
         """Return the way to where the robot last heard all; from there on, to where a lost one with a lower id was."""
         if self._home == at:
@@ -259,6 +268,11 @@ class ConnectedTeam:
         if goal == NO_CELL and lost < self._robot_id:
             goal = next(update.at for update in self._team.updates if update.robot_id == lost)
         return None if goal in (NO_CELL, at) else paths.ahead(position, goal, _AHEAD_M)
+
+    def _note(self, *, is_held: bool) -> None:
+        change_s = self._tuning.iteration_s if is_held else -self._tuning.iteration_s
+        self._held_s = min(max(self._held_s + change_s, 0.0), _PATIENCE_S)
+        self._is_held = self._held_s == _PATIENCE_S or (self._is_held and self._held_s > 0.0)
 
     @staticmethod
     def _rank(work: Work, robot_id: int) -> tuple[int, int]:
@@ -292,13 +306,22 @@ class ConnectedTeam:
 
     def _connecting(self, placing: _Placing, links: np.ndarray) -> np.ndarray:
         """Return the cells in which this robot connects all others: those linked to each of their parts, bool."""
-        found = self._everywhere.copy()
+        return np.asarray(np.all([self._everywhere, *self._near_parts(placing, links)], axis=0))
+
+    def _keeping(self, at: int, placing: _Placing, links: np.ndarray) -> np.ndarray:
+        """Return the cells in which all whom this robot is connected with stay connected with it, bool."""
+        kept = [near for near in self._near_parts(placing, links) if near[at]]
+        return np.asarray(np.all([self._everywhere, *kept], axis=0))
+
+    def _near_parts(self, placing: _Placing, links: np.ndarray) -> list[np.ndarray]:
+        """Return for each part of the others the cells that are linked to it, bool."""
+        near: list[np.ndarray] = []
         left = set(placing.cells)
         while left:
             part = self._part_of(min(left), placing.cells, links)
-            found &= links[[placing.cells[i] for i in part]].any(axis=0)
+            near.append(np.asarray(links[[placing.cells[i] for i in part]].any(axis=0)))
             left -= part
-        return found
+        return near
 
     def _is_with_head(self, placing: _Placing, at: int) -> bool:
         return placing.head in self._part_of(self._robot_id, {**placing.cells, self._robot_id: at}, self._sure)
@@ -308,3 +331,11 @@ class ConnectedTeam:
         share = min(1.0, _STEP_M / max(math.dist(position, target), 1e-9))
         (x_m, y_m), (to_x_m, to_y_m) = position, target
         return paths.start_of((x_m + share * (to_x_m - x_m), y_m + share * (to_y_m - y_m)))
+
+
+def _step_on(way: CellWay, allowed: np.ndarray) -> _Step:
+    """Return the step on a way of two cells or more; the robot is held if the next cell is not allowed."""
+    cells, ahead = way
+    if not allowed[cells[1]]:
+        return _Step(None, cells[1])
+    return _Step(ahead, cells[min(_WANTED_CELLS, len(cells) - 1)])

@@ -304,6 +304,9 @@ class WorkChoice:
             return False
         if urgent:
             return self._is_nearest(start)
+        linked = self._linked("area")
+        if linked is not None and not linked[areas.cell]:
+            return False
         keeps = self.work == "area" and self.goal == areas.cell
         if areas.is_last:
             is_over = goal == NO_CELL and self._team.all_wait and self._has_been_idle(2.0, time_s)
