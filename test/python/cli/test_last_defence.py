@@ -84,6 +84,31 @@ def test_symlink_loop_is_rejected_in_one_line(tmp_path, refusal, command):
     assert "Too many levels of symbolic links" in refusal(*command.split(), loop)
 
 
+@pytest.mark.parametrize(
+    ("command", "name"),
+    [
+        ("run {}", "a.yaml"),
+        ("run tutorial_arena --set plan={}", "plan.yaml"),
+        ("run tutorial_arena --set mission.patrol.graph={}", "a.graph"),
+        ("campaign tutorial_arena --out c --design {}", "design.yaml"),
+        ("plan import map.yaml", "map.png"),
+        ("plan import-stage {}", "a.world"),
+        ("scenario upgrade {}", "a.yaml"),
+        ("analyse {}", "a.bag"),
+        ("analyse {}", "a.mcap"),
+        ("view .", "mission.json"),
+        ("report .", "campaign.sqlite"),
+    ],
+)
+def test_fifo_in_place_of_a_file_is_rejected_and_not_waited_for(tmp_path, monkeypatch, refusal, command, name):
+    monkeypatch.chdir(tmp_path)
+    Path("map.yaml").write_text("image: map.png\nresolution: 0.05\norigin: [0, 0, 0]\n")
+    os.mkfifo(name)
+    line = refusal(*command.format(name).split())
+    assert name in line
+    assert any(text in line for text in ("not a regular file", "there is no file", "there is no campaign.sqlite"))
+
+
 def test_bag_with_a_type_that_is_no_python_is_rejected_in_one_line(tmp_path, capsys):
     types = get_typestore(Stores.ROS1_NOETIC)
     definition = types.generate_msgdef("std_msgs/msg/String")[0].replace("data", "class")

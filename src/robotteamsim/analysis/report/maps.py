@@ -54,7 +54,8 @@ def draw_heat(cells: Sequence[Cell]) -> Figure:
     heats = [heat(cell) for cell in shown]
     visited = np.concatenate([each.values[each.values > 0.0] for each in heats])
     # A square-root scale, so that the paths of few missions are visible, too.
-    norm = PowerNorm(0.5, vmin=0.0, vmax=float(np.percentile(visited, 98.0)))
+    most = float(np.percentile(visited, 98.0)) if visited.size else 1.0
+    norm = PowerNorm(0.5, vmin=0.0, vmax=most)
     used = list(all_axes.flat[: len(shown)])
     images = [_draw_heat(axes, cell, each, norm) for axes, cell, each in zip(used, shown, heats, strict=True)]
     bar = figure.colorbar(images[0], ax=used, shrink=0.85, pad=0.015, aspect=28, extend="max")
