@@ -16,6 +16,7 @@ from matplotlib.patheffects import withStroke
 
 from robotteamsim import palette
 from robotteamsim.analysis.fields.picture import extent_m
+from robotteamsim.analysis.plain_figure import PlainFigure
 from robotteamsim.analysis.plan_picture import draw_floor_plan
 from robotteamsim.analysis.report.figures import DPI, styled
 from robotteamsim.analysis.report.samples import Cell
@@ -47,7 +48,7 @@ def draw_heat(cells: Sequence[Cell]) -> Figure:
     (min_x, min_y), (max_x, max_y) = _bounds(shown[0])
     width = _PAGE_INCHES / columns
     size = (_PAGE_INCHES + 0.9, (width * (max_y - min_y) / (max_x - min_x) + 0.45) * rows + 0.2)
-    figure = Figure(figsize=size, dpi=DPI, layout="compressed")
+    figure = PlainFigure(figsize=size, dpi=DPI, layout="compressed")
     all_axes = figure.subplots(rows, columns, squeeze=False)
     for axes in all_axes.flat[len(shown) :]:
         axes.remove()
