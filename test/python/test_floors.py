@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "robotteamsim"
 
 FLOORS = (
-    ("errors", "extras", "geometry", "message_parts", "palette", "rng", "wording", "base"),  # base is C++
+    ("errors", "extras", "geometry", "message_parts", "palette", "rng", "user_files", "wording", "base"),  # base is C++
     ("map_import",),
     ("scenario", "plan"),  # C++ calls it plan
     ("world", "propagation", "hazards"),

@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Arc, Circle, Patch, Polygon
 
 from robotteamsim import palette
+from robotteamsim.analysis.plain_figure import PlainFigure
 from robotteamsim.scenario import Door, FloorPlan, Scenario, solids
 from robotteamsim.scenario.base import PlanarPose
 from robotteamsim.scenario.body import corners_at
@@ -28,7 +29,7 @@ def draw_plan(plan: FloorPlan, setup: Setup | None = None) -> Figure:
     (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
     width_m, height_m = max_x - min_x, max_y - min_y
     scale = _PLAN_INCHES / max(width_m, height_m)
-    figure = Figure(figsize=(width_m * scale + 1.0, height_m * scale + 1.4), dpi=120, layout="constrained")
+    figure = PlainFigure(figsize=(width_m * scale + 1.0, height_m * scale + 1.4), dpi=120, layout="constrained")
     axes = figure.subplots()
     draw_floor_plan(axes, plan)
     if setup is not None:

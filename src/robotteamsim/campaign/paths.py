@@ -14,6 +14,8 @@ PERIOD_S = 1.0
 
 _UNIT_M = 0.01
 _HEADER = struct.Struct("<II")
+_MOST_DEFLATED = 1100
+"""Deflated data grow by at most 1032 times [zlib]."""
 
 
 class PathLog(Observer):
@@ -54,7 +56,11 @@ def decode_paths(data: bytes) -> np.ndarray:
     """Return positions [m] in `map`, shape (samples, robots, 2), to a centimetre. Raises: CampaignError: no paths."""
     try:
         samples, robots = _HEADER.unpack_from(data)
-        differences = np.frombuffer(zlib.decompress(data[_HEADER.size :]), dtype="<i4").reshape(samples, robots, 2)
+        size = samples * robots * 8
+        if not 0 < size <= _MOST_DEFLATED * len(data):
+            raise ValueError(f"{len(data)} bytes cannot have {samples} positions of {robots} robots")
+        differences = np.frombuffer(zlib.decompressobj().decompress(data[_HEADER.size :], size), dtype="<i4")
+        differences = differences.reshape(samples, robots, 2)
     except (struct.error, zlib.error, ValueError) as error:
         raise CampaignError(f"stored paths cannot be read: {error}") from None
     return np.asarray(np.cumsum(differences, axis=0, dtype=np.int64) * _UNIT_M)

@@ -11,18 +11,21 @@ import sqlite3
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
+import msgspec
 from filelock import FileLock, Timeout
 
 import robotteamsim
 from robotteamsim.campaign.design import Design, Trial, settings_difference
-from robotteamsim.campaign.trial import Outcome
-from robotteamsim.errors import CampaignError
+from robotteamsim.campaign.factors import MAX_TRIALS
+from robotteamsim.campaign.trial import Count, Outcome
+from robotteamsim.errors import CampaignError, ScenarioError
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
 from robotteamsim.recording.network_log import NetworkTotals
 from robotteamsim.recording.results import versions
-from robotteamsim.wording import safe_cell
+from robotteamsim.scenario.yaml_text import check_depth, shown
+from robotteamsim.wording import counted, safe_cell
 
 STORE_NAME = "campaign.sqlite"
 CSV_NAME = "trials.csv"
@@ -34,6 +37,13 @@ _FORMAT = 3
 _LACKS = {1: "the robots' paths", 2: "the discoveries delivered to a base"}
 _APPLICATION_ID = 0x52545343  # "RTSC" identifies our databases.
 _COLUMNS = tuple(field.name for field in dataclasses.fields(Outcome))
+_OF_ENDED = (
+    *("end", "time_s", "areas_explored", "num_areas", "victims_saved", "num_victims", "endangered_links"),
+    *("distance_m", "contact_s", "steps", "trajectory_hash", "details"),
+)
+"""What each trial that has not failed has."""
+_LARGEST_VALUE = 256 * 2**20
+"""Of a text or of paths [bytes]."""
 _SCHEMA = f"""
 PRAGMA application_id = {_APPLICATION_ID};
 CREATE TABLE campaign (name TEXT PRIMARY KEY, value TEXT NOT NULL);
@@ -68,6 +78,28 @@ class StoredCampaign:
     settings: dict[str, Any]
     versions: dict[str, str]
     outcomes: tuple[Outcome, ...]
+    started: str = ""
+    command: str = ""
+
+
+class _Settings(msgspec.Struct, frozen=True):
+    """`Design.settings`. paired: stores that lack it have the value that was the only one then."""
+
+    seed: Count
+    trials: Annotated[int, msgspec.Meta(ge=1, le=MAX_TRIALS)]
+    keys: list[str]
+    cells: list[list[Any]]
+    scenario: dict[str, Any]
+    fingerprint: str
+    paired: bool = False
+
+
+class _Properties(msgspec.Struct, frozen=True):
+    """The table `campaign`."""
+
+    format: str
+    settings: str
+    versions: str
     started: str = ""
     command: str = ""
 
@@ -150,15 +182,30 @@ def read_store(folder: Path) -> StoredCampaign:
     with _as_campaign_errors(path), contextlib.closing(sqlite3.connect(path)) as database:
         if database.execute("PRAGMA application_id").fetchone()[0] != _APPLICATION_ID:
             raise CampaignError(f"{path}: is not the store of a campaign")
-        known = dict(database.execute("SELECT name, value FROM campaign").fetchall())
-        if (number := int(known["format"])) != _FORMAT:
+        _check_tables(database, path)
+        rows = dict(database.execute("SELECT name, value FROM campaign").fetchall())
+        with _named("campaign"):
+            properties = msgspec.convert(rows, _Properties)
+        if (number := int(properties.format)) != _FORMAT:
             lacks = f", which lacks {_LACKS[number]}" if number in _LACKS else ""
             raise CampaignError(f"{path}: has format {number}{lacks}; expected {_FORMAT}: choose another folder")
-        settings, of_versions = json.loads(known["settings"]), json.loads(known["versions"])
-        # Rows that older stores lack have the value that was the only one then.
-        settings = {"paired": False} | settings
+        with _named("settings"):
+            settings = msgspec.json.decode(properties.settings, type=_Settings)
+            check_depth(settings.scenario, "scenario")
+            check_depth(settings.cells, "cells")
+        with _named("versions"):
+            of_versions = msgspec.json.decode(properties.versions, type=dict[str, str])
+        if "robotteamsim" not in of_versions:
+            raise CampaignError(f"{path}: versions: robotteamsim is missing")
+        for index, values in enumerate(settings.cells):
+            if len(values) != len(settings.keys):
+                counts = f"{counted(len(values), 'value')} for {counted(len(settings.keys), 'key')}"
+                raise CampaignError(f"{path}: settings: cell {index} has {counts}")
+        outcomes = _outcomes(database)
+        if strange := next((outcome for outcome in outcomes if outcome.cell >= len(settings.cells)), None):
+            raise CampaignError(f"{path}: trial: there is no cell {strange.cell}")
         return StoredCampaign(
-            settings, of_versions, _outcomes(database), known.get("started", ""), known.get("command", "")
+            msgspec.to_builtins(settings), of_versions, outcomes, properties.started, properties.command
         )
 
 
@@ -217,8 +264,42 @@ def _check_same(folder: Path, stored: StoredCampaign, design: Design) -> None:
         raise CampaignError(f"{folder}: contains a campaign with {difference}; choose another folder")
 
 
+def _check_tables(database: sqlite3.Connection, path: Path) -> None:
+    """Raise CampaignError unless the store has its two tables. They are no views, which may compute without an end."""
+    database.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, _LARGEST_VALUE)
+    for name in ("campaign", "trial"):
+        found = database.execute("SELECT type, rootpage FROM sqlite_master WHERE name = ?", (name,)).fetchall()
+        if [(kind, page > 0) for kind, page in found] != [("table", True)]:  # a virtual table has no page
+            raise CampaignError(f"{path}: has no table {name}")
+
+
 def _outcomes(database: sqlite3.Connection) -> tuple[Outcome, ...]:
-    return tuple(Outcome(*row) for row in database.execute(_SELECT))
+    """Return the stored outcomes. Raises: ValueError: a value is missing, or has a wrong type or range."""
+    rows = database.execute(_SELECT)
+    if len(rows.description) != len(_COLUMNS):
+        raise ValueError(f"trial: {len(rows.description)} columns; expected {len(_COLUMNS)}")
+    return tuple(_outcome(row) for row in rows)
+
+
+def _outcome(row: tuple[Any, ...]) -> Outcome:
+    with _named(f"trial {shown(row[1])} of cell {shown(row[0])}"):
+        values = dict(zip(_COLUMNS, row, strict=True))
+        outcome = msgspec.convert(values, Outcome)
+        if not outcome.failed:
+            missing = [name for name in _OF_ENDED if values[name] is None]
+            if missing:
+                raise ValueError(f"{missing[0]} is missing")
+            _ = outcome.known_details
+        return outcome
+
+
+@contextlib.contextmanager
+def _named(part: str) -> Iterator[None]:
+    """Name the damaged part of a store. Raises: ValueError."""
+    try:
+        yield
+    except (ScenarioError, msgspec.MsgspecError, ValueError, RecursionError) as error:
+        raise ValueError(f"{part}: {error}") from error
 
 
 @contextlib.contextmanager
@@ -235,5 +316,5 @@ def _locked(folder: Path) -> Iterator[None]:
 def _as_campaign_errors(path: Path) -> Iterator[None]:
     try:
         yield
-    except (sqlite3.Error, KeyError, ValueError) as error:
+    except (sqlite3.Error, ValueError) as error:
         raise CampaignError(f"{path}: {error}") from error

@@ -4,7 +4,7 @@ import json
 import time
 import traceback
 from dataclasses import dataclass, field
-from typing import Any, get_args
+from typing import Annotated, Any, get_args
 
 import msgspec
 
@@ -14,7 +14,7 @@ from robotteamsim.campaign.paths import PathLog
 from robotteamsim.errors import CampaignError
 from robotteamsim.mission.events import VictimLocated
 from robotteamsim.mission.status import VictimState
-from robotteamsim.recording.idleness import IdlenessLog, patrols
+from robotteamsim.recording.idleness import Idleness, IdlenessLog, patrols
 from robotteamsim.recording.network_log import NetworkLog, NetworkTotals
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import Setup
@@ -29,6 +29,26 @@ _OF_RESULT = (
 _VICTIM_EVENTS = frozenset(f"victim_{state}" for state in get_args(VictimState) if state != "waiting")
 
 _CASUALTIES = ("robot_failed_by_heat", "firefighter_collapsed")
+
+
+Few = Annotated[int, msgspec.Meta(ge=0, le=100_000)]
+Count = Annotated[int, msgspec.Meta(ge=0, le=2**53)]
+Amount = Annotated[float, msgspec.Meta(ge=0.0, le=1e12)]
+
+
+class VictimTimes(msgspec.Struct, frozen=True):
+    """When a victim was first heard and saved [s]; None: never."""
+
+    heard_s: Amount | None = None
+    saved_s: Amount | None = None
+
+
+class Details(msgspec.Struct, frozen=True):
+    """The parts of `Outcome.details` that reports need."""
+
+    victims: dict[str, VictimTimes] = {}
+    network: NetworkTotals | None = None
+    idleness: Idleness | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,28 +66,28 @@ class Outcome:
     wall_s:  computing time, the only value that differs between equal trials.
     """
 
-    cell: int
-    number: int
-    seed: int
+    cell: Count
+    number: Count
+    seed: Count
     end: str | None = None
-    time_s: float | None = None
-    areas_explored: int | None = None
-    num_areas: int | None = None
-    victims_saved: int | None = None
-    num_victims: int | None = None
-    endangered_links: int | None = None
-    discoveries_delivered: int | None = None
-    mean_delivery_delay_s: float | None = None
-    max_delivery_delay_s: float | None = None
-    distance_m: float | None = None
-    contact_s: float | None = None
-    steps: int | None = None
+    time_s: Amount | None = None
+    areas_explored: Few | None = None
+    num_areas: Few | None = None
+    victims_saved: Few | None = None
+    num_victims: Few | None = None
+    endangered_links: Count | None = None
+    discoveries_delivered: Count | None = None
+    mean_delivery_delay_s: Amount | None = None
+    max_delivery_delay_s: Amount | None = None
+    distance_m: Amount | None = None
+    contact_s: Amount | None = None
+    steps: Count | None = None
     trajectory_hash: str | None = None
     details: str | None = None
     paths: bytes | None = field(default=None, repr=False)
     error: str = ""
     traceback: str = ""
-    wall_s: float = 0.0
+    wall_s: Amount = 0.0
 
     @property
     def failed(self) -> bool:
@@ -75,10 +95,14 @@ class Outcome:
         return self.error != ""
 
     @property
+    def known_details(self) -> Details:
+        """The details of a trial that has not failed. Raises: msgspec.MsgspecError: they are damaged."""
+        return msgspec.json.decode(self.details or "{}", type=Details)
+
+    @property
     def network(self) -> NetworkTotals | None:
         """The network of the trial; None if it failed, or is in the store of an earlier version."""
-        found = json.loads(self.details or "{}").get("network")
-        return None if found is None else msgspec.convert(found, NetworkTotals)
+        return self.known_details.network
 
 
 def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
+import logging
 import os
 import sys
 import traceback
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import robotteamsim
 from robotteamsim.cli import (
@@ -57,7 +59,7 @@ examples:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit status.
 
-    With --debug anywhere among the arguments, an error also prints its traceback.
+    With --debug anywhere among the arguments, an error also prints its traceback, and warnings of libraries are shown.
 
     Returns: 0; 1 for a campaign with failed trials, or an error that is not the user's; 2 for a user's mistake; 130 if
         interrupted; 141 for a broken pipe; 143 if terminated.
@@ -67,12 +69,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
     # Only figures are drawn, and never on a screen. A shell inside Jupyter names a backend that is not installed here.
     os.environ["MPLBACKEND"] = "Agg"
     try:
-        with terminated_as_interrupted():
+        with terminated_as_interrupted(), _without_warnings(_DEBUG not in words):
             return _run([word for word in words if word != _DEBUG])
     except (Exception, KeyboardInterrupt) as error:
         if _DEBUG in words:
             traceback.print_exc()
         return _reported(error)
+
+
+@contextlib.contextmanager
+def _without_warnings(hidden: bool) -> Iterator[None]:
+    """Keep Python's warnings, such as those of libraries about odd input, off the terminal: errors are one line."""
+    logging.captureWarnings(hidden)
+    try:
+        yield
+    finally:
+        logging.captureWarnings(False)
 
 
 def _run(words: list[str]) -> int:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import webbrowser
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,9 +10,8 @@ from typing import TYPE_CHECKING, Any
 from robotteamsim import scenario
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of, positive_number, whole_number
 from robotteamsim.cli.run_command import add_scenario_options, check_code, load_scenario
-from robotteamsim.errors import RecordingError
 from robotteamsim.recording.files import check_replaceable, write_atomically
-from robotteamsim.recording.results import FILE_NAME
+from robotteamsim.recording.results import FILE_NAME, read_mission
 
 if TYPE_CHECKING:
     from robotteamsim.view.recorder import Recording
@@ -165,13 +163,7 @@ def _repeated(options: argparse.Namespace, folder: Path) -> Recording:
     from robotteamsim.view.recorder import repeat_mission
 
     path = folder / FILE_NAME
-    try:
-        document = json.loads(path.read_text(encoding="utf-8"))
-        data, expected = document["scenario"], document["result"]["trajectory_hash"]
-    except OSError as error:
-        raise RecordingError(f"{path}: cannot be read: {error.strerror}; expected a folder of `run --out`") from None
-    except (ValueError, KeyError, TypeError):
-        raise RecordingError(f"{path}: is not a mission.json of `run --out`") from None
+    data, expected = read_mission(folder)
     loaded = scenario.from_mapping(data, str(path))
     check_code(options, loaded)
     return repeat_mission(loaded, expected, str(path))

@@ -146,6 +146,9 @@ def _horizontal_slices(folder: str) -> list[Any]:
         raise _mistake(f"'{folder}' is not a folder; expected the results of FDS")
     if not any(Path(folder).glob("*.smv")):
         raise _mistake(f"'{folder}' has no .smv file; expected the results of FDS")
+    for each in Path(folder).iterdir():
+        if each.exists() and not (each.is_file() or each.is_dir()):  # fdsreader would wait for a FIFO
+            raise _mistake(f"'{each}' is not a regular file")
     # Its caches are pickles: a folder from elsewhere could run code.
     fdsreader.settings.ENABLE_CACHING = False
     try:

@@ -5,8 +5,11 @@ OpenCV and Pillow are imported where they are used: most scenarios have no image
 
 import warnings
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+
+from robotteamsim.user_files import open_regular
 
 WIDE_UNKNOWN_M = 1.0
 """An unknown region at least this wide in both directions is a void behind a wall, not a wall."""
@@ -21,49 +24,59 @@ OCCUPIED_THRESH, FREE_THRESH = 0.65, 0.196
 """map_server's usual thresholds: of a yaml that gives none, and of bitmaps that have no yaml."""
 
 
+_MOST_IN_16_BITS = 2**16 - 1
+
 MAX_PIXELS = 25_000_000
 """Of an image: 5000 x 5000, which is 250 m x 250 m in pixels of 0.05 m. Each takes some 40 bytes during the import."""
 
 
-def read_image(path: Path) -> np.ndarray:
-    """Return the pixels of an image in OpenCV's order: uint8, the upper bits of an image of 16 bits.
+FORMATS = ("PNG", "PPM", "BMP", "TIFF", "JPEG", "WEBP", "GIF")
+"""Formats of images that map_server reads, as Pillow names them; PPM includes PGM."""
 
-    Raises: ValueError: what is wrong, as in "cannot be read as an image"; OpenCV's own messages are suppressed. The
+
+def read_image(path: Path) -> np.ndarray:
+    """Return the pixels of an image: uint8, grey or with channels red, green, blue and alpha; the upper 8 of 16 bits.
+
+    Raises: ValueError: what is wrong, as in "cannot be read as an image"; Pillow's own warnings are suppressed. The
             header is read first, so that an image of more than MAX_PIXELS pixels does not fill the memory.
     """
-    import cv2
     from PIL import Image
 
-    try:
-        with (
-            warnings.catch_warnings(action="error", category=Image.DecompressionBombWarning),
-            Image.open(path) as image,
-        ):
-            is_too_large = image.width * image.height > MAX_PIXELS
-    except (Image.DecompressionBombError, Image.DecompressionBombWarning):
-        is_too_large = True
-    except (OSError, ValueError, SyntaxError):  # Pillow raises SyntaxError for a damaged PNG
-        raise ValueError("cannot be read as an image") from None
-    if is_too_large:
-        raise ValueError(f"has more than {MAX_PIXELS // 10**6} million pixels")
-    level = cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
-    try:
-        pixels = cv2.imread(str(path), cv2.IMREAD_UNCHANGED)
-    except cv2.error:  # a header that promises billions of pixels
-        pixels = None
-    finally:
-        cv2.utils.logging.setLogLevel(level)
-    if pixels is None:
-        raise ValueError("cannot be read as an image")
-    if pixels.dtype not in (np.uint8, np.uint16):
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        warnings.simplefilter("error", Image.DecompressionBombWarning)
+        try:
+            with open_regular(path) as file, Image.open(file, formats=FORMATS) as image:
+                if image.width * image.height > MAX_PIXELS:
+                    raise Image.DecompressionBombError
+                pixels = _pixels(image)
+        except (Image.DecompressionBombError, Image.DecompressionBombWarning):
+            raise ValueError(f"has more than {MAX_PIXELS // 10**6} million pixels") from None
+        except Exception:  # Pillow has no error class for damaged files: SyntaxError, KeyError, struct.error and others
+            raise ValueError("cannot be read as an image") from None
+    if pixels.dtype == np.uint8:
+        return pixels
+    if pixels.dtype.kind == "f" or not 0 <= pixels.min() <= pixels.max() <= _MOST_IN_16_BITS:
         raise ValueError(f"has {pixels.dtype} pixels; expected 8 or 16 bits")
-    return pixels if pixels.dtype == np.uint8 else (pixels // 256).astype(np.uint8)
+    return (pixels // 256).astype(np.uint8)
+
+
+def _pixels(image: Any) -> np.ndarray:
+    """Return the pixels of a Pillow image, palettes replaced by their colours."""
+    mode = image.mode
+    if mode == "1":
+        mode = "L"
+    elif mode in ("LA", "PA") or (mode == "P" and "transparency" in image.info):
+        mode = "RGBA"
+    elif mode not in ("L", "RGB", "RGBA", "I", "F") and not mode.startswith("I;16"):
+        mode = "RGB"
+    return np.asarray(image if mode == image.mode else image.convert(mode))
 
 
 def lightness(image: np.ndarray, *, negate: bool, with_alpha: bool) -> np.ndarray:
     """Return how light each pixel is as map_server reads it, 0 black .. 255 white; float64, row 0 at the lowest y.
 
-    Args: image: uint8, grey or with channels in OpenCV's order.
+    Args: image: of `read_image`.
           negate: white counts as black.
           with_alpha: a fourth channel counts like a colour, as in map_server's mode `trinary`.
     """

@@ -15,8 +15,10 @@ from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_
 from rosbags.typesys.store import Typestore
 
 from robotteamsim.errors import RecordingError
+from robotteamsim.recording.bag_file import BagFile, DamagedFileError
 from robotteamsim.recording.bag_types import bag_typestore
 from robotteamsim.recording.mcap_writer import SUFFIX
+from robotteamsim.user_files import open_regular
 
 Reader = rosbag1.Reader | rosbag2.Reader
 Decode = Callable[[bytes, str], Any]
@@ -32,7 +34,7 @@ class _Format(NamedTuple):
     """
 
     magic: bytes
-    reader: Callable[[Path], Reader]
+    reader: Callable[[BagFile], Reader]
     decoder: Callable[[Any], Decode | None]
     remedy: str
 
@@ -129,7 +131,7 @@ class BagReader:
 def _open(path: Path) -> Iterator[_Part]:
     """Open one bag. Raises: RecordingError."""
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             begin = file.read(max(len(one.magic) for one in _FORMATS))
     except OSError as error:
         raise RecordingError(f"{path}: cannot be read: {error.strerror or error}; expected a bag") from None
@@ -137,7 +139,7 @@ def _open(path: Path) -> Iterator[_Part]:
     if known is None:
         why = "is neither a ROS 1 bag nor an MCAP file" if begin else "is empty, expected a bag"
         raise RecordingError(f"{path}: {why}")
-    part = _Part(path, known.reader(path), known)
+    part = _Part(path, known.reader(BagFile(path)), known)
     with _damage_reported(part):
         part.reader.open()
     try:
@@ -151,11 +153,15 @@ def _damage_reported(part: _Part) -> Iterator[None]:
     """Convert the exceptions of rosbags and decompressors on damaged files to one line that names the remedy."""
     try:
         yield
-    except (GeneratorExit, MemoryError, RecordingError):
+    except (GeneratorExit, RecordingError):
         raise
     except Exception as error:  # Damaged bytes cause AssertionError, IndexError, KeyError, struct.error and others.
         why = "is damaged"
-        if isinstance(error, rosbag1.ReaderError | rosbag2.ReaderError):
+        if isinstance(error, DamagedFileError):
+            why = f"is damaged: {error}"
+        elif isinstance(error, MemoryError):  # a compressed part claims more than fits, or the bag is honest and large
+            why = "is damaged, or has more data than the memory can hold"
+        elif isinstance(error, rosbag1.ReaderError | rosbag2.ReaderError):
             why = f"cannot be read: {' '.join(str(error).split()).rstrip('.')}"
         raise RecordingError(f"{part.path}: {why}; {part.format.remedy.format(path=part.path)}") from error
 
@@ -177,10 +183,10 @@ def _ros1_decoder(connection: Any) -> Decode | None:
     return None if types is None else types.deserialize_ros1
 
 
-def _mcap_reader(path: Path) -> Reader:
-    if path.suffix != SUFFIX:  # rosbags would take it for a folder.
-        raise RecordingError(f"{path}: is an MCAP file; expected a name that ends in {SUFFIX}")
-    return rosbag2.Reader(path)
+def _mcap_reader(file: BagFile) -> Reader:
+    if file.suffix != SUFFIX:  # rosbags would not know the format.
+        raise RecordingError(f"{file}: is an MCAP file; expected a name that ends in {SUFFIX}")
+    return rosbag2.Reader(file)
 
 
 def _cdr_decoder(connection: Any) -> Decode | None:

@@ -9,16 +9,52 @@ from typing import Any
 import msgspec
 
 import robotteamsim
+from robotteamsim.errors import RecordingError
 from robotteamsim.mission.events import Event
 from robotteamsim.recording.files import prepare_folder, remove_empty, write_atomically
 from robotteamsim.recording.idleness import IdlenessLog, patrols
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Observer, Result, StepRecord
+from robotteamsim.user_files import open_regular
 
 FILE_NAME = "mission.json"
 
 _LIBRARIES = ("numpy", "scipy", "shapely", "pydantic", "rosbags")
+
+
+_MOST_BYTES = 64 * 2**20
+
+
+class _Hash(msgspec.Struct, frozen=True):
+    trajectory_hash: str
+
+
+class _Document(msgspec.Struct, frozen=True):
+    """The keys of mission.json that repeat a trial."""
+
+    scenario: dict[str, Any]
+    result: _Hash
+
+
+def read_mission(folder: Path) -> tuple[dict[str, Any], str]:
+    """Return the scenario, as plain values, and the trajectory hash of the mission.json in a folder.
+
+    Raises: RecordingError: there is none, or it is not one of `ResultWriter`.
+    """
+    path = folder / FILE_NAME
+    try:
+        with open_regular(path) as file:
+            text = file.read(_MOST_BYTES + 1)
+        if len(text) <= _MOST_BYTES:
+            document = msgspec.json.decode(text, type=_Document)
+            return document.scenario, document.result.trajectory_hash
+    except OSError as error:
+        reason = error.strerror or error
+        raise RecordingError(f"{path}: cannot be read: {reason}; expected a folder of `run --out`") from None
+    except (msgspec.MsgspecError, RecursionError):
+        pass
+    raise RecordingError(f"{path}: is not a mission.json of `run --out`")
 
 
 class EventList(Observer):

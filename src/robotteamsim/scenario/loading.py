@@ -20,7 +20,7 @@ from robotteamsim.scenario.patrol import read_patrol_graph
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.shipped import is_bare_name, shipped_map_name, shipped_plan, shipped_scenario
-from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown, write
+from robotteamsim.scenario.yaml_text import check_depth, is_file, read_mapping, shown, write
 
 _logger = logging.getLogger(__name__)
 
@@ -77,8 +77,9 @@ def from_mapping(data: dict[str, Any], place: str, overrides: Sequence[str] = ()
     """Return the scenario of plain values with the plan among them, such as in mission.json.
 
     Args: place: where they come from, for errors.  overrides: as for `load`; keys are dropped without a warning.
-    Raises: ScenarioError, PlacementError: as `load`.
+    Raises: ScenarioError, PlacementError: as `load`, or the values are nested too deeply.
     """
+    check_depth(data, place)
     changes = [Override.of(text) for text in overrides]
     origin = Origin(place, tuple(change.key for change in changes))
     old_control = data.get("control")

@@ -15,7 +15,7 @@ from pydantic import ConfigDict, Field, model_validator
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.map_import.cells import FREE_THRESH, OCCUPIED_THRESH, darkness, lightness, read_image, solid_cells
-from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Model, PlanarPose, Point, wrong
+from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, SMALLEST, Model, PlanarPose, Point, wrong
 from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
 from robotteamsim.scenario.image_walls import MIN_PIECE_M2, in_metres, walls_and_blocks
 from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN, OccupancyGrid, occupancy_grid
@@ -44,9 +44,9 @@ class MapFile(Model):
     origin: PlanarPose = Field(description="[x, y, yaw] of the lower left pixel's corner")
     negate: Literal[0, 1, False, True] = Field(default=0, description="1: white is occupied")
     occupied_thresh: float = Field(
-        default=OCCUPIED_THRESH, gt=0.0, lt=1.0, description="darker than this share is occupied"
+        default=OCCUPIED_THRESH, ge=SMALLEST, lt=1.0, description="darker than this share is occupied"
     )
-    free_thresh: float = Field(default=FREE_THRESH, gt=0.0, lt=1.0, description="lighter than this share is free")
+    free_thresh: float = Field(default=FREE_THRESH, ge=SMALLEST, lt=1.0, description="lighter than this share is free")
     mode: Literal["trinary", "scale", "raw"] = Field(default="trinary", description="of the values on /map")
 
     @model_validator(mode="after")
@@ -58,7 +58,7 @@ class MapFile(Model):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapImage:
-    """A map: its yaml and the pixels of its image, in OpenCV's order."""
+    """A map: its yaml and the pixels of its image, see `read_image`."""
 
     settings: MapFile
     pixels: np.ndarray
@@ -94,11 +94,10 @@ class MapImage:
 
     @property
     def _last_channel(self) -> np.ndarray:
-        """What map_server takes for the alpha channel: without one, blue, which is the first in OpenCV; of grey, 1."""
+        """What map_server takes for the alpha channel: without one, blue; of grey, 1."""
         if self.pixels.ndim == 2:
             return np.ones(self.pixels.shape, np.uint8)
-        channel = 3 if self.pixels.shape[2] == 4 else 0
-        upright: np.ndarray = np.flipud(self.pixels[:, :, channel])
+        upright: np.ndarray = np.flipud(self.pixels[:, :, -1])
         return upright
 
 

@@ -13,6 +13,9 @@ from robotteamsim.scenario.renamed_keys import renaming
 from robotteamsim.scenario.yaml_text import parse, shown
 from robotteamsim.wording import counted
 
+_MOST_DIGITS = 9
+"""Of the index of a list."""
+
 
 @dataclass(frozen=True, slots=True)
 class Override:
@@ -28,7 +31,7 @@ class Override:
         parts = [part.strip() for part in key.split(".")]
         if not equals or not all(parts):
             raise ScenarioError(f"--set: '{text}' is not of the form KEY=VALUE, such as voice.noise_db=20")
-        path = tuple(int(part) if part.isdecimal() else part for part in parts)
+        path = tuple(int(part) if part.isdecimal() and len(part) <= _MOST_DIGITS else part for part in parts)
         for length in range(len(path), 0, -1):
             if replaced := renaming(path[:length]):
                 raise ScenarioError(f"--set: {'.'.join(parts[:length])}: {replaced}")

@@ -17,6 +17,7 @@ from pathlib import Path
 
 from robotteamsim import map_import
 from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.user_files import open_regular
 
 _LIBRARIES = ("numpy", "shapely", "opencv-python-headless")
 
@@ -34,7 +35,8 @@ def cached_plan(content: Iterable[bytes], make: Callable[[], FloorPlan]) -> Floo
         return make()
     file = folder / f"{digest.hexdigest()}.json"
     try:
-        return FloorPlan.model_validate_json(file.read_bytes())
+        with open_regular(file) as opened:
+            return FloorPlan.model_validate_json(opened.read())
     except (OSError, ValueError):  # missing, unreadable or damaged
         plan = make()
     _store(file, plan.model_dump_json().encode())

@@ -13,6 +13,7 @@ from typing import Any
 import yaml
 
 from robotteamsim.errors import ScenarioError
+from robotteamsim.user_files import open_regular
 from robotteamsim.wording import printable
 
 MAX_BYTES = 4 * 2**20
@@ -23,6 +24,10 @@ MAX_DEPTH = 50
 
 MAX_VALUES = 200_000
 """Values, lists, sections and keys of a file; a floor plan of a large building has some thousands."""
+
+
+MAX_DIGITS = 100
+"""Of a whole number."""
 
 
 class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
@@ -54,6 +59,13 @@ class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
         self._depth -= 1
         return node
 
+    def construct_yaml_int(self, node: yaml.ScalarNode) -> int:
+        if len(node.value) > MAX_DIGITS:
+            problem = f"a number of {len(node.value)} characters; expected at most {MAX_DIGITS}"
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark)
+        number: int = super().construct_yaml_int(node)
+        return number
+
     def construct_mapping(self, node: yaml.MappingNode, deep: bool = False) -> dict[Any, Any]:
         seen = set()
         for key_node, _ in node.value:
@@ -75,6 +87,7 @@ _Loader.yaml_implicit_resolvers = {
     first: [(tag, pattern) for tag, pattern in resolvers if not tag.endswith((":timestamp", ":float", ":value"))]
     for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
 }
+_Loader.add_constructor("tag:yaml.org,2002:int", _Loader.construct_yaml_int)
 _Loader.add_implicit_resolver(
     "tag:yaml.org,2002:float",
     # YAML 1.2: a point or an exponent is enough (PyYAML reads 1e6 as text).
@@ -104,6 +117,17 @@ def parse(text: str, place: str) -> Any:
         raise ScenarioError(f"{place}: {str(error).splitlines()[0]}") from None
 
 
+def check_depth(value: Any, place: str) -> None:
+    """Raise ScenarioError for plain values that are nested deeper than `parse` allows."""
+    level, depth = [value], 0
+    while level:
+        depth += 1
+        if depth > MAX_DEPTH:
+            raise ScenarioError(f"{place}: nested too deeply")
+        inner = [item.values() if isinstance(item, dict) else item for item in level if isinstance(item, (dict, list))]
+        level = [part for parts in inner for part in parts]
+
+
 def read_text(path: Path, place: str, errors: str = "strict") -> str:
     """Return the text of a file in UTF-8.
 
@@ -111,7 +135,7 @@ def read_text(path: Path, place: str, errors: str = "strict") -> str:
     Raises: ScenarioError: the file is missing, unreadable, too large or not UTF-8.
     """
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             data = file.read(MAX_BYTES + 1)
     except FileNotFoundError:
         raise ScenarioError(f"{place}: there is no such file") from None

@@ -157,8 +157,8 @@ class SolidReader:
     def _read_bitmap(self, entity: Entity, size: tuple[float, ...]) -> np.ndarray:
         """Return which cells of a bitmap are solid, cropped to its dark pixels as Stage does; row 0 at the lowest y."""
         image = self._read_image(entity)
-        # Stage uses the first channel, red; in OpenCV it is the third.
-        stage = np.flipud((image if image.ndim == 2 else image[:, :, 2]) <= _FREE_ABOVE)
+        # Stage uses the first channel, red.
+        stage = np.flipud((image if image.ndim == 2 else image[:, :, 0]) <= _FREE_ABOVE)
         if not stage.any():
             raise entity.error("bitmap", f"no pixel of '{self._values.text(entity, 'bitmap', '')}' is dark")
         rows, columns = np.flatnonzero(stage.any(axis=1)), np.flatnonzero(stage.any(axis=0))

@@ -1,5 +1,8 @@
 from __future__ import annotations
 
+import struct
+import zlib
+
 import numpy as np
 import pytest
 
@@ -42,7 +45,17 @@ def test_encoded_paths_are_differences_in_centimetres():
     assert encode_paths(positions_m)[:8] == b"\x02\x00\x00\x00\x01\x00\x00\x00"
 
 
-@pytest.mark.parametrize("data", [b"", b"\x01\x00", b"\x02\x00\x00\x00\x01\x00\x00\x00nonsense"])
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"",
+        b"\x01\x00",
+        b"\x02\x00\x00\x00\x01\x00\x00\x00nonsense",
+        struct.pack("<II", 0, 3) + zlib.compress(b""),
+        struct.pack("<II", 2**32 - 1, 2**32 - 1) + zlib.compress(b""),
+        struct.pack("<II", 2, 1) + zlib.compress(bytes(8)),
+    ],
+)
 def test_bytes_that_do_not_encode_paths_are_rejected(data):
     with pytest.raises(CampaignError, match=r"^stored paths cannot be read: .+"):
         decode_paths(data)

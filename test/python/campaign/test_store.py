@@ -146,6 +146,44 @@ def test_other_databases_and_files_under_the_stores_name_are_rejected(short_desi
     assert refusal(tmp_path, short_design(SWEEP)) == f"{path}: is not the store of a campaign"
 
 
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ("UPDATE trial SET seed = 'x'", "trial 1 of cell 0: Expected `int`, got `str` - at `$.seed`"),
+        ("UPDATE trial SET time_s = 9e999", "trial 1 of cell 0: Expected `float` <= 1000000000000.0 - at `$.time_s`"),
+        ("UPDATE trial SET time_s = NULL", "trial 1 of cell 0: time_s is missing"),
+        ("UPDATE trial SET cell = 7", "trial: there is no cell 7"),
+        ("UPDATE trial SET details = '[]'", "trial 1 of cell 0: Expected `object`, got `array`"),
+        ("UPDATE campaign SET value = 'x' WHERE name = 'format'", "invalid literal for int() with base 10: 'x'"),
+        ("UPDATE campaign SET value = '{}' WHERE name = 'versions'", "versions: robotteamsim is missing"),
+        ("UPDATE campaign SET value = '[3]' WHERE name = 'settings'", "settings: Expected `object`, got `array`"),
+        (
+            "UPDATE campaign SET value = replace(value, '[[10.0], [20.0]]', '[[10.0], [20.0, 3]]')",
+            "settings: cell 1 has 2 values for 1 key",
+        ),
+        ("DELETE FROM campaign WHERE name = 'settings'", "campaign: Object missing required field `settings`"),
+        ("DROP TABLE trial", "has no table trial"),
+        ("ALTER TABLE trial ADD COLUMN more", "trial: 23 columns; expected 22"),
+        (
+            "DROP TABLE campaign; CREATE VIEW campaign AS WITH RECURSIVE r(name) AS (SELECT 1 UNION ALL "
+            "SELECT name + 1 FROM r) SELECT name, name AS value FROM r",
+            "has no table campaign",
+        ),
+    ],
+)
+def test_damaged_store_is_rejected_with_its_first_wrong_value(short_design, outcome_of, tmp_path, change, message):
+    design = short_design(SWEEP)
+    with open_store(tmp_path, design) as store:
+        store.keep(outcome_of(next(design.all_trials())))
+    with contextlib.closing(sqlite3.connect(tmp_path / "campaign.sqlite")) as database:
+        database.executescript(change)
+    wanted = f"{tmp_path / 'campaign.sqlite'}: {message}"
+    with pytest.raises(CampaignError) as raised:
+        read_store(tmp_path)
+    assert str(raised.value) == wanted
+    assert refusal(tmp_path, design) == wanted
+
+
 def test_file_and_folders_below_a_file_are_rejected(short_design, tmp_path):
     file = tmp_path / "file"
     file.touch()

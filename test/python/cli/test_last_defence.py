@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import signal
 import struct
@@ -9,7 +10,9 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
+from PIL import Image
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_typestore
 
@@ -83,6 +86,59 @@ def test_symlink_loop_is_rejected_in_one_line(tmp_path, refusal, command):
     loop = tmp_path / "loop.yaml"
     loop.symlink_to(loop)
     assert "Too many levels of symbolic links" in refusal(*command.split(), loop)
+
+
+@pytest.mark.parametrize(
+    ("command", "name"),
+    [
+        ("run {}", "a.yaml"),
+        ("run tutorial_arena --set plan={}", "plan.yaml"),
+        ("run tutorial_arena --set mission.patrol.graph={}", "a.graph"),
+        ("campaign tutorial_arena --out c --design {}", "design.yaml"),
+        ("plan import map.yaml", "map.png"),
+        ("plan import-stage {}", "a.world"),
+        ("scenario upgrade {}", "a.yaml"),
+        ("analyse {}", "a.bag"),
+        ("analyse {}", "a.mcap"),
+        ("view .", "mission.json"),
+        ("report .", "campaign.sqlite"),
+    ],
+)
+def test_fifo_in_place_of_a_file_is_rejected_and_not_waited_for(tmp_path, monkeypatch, refusal, command, name):
+    monkeypatch.chdir(tmp_path)
+    Path("map.yaml").write_text("image: map.png\nresolution: 0.05\norigin: [0, 0, 0]\n")
+    os.mkfifo(name)
+    line = refusal(*command.format(name).split())
+    assert name in line
+    assert any(text in line for text in ("not a regular file", "there is no file", "there is no campaign.sqlite"))
+
+
+def test_damaged_image_is_one_line_without_messages_of_libpng(tmp_path, capfd):
+    image = io.BytesIO()
+    Image.fromarray(np.full((40, 40), 254, np.uint8)).save(image, "PNG")
+    data = bytearray(image.getvalue())
+    data[-30] ^= 0xFF
+    (tmp_path / "map.png").write_bytes(data)
+    path = tmp_path / "map.yaml"
+    path.write_text("image: map.png\nresolution: 0.05\norigin: [0, 0, 0]\n")
+    assert main(["plan", "import", str(path), "--out", str(tmp_path / "plan.yaml")]) == 2
+    assert capfd.readouterr().err == f"robotteamsim: {path}: image: 'map.png' cannot be read as an image\n"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("options", "shown"), [([], False), (["--debug"], True)])
+def test_warnings_are_shown_only_on_request(options, shown):
+    code = """
+import sys, warnings
+from robotteamsim.cli import main, run_command
+run_command.Simulation = lambda scenario: warnings.warn("overflow") or 1 / 0
+main(["run", "garage_sar", *sys.argv[1:]])
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", code, *options], capture_output=True, text=True, check=False, timeout=120
+    )
+    assert ("UserWarning: overflow" in done.stderr) == shown
+    assert shown or done.stderr.count("\n") == 1
 
 
 def test_bag_with_a_type_that_is_no_python_is_rejected_in_one_line(tmp_path, capsys):

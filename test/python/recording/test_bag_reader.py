@@ -133,12 +133,26 @@ def test_truncated_file_is_rejected_with_its_remedy(recording, share):
     content = recording.read_bytes()
     recording.write_bytes(content[: max(round(share * len(content)), 9)])
     line = refusal(recording)
-    assert line.startswith((f"{recording}: cannot be read: ", f"{recording}: is damaged; "))
+    assert line.startswith(
+        (f"{recording}: cannot be read: ", f"{recording}: is damaged: ", f"{recording}: is damaged; ")
+    )
     remedies = {
         ".bag": f"`rosbag reindex {recording}` recovers what can be read",
         ".mcap": f"`mcap recover {recording} -o recovered.mcap` saves what can be read",
     }
     assert line.endswith(f"; {remedies[recording.suffix]}")
+
+
+def test_length_beyond_the_end_of_the_file_is_named_and_not_read(recording):
+    """The memory for it would be allocated before the file turns out to be shorter."""
+    content, place, field = recording.read_bytes(), 13, "<I"  # the length of the first header of a bag
+    if recording.suffix == ".mcap":
+        place, field = 9, "<Q"  # the length of the first record
+    claimed = 2**31 - 1
+    recording.write_bytes(content[:place] + struct.pack(field, claimed) + content[place + struct.calcsize(field) :])
+    place += struct.calcsize(field)
+    why = f"is damaged: {claimed} bytes are claimed at byte {place}, but {len(content) - place} are left"
+    assert refusal(recording).startswith(f"{recording}: {why}; ")
 
 
 def test_bag_of_a_recording_that_was_interrupted_is_rejected_with_its_remedy(trial, tmp_path):

@@ -81,13 +81,22 @@ def test_equals_sign_is_plain_text() -> None:
     assert parse("a: =", "x") == {"a": "="}
 
 
-@pytest.mark.parametrize("name", ["/dev/zero", "comments.yaml"])
-def test_endless_file_is_rejected_at_once(name: str, tmp_path: Path) -> None:
-    path = tmp_path / name
-    if not path.exists():
-        path.write_text("# nothing\n" * 500_000, encoding="utf-8")
+@pytest.mark.parametrize("number", ["9" * 5000, "0x" + "f" * 5000])
+def test_number_of_many_digits_is_rejected(number: str) -> None:
+    with pytest.raises(ScenarioError, match=r"^x: a number of 500[02] characters; expected at most 100$"):
+        parse(number, "x")
+
+
+def test_large_file_is_rejected_at_once(tmp_path: Path) -> None:
+    path = tmp_path / "comments.yaml"
+    path.write_text("# nothing\n" * 500_000, encoding="utf-8")
     with pytest.raises(ScenarioError, match=r"^big: larger than 4 MiB; expected a text file$"):
         read_mapping(path, "big", "a scenario")
+
+
+def test_endless_file_is_rejected_at_once() -> None:
+    with pytest.raises(ScenarioError, match=r"^big: not a regular file$"):
+        read_mapping(Path("/dev/zero"), "big", "a scenario")
 
 
 PLAIN = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) | st.text(st.characters(codec="utf-8"))

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from robotteamsim import palette
 from robotteamsim.analysis.benchmark.measures import PatrolSample
 from robotteamsim.analysis.benchmark.profile import Profile
+from robotteamsim.analysis.plain_figure import PlainFigure
 from robotteamsim.analysis.report.figures import DPI, WIDTH_INCHES, share_panels, styled
 from robotteamsim.analysis.report.statistics import bootstrap_mean, generator
 
@@ -41,7 +42,7 @@ def draw_profiles(by_building: Mapping[str, Mapping[str, Profile]]) -> Figure:
 @styled
 def draw_idleness(samples: Sequence[PatrolSample]) -> Figure:
     """Draw mean and greatest idleness by the number of robots, with 95 % bootstrap intervals."""
-    figure = Figure(figsize=(WIDTH_INCHES, 3.8), dpi=DPI, layout="constrained")
+    figure = PlainFigure(figsize=(WIDTH_INCHES, 3.8), dpi=DPI, layout="constrained")
     names = list(dict.fromkeys(sample.controller for sample in samples))
     colours = _colours(names)
     for place, (key, title) in enumerate((("mean_s", "mean idleness"), ("max_s", "greatest idleness"))):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,6 +10,8 @@ import numpy as np
 
 from robotteamsim.analysis.benchmark.bound import Bound, search_bound
 from robotteamsim.campaign import Design, Outcome
+from robotteamsim.errors import CampaignError
+from robotteamsim.recording.idleness import Idleness
 from robotteamsim.recording.network_log import NetworkTotals
 from robotteamsim.setup import resolve
 from robotteamsim.wording import counted
@@ -125,9 +126,9 @@ def _networks(outcomes: Sequence[Outcome]) -> tuple[NetworkTotals, ...]:
 
 def last_saved_s(outcome: Outcome) -> float:
     """Return when the last victim was saved [s]; infinity if not all were."""
-    victims = json.loads(outcome.details or "{}").get("victims", {})
-    times_s = [victim["saved_s"] for victim in victims.values()]
-    return math.inf if None in times_s or not times_s else max(times_s)
+    times_s = [victim.saved_s for victim in outcome.known_details.victims.values()]
+    saved_s = [time_s for time_s in times_s if time_s is not None]
+    return max(saved_s) if saved_s and len(saved_s) == len(times_s) else math.inf
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -163,18 +164,20 @@ def patrol_samples(design: Design, outcomes: Sequence[Outcome]) -> tuple[PatrolS
         own = [outcome for outcome in outcomes if outcome.cell == index and not outcome.failed]
         if not own:
             continue
-        found = [json.loads(outcome.details or "{}")["idleness"] for outcome in own]
+        found = [idleness for outcome in own if (idleness := outcome.known_details.idleness) is not None]
+        if len(found) < len(own) or len({len(one.vertices) for one in found}) > 1:
+            raise CampaignError(f"cell {index}: missions without the idleness of the same graph")
 
-        def table(key: str, found: list[dict[str, list[dict[str, float]]]] = found) -> np.ndarray:
-            return np.array([[vertex[key] for vertex in one["vertices"]] for one in found], dtype=float)
+        def table(key: str, found: list[Idleness] = found) -> np.ndarray:
+            return np.array([[getattr(vertex, key) for vertex in one.vertices] for one in found], dtype=float)
 
         samples.append(
             PatrolSample(
                 robots=cell.values[0],
                 controller=cell.values[1],
                 numbers=np.array([outcome.number for outcome in own]),
-                mean_s=np.array([one["mean_s"] for one in found]),
-                max_s=np.array([one["max_s"] for one in found]),
+                mean_s=np.array([one.mean_s for one in found]),
+                max_s=np.array([one.max_s for one in found]),
                 vertices_s=table("mean_s"),
                 vertex_max_s=table("max_s"),
                 visits=table("visits"),

@@ -17,6 +17,7 @@ from matplotlib.patheffects import withStroke
 from scipy import ndimage
 
 from robotteamsim import palette
+from robotteamsim.analysis.plain_figure import PlainFigure
 from robotteamsim.analysis.plan_picture import draw_floor_plan
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario import FloorPlan
@@ -100,7 +101,7 @@ def draw_fields(panels: Sequence[Panel], style: FieldStyle, title: str) -> Figur
     above_inches = max(text.count("\n") for text in titles) * _TITLE_LINE_INCHES if len(panels) > 1 else 0.0
     around_inches = np.add(_AROUND_INCHES, (0.0, above_inches))
     size = columns * (width_m * scale + around_inches[0]) + 1.5, rows * (height_m * scale + around_inches[1]) + 0.4
-    figure = Figure(figsize=size, dpi=120, layout="compressed")
+    figure = PlainFigure(figsize=size, dpi=120, layout="compressed")
     all_axes = figure.subplots(rows, columns, squeeze=False)
     for axes in all_axes.flat[len(panels) :]:
         axes.remove()

@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from scipy import stats
 
 from robotteamsim import palette
+from robotteamsim.analysis.plain_figure import PlainFigure
 from robotteamsim.analysis.report.samples import Panel, Sample
 from robotteamsim.analysis.report.statistics import bootstrap_mean, clopper_pearson, generator, survival
 from robotteamsim.palette import GRID, INK, PAPER
@@ -58,7 +59,7 @@ def share_panels(count: int, label: str, shared: bool = False) -> tuple[Figure, 
     columns = min(_PANEL_COLUMNS, count)
     rows = math.ceil(count / columns)
     size = (WIDTH_INCHES * max(columns, 1.6) / _PANEL_COLUMNS, 0.7 + 2.7 * rows)
-    figure = Figure(figsize=size, dpi=DPI, layout="constrained")
+    figure = PlainFigure(figsize=size, dpi=DPI, layout="constrained")
     panels: list[Axes] = []
     for index in range(count):
         first = panels[0] if shared and panels else None
@@ -75,7 +76,7 @@ def share_panels(count: int, label: str, shared: bool = False) -> tuple[Figure, 
 def draw_times(panels: Sequence[Panel]) -> Figure:
     """Draw the times of each series: density, box, dots, and the mean with its 95 % bootstrap interval."""
     rows = [(name, each.missions, each.colour) for panel in panels[:MAX_PANELS] for name, each in panel.named()]
-    figure = Figure(figsize=(WIDTH_INCHES, 1.5 + _ROW_INCHES * len(rows)), dpi=DPI, layout="constrained")
+    figure = PlainFigure(figsize=(WIDTH_INCHES, 1.5 + _ROW_INCHES * len(rows)), dpi=DPI, layout="constrained")
     axes = figure.subplots()
     for place, (label, sample, colour) in enumerate(rows):
         _raincloud(axes, sample, -float(place), colour, label)

@@ -16,6 +16,7 @@ from matplotlib.patheffects import withStroke
 
 from robotteamsim import palette
 from robotteamsim.analysis.fields.picture import extent_m
+from robotteamsim.analysis.plain_figure import PlainFigure
 from robotteamsim.analysis.plan_picture import draw_floor_plan
 from robotteamsim.analysis.report.figures import DPI, styled
 from robotteamsim.analysis.report.samples import Cell
@@ -47,14 +48,15 @@ def draw_heat(cells: Sequence[Cell]) -> Figure:
     (min_x, min_y), (max_x, max_y) = _bounds(shown[0])
     width = _PAGE_INCHES / columns
     size = (_PAGE_INCHES + 0.9, (width * (max_y - min_y) / (max_x - min_x) + 0.45) * rows + 0.2)
-    figure = Figure(figsize=size, dpi=DPI, layout="compressed")
+    figure = PlainFigure(figsize=size, dpi=DPI, layout="compressed")
     all_axes = figure.subplots(rows, columns, squeeze=False)
     for axes in all_axes.flat[len(shown) :]:
         axes.remove()
     heats = [heat(cell) for cell in shown]
     visited = np.concatenate([each.values[each.values > 0.0] for each in heats])
     # A square-root scale, so that the paths of few missions are visible, too.
-    norm = PowerNorm(0.5, vmin=0.0, vmax=float(np.percentile(visited, 98.0)))
+    most = float(np.percentile(visited, 98.0)) if visited.size else 1.0
+    norm = PowerNorm(0.5, vmin=0.0, vmax=most)
     used = list(all_axes.flat[: len(shown)])
     images = [_draw_heat(axes, cell, each, norm) for axes, cell, each in zip(used, shown, heats, strict=True)]
     bar = figure.colorbar(images[0], ax=used, shrink=0.85, pad=0.015, aspect=28, extend="max")

@@ -164,7 +164,8 @@ def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
             scenario = cell_scenario(settings["scenario"], cell_settings, place)
         except ScenarioError as error:
             unreadable.append(f"{name} ({str(error).removeprefix(f'{place}: ')})")
-        limit_s = cell_settings.get(_LIMIT_KEY, base.mission.time_limit_s)
+        limit_s = cell_settings.get(_LIMIT_KEY)
+        limit_s = limit_s if isinstance(limit_s, (int, float)) else base.mission.time_limit_s
         cells.append(_cell(name, cell_settings, scenario, own, limit_s))
     if not cells:
         raise CampaignError(f"{place}: no mission of this campaign has ended yet; nothing to report")
@@ -238,7 +239,8 @@ def cell_name(settings: Mapping[str, Any], base: Scenario) -> str:
     for key, value in settings.items():
         text = value if isinstance(value, str) else shown(value)
         text = text if len(text) <= _SHOWN_VALUE else f"{text[: _SHOWN_VALUE - 3]}..."
-        words.append(f"{value:g} dB" if key == NOISE_KEY else f"{key.rpartition('.')[2]} = {text}")
+        is_noise = key == NOISE_KEY and isinstance(value, (int, float))
+        words.append(f"{value:g} dB" if is_noise else f"{key.rpartition('.')[2]} = {text}")
     return ", ".join(words) or base.name
 
 
@@ -248,7 +250,9 @@ def cell_scenario(stored: dict[str, Any], settings: Mapping[str, Any], place: st
     Args:   stored: the scenario as plain values, without seed. place: the store, for errors.
     Raises: ScenarioError: the plan that a cell names is missing, or this version refuses a value.
     """
-    algorithm = settings.get("control.algorithm", stored.get("control", {}).get("algorithm"))
+    control = stored.get("control")
+    own = control.get("algorithm") if isinstance(control, dict) else None
+    algorithm = settings.get("control.algorithm", own)
     known = control_kind(algorithm).model_fields
     overrides = ["run.seed=0"]
     for key, value in settings.items():

@@ -9,11 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgba
-from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.patches import Rectangle
 
 from robotteamsim import palette
+from robotteamsim.analysis.plain_figure import PlainFigure
 from robotteamsim.analysis.runs.curves import Curve, curves, draw_column, draw_speeds
 from robotteamsim.analysis.runs.plan_panel import (
     colour_of,
@@ -64,7 +64,7 @@ class RunFilm:
             view:     of a robot's camera, above the curves.
         """
         self._run, self._view = run, view
-        self.figure = Figure(figsize=_INCHES, dpi=width_px / _INCHES[0], layout="constrained")
+        self.figure = PlainFigure(figsize=_INCHES, dpi=width_px / _INCHES[0], layout="constrained")
         self._canvas = FigureCanvasAgg(self.figure)
         shown = [curve for curve in curves(run) if curve is not draw_speeds]
         grid = self.figure.add_gridspec(1, 2, width_ratios=(2.0, 1.0))

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from robotteamsim import palette
+from robotteamsim.analysis.plain_figure import PlainFigure
 from robotteamsim.analysis.runs.curves import curves, draw_column, draw_speeds
 from robotteamsim.analysis.runs.plan_panel import (
     MAX_NAMED_ROBOTS,
@@ -58,7 +59,7 @@ def outcome(totals: RunTotals) -> str:
 
 
 def _draw_one(run: RecordedRun, totals: RunTotals, plan: FloorPlan | None) -> Figure:
-    figure = Figure(figsize=_SLIDE_INCHES, dpi=120, layout="constrained")
+    figure = PlainFigure(figsize=_SLIDE_INCHES, dpi=120, layout="constrained")
     x0, x1, y0, y1 = extent_m(run, plan)
     is_tall = (y1 - y0) > 1.2 * (x1 - x0)
     grid = figure.add_gridspec(1, 2, width_ratios=(0.9, 1.0) if is_tall else (1.75, 1.0))
@@ -79,7 +80,7 @@ def _draw_columns(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals], 
     in_order = sorted(map(curves, runs), key=len, reverse=True)
     rows = [draw for draw in dict.fromkeys(itertools.chain.from_iterable(in_order)) if draw is not draw_speeds]
     height = 2.6 + 1.25 * len(rows) + 0.9
-    figure = Figure(figsize=(max(4.4 * len(runs), 8.8), height), dpi=120, layout="constrained")
+    figure = PlainFigure(figsize=(max(4.4 * len(runs), 8.8), height), dpi=120, layout="constrained")
     all_axes = figure.subplots(1 + len(rows), len(runs), squeeze=False, height_ratios=[2.6, *(1.0 for _ in rows)])
     for column, (run, totals) in enumerate(zip(runs, all_totals, strict=True)):
         _draw_plan(all_axes[0, column], run, plan)

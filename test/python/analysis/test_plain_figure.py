@@ -1,0 +1,27 @@
+from __future__ import annotations
+
+import io
+
+import pytest
+
+from robotteamsim.analysis.plain_figure import PlainFigure
+from robotteamsim.analysis.plan_picture import draw_plan
+from robotteamsim.scenario import load_floor_plan
+
+
+@pytest.mark.parametrize("name", ["$\\frac{$", "a$b_{$c", "$x$", "\\$"])
+def test_name_with_dollars_is_drawn_as_text(name):
+    figure = PlainFigure()
+    axes = figure.add_subplot()
+    axes.plot([0.0, 1.0], label=name)
+    axes.set_title(name)
+    axes.set_yticks([0.0], [name])
+    axes.legend()
+    figure.savefig(io.BytesIO(), format="png", bbox_inches="tight")
+    assert axes.get_title() == name
+    assert not axes.title.get_parse_math()
+
+
+def test_plan_whose_names_have_dollars_is_drawn():
+    plan = load_floor_plan("tutorial_arena").model_copy(update={"name": "$\\frac{$"})
+    draw_plan(plan).savefig(io.BytesIO(), format="png")
