@@ -75,6 +75,15 @@ class Outcome:
         return self.error != ""
 
     @property
+    def saved_s(self) -> tuple[float, ...] | None:
+        """Times at which victims were saved or safe, ascending, from the start of the mission [s]; None if unknown."""
+        victims = json.loads(self.details or "{}").get("victims")
+        if victims is None:
+            return None
+        times_s = (times.get(key) for times in victims.values() for key in ("saved_s", "safe_s"))
+        return tuple(sorted(time_s for time_s in times_s if time_s is not None))
+
+    @property
     def network(self) -> NetworkTotals | None:
         """The network of the trial; None if it failed, or is in the store of an earlier version."""
         found = json.loads(self.details or "{}").get("network")
