@@ -6,6 +6,7 @@ generated from the schema of scenarios and from docstrings.
 
 import html
 import importlib
+import inspect
 import json
 import re
 import shutil
@@ -36,7 +37,7 @@ SECTIONS = {
         "exercises",
     ),
     "How-to guides": ("own_building", "viewer", "experiments", "benchmark", "stage", "gazebo", "gazebo_missions"),
-    "Reference": ("scenario_keys", "python_api", "ros_api", "ros_messages", "CHANGELOG"),
+    "Reference": ("what_a_controller_sees", "scenario_keys", "python_api", "ros_api", "ros_messages", "CHANGELOG"),
     "Explanation": (
         "world",
         "rescue",
@@ -206,18 +207,21 @@ def message_attributes(text: str) -> tuple[str, list[tuple[str, str, str]]]:
 
 def api_page() -> str:
     """Return the reference of Python, as Sphinx's autodoc directives."""
-    lines, seen = ["Python", "======", "", "Generated from docstrings.", ""], set()
-    for package in PACKAGES:
-        module = importlib.import_module(f"robotteamsim.{package}")
+    lines, described = ["Python", "======", "", "Generated from docstrings.", ""], set()
+    for module in map(importlib.import_module, ("robotteamsim", *(f"robotteamsim.{name}" for name in PACKAGES))):
+        early = set(vars(module))
         # One object is described once, in the first package that offers it.
-        names = [name for name in module.__all__ if (id(getattr(module, name)) not in seen)]
-        seen |= {id(getattr(module, name)) for name in names}
-        lines += [module.__name__, "-" * len(module.__name__), ""]
-        own = [name for name in names if name in vars(module)]
-        lines += [f".. automodule:: {module.__name__}", f"   :members: {', '.join(own)}", "   :undoc-members:", ""]
-        late = [getattr(module, name) for name in names if name not in own]  # Imported on first use.
-        for kind in late:
-            lines += [f".. autoclass:: {kind.__module__}.{kind.__name__}", "   :members:", ""]
+        names = [name for name in module.__all__ if id(getattr(module, name)) not in described]
+        own = [name for name in names if name in early]
+        late = [getattr(module, name) for name in names if name not in early]  # Imported on first use.
+        lines += [module.__name__, "-" * len(module.__name__), "", f".. automodule:: {module.__name__}"]
+        lines += [f"   :members: {', '.join(own)}", "   :undoc-members:", ""] if own else [""]
+        for value in filter(inspect.isroutine, late):
+            lines += [f".. autofunction:: {value.__module__}.{value.__name__}", ""]
+        for kind in filter(inspect.isclass, late):
+            lines += [f".. autoclass:: {kind.__module__}.{kind.__name__}", "   :members:", "   :undoc-members:", ""]
+        values = (getattr(module, name) for name in names)
+        described |= {id(value) for value in values if inspect.isroutine(value) or inspect.isclass(value)}
     return "\n".join(lines)
 
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from robotteamsim.analysis.report.samples import NOISE_KEY, Campaign, Cell, Panel, Sample, Series
+from robotteamsim.analysis.report.samples import Campaign, Cell, Panel, Sample, Series
+from robotteamsim.campaign.design import NOISE_KEY
 from robotteamsim.palette import OURS, THEIRS
 from study.reference import dissertation_missions
 

@@ -4,8 +4,8 @@ import dataclasses
 import statistics
 from collections.abc import Callable, Mapping, Sequence
 
-from robotteamsim.analysis.report.samples import NOISE_KEY
 from robotteamsim.campaign import StoredCampaign
+from robotteamsim.campaign.design import NOISE_KEY
 from robotteamsim.campaign.summary import UNLIMITED
 from robotteamsim.errors import CampaignError
 from robotteamsim.wording import column_groups

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from robotteamsim.analysis.report.tables import Table
-from robotteamsim.analysis.report.wording import interval_text, p_text, share_text
+from robotteamsim.analysis.report.tables import UNKNOWN, Entry, Table, interval_entry, p_entry, share_entry
 from study.claims import FOLLOWING, Claim
 from study.comparison import Comparison
 
@@ -42,7 +41,7 @@ def calibration(claims: Sequence[Claim]) -> str:
 
 def tests_table(comparisons: Sequence[Comparison]) -> Table:
     """Tests against the dissertation's missions."""
-    rows = []
+    rows: list[tuple[str | Entry, ...]] = []
     for comparison in comparisons:
         for what, found in (
             ("mean time, ours over theirs [90 %]", comparison.mean),
@@ -51,12 +50,14 @@ def tests_table(comparisons: Sequence[Comparison]) -> Table:
             ("mean number of victims saved, ours minus theirs [90 %]", comparison.victims),
         ):
             low, high = (f"{limit:.2f}".rstrip("0").rstrip(".") for limit in found.limits)
-            rows.append((comparison.name, what, interval_text(found.interval, 3), f"{low} to {high}", p_text(found.p)))
+            rows.append(
+                (comparison.name, what, interval_entry(found.interval, 3), f"{low} to {high}", p_entry(found.p))
+            )
         what = "numbers of victims saved, Fisher-Freeman-Halton"
-        rows.append((comparison.name, what, "-", "-", p_text(comparison.victims_p)))
+        rows.append((comparison.name, what, UNKNOWN, UNKNOWN, p_entry(comparison.victims_p)))
         for saved, shares in comparison.rates.items():
             what = f"missions with at least {saved} victims saved [90 %]"
-            rows.append((comparison.name, what, share_text(shares.ours), share_text(shares.theirs), "-"))
+            rows.append((comparison.name, what, share_entry(shares.ours), share_entry(shares.theirs), UNKNOWN))
     head = ("", "what", "ours", "limits, or theirs", "p after Holm")
     return Table("tests", "Tests against the dissertation", head, tuple(rows), 2)
 

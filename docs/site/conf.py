@@ -20,11 +20,28 @@ autodoc_member_order = "bysource"
 
 
 def as_lines(app, what, name, obj, options, lines):
-    """Keep lines and indentation of docstrings, which are plain text, and escape what Sphinx would interpret."""
-    for index, line in enumerate(lines):
-        parts = re.split(r"(`[^`]*`)", line)
-        plain = (re.sub(r"([*|_\\`])", r"\\\1", part) if not part.startswith("`") else f"`{part}`" for part in parts)
-        lines[index] = f"| {''.join(plain)}".rstrip() if line else "|"
+    """Keep lines and indentation of docstrings, which are plain text, and escape what Sphinx would interpret.
+
+    Indented lines after a line that ends with `::` are code.
+    """
+    kept, is_code = [], False
+    for line in lines:
+        if is_code and (line.startswith("    ") or not line):
+            kept.append(line)
+            continue
+        if is_code:
+            kept.append("")
+        is_code = line.endswith("::")
+        kept.append(_plain(line.removesuffix(":") if is_code else line))
+        if is_code:
+            kept += ["", ".. code-block:: python"]
+    lines[:] = kept
+
+
+def _plain(line):
+    parts = re.split(r"(`[^`]*`)", line)
+    escaped = (part if part.startswith("`") else re.sub(r"([*|_\\`])", r"\\\1", part) for part in parts)
+    return f"| {''.join(escaped)}".rstrip()
 
 
 def setup(app):

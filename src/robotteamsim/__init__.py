@@ -10,35 +10,79 @@ import importlib
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from robotteamsim.geometry import Twist
-    from robotteamsim.interface import EVERYBODY, Controller, Decision, Message, Observation, Task
+    from robotteamsim._core.plan import PlanningGrid
+    from robotteamsim.control.driving.known_map import KnownMap
+    from robotteamsim.control.driving.path_controller import PathController, Situation
+    from robotteamsim.geometry import Pose, PoseReading, Twist
+    from robotteamsim.interface import (
+        EVERYBODY,
+        OUTSIDE,
+        Assistance,
+        Controller,
+        Decision,
+        Discovery,
+        Message,
+        Observation,
+        SwarmContext,
+        Task,
+    )
+    from robotteamsim.propagation import FieldMap
     from robotteamsim.rng import stream
     from robotteamsim.scenario import Scenario, load
+    from robotteamsim.scenario.plan import Grid
+    from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
+    from robotteamsim.setup import Setup
     from robotteamsim.simulation import Result, Simulation, StepRecord
 
 __version__ = "0.1.0"
 
 __all__ = [
     "EVERYBODY",
+    "OUTSIDE",
+    "Assistance",
     "Controller",
     "Decision",
+    "Discovery",
+    "FieldMap",
+    "Grid",
+    "KnownMap",
     "Message",
     "Observation",
+    "OdometryReading",
+    "PathController",
+    "PlanningGrid",
+    "Pose",
+    "PoseReading",
     "Result",
+    "RobotReading",
     "Scenario",
+    "Setup",
     "Simulation",
+    "Situation",
     "StepRecord",
+    "SwarmContext",
     "Task",
     "Twist",
+    "VoiceReading",
     "load",
     "stream",
 ]
 
 _MODULES = {
-    "geometry": ("Twist",),
-    "interface": ("EVERYBODY", "Controller", "Decision", "Message", "Observation", "Task"),
+    "_core.plan": ("PlanningGrid",),
+    "control.driving.known_map": ("KnownMap",),
+    "control.driving.path_controller": ("PathController", "Situation"),
+    "geometry": ("Pose", "PoseReading", "Twist"),
+    "interface": (
+        *("EVERYBODY", "OUTSIDE", "Assistance", "Controller", "Decision", "Discovery", "Message", "Observation"),
+        *("SwarmContext", "Task"),
+    ),
+    "propagation": ("FieldMap",),
     "rng": ("stream",),
     "scenario": ("Scenario", "load"),
+    "scenario.plan": ("Grid",),
+    "sensing.readings": ("OdometryReading", "RobotReading", "VoiceReading"),
+    "setup": ("Setup",),
     "simulation": ("Result", "Simulation", "StepRecord"),
 }
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}

@@ -1,10 +1,12 @@
 """Missions and campaigns in notebooks: tables with pictures, inline players, data frames.
 
-from robotteamsim.notebook import read_bag, read_campaign, simulate
+Example::
 
-mission = simulate("garage_sar", seed=1)
-mission           # shows a table and a picture
-mission.show()    # shows the player
+    from robotteamsim.notebook import read_bag, read_campaign, simulate
+
+    mission = simulate("garage_sar", seed=1)
+    mission  # shows a table and a picture
+    mission.show()  # shows the player
 """
 
 from __future__ import annotations

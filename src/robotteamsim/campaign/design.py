@@ -16,7 +16,10 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.yaml_text import shown
 from robotteamsim.setup import check_headless, resolve
 
+NOISE_KEY = "voice.noise_db"
+
 _NUM_SEEDS = 2**53
+_SHOWN_VALUE = 24
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,6 +206,27 @@ def _without_seed(of: Scenario) -> dict[str, Any]:
     data = of.model_dump(mode="json", by_alias=True)
     data["run"].pop("seed")
     return data
+
+
+def cell_name(settings: Mapping[str, Any], scenario_name: str) -> str:
+    """Return the settings of a cell in short: the noise with its unit, other keys by their last part.
+
+    Of keys that end alike, such as `radio.exponent` and `voice.exponent`, the whole key. Without settings, the name of
+    the scenario.
+    """
+    ends = [key.rpartition(".")[2] for key in settings]
+    words = []
+    for (key, value), end in zip(settings.items(), ends, strict=True):
+        short = end if ends.count(end) == 1 else key
+        is_noise = key == NOISE_KEY and isinstance(value, (int, float))
+        words.append(f"{value:g} dB" if is_noise else f"{short} = {setting_text(value)}")
+    return ", ".join(words) or scenario_name
+
+
+def setting_text(value: Any) -> str:
+    """Return the value of a setting as a short text."""
+    text = value if isinstance(value, str) else shown(value)
+    return text if len(text) <= _SHOWN_VALUE else f"{text[: _SHOWN_VALUE - 3]}..."
 
 
 def settings_difference(old: Mapping[str, Any], new: Mapping[str, Any]) -> str | None:

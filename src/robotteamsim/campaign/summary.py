@@ -1,13 +1,12 @@
 """Mean, spread and interval of the results of each cell's trials, also as text: one line per cell."""
 
-import json
 import math
 import statistics
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from robotteamsim.campaign.design import Design
+from robotteamsim.campaign.design import Design, cell_name, setting_text
 from robotteamsim.campaign.trial import Outcome
 from robotteamsim.wording import column_groups, counted
 
@@ -41,12 +40,14 @@ class Spread:
 class CellSummary:
     """The results of a cell's trials.
 
+    name:       its settings in short, see `cell_name`.
     settings:   the cell's value of each key of the design.
     trials:     without failed ones.     timed_out: those that ended at the time limit, with that as their time.
     different:  number of different trajectories; below `trials` if missions of the cell are copies of each other.
     statistics: by name in QUANTITIES, over the trials that have it; DELIVERY_QUANTITIES need a base.
     """
 
+    name: str
     settings: dict[str, Any]
     trials: int
     failed: int
@@ -54,23 +55,20 @@ class CellSummary:
     different: int
     statistics: dict[str, Spread]
 
-    @property
-    def name(self) -> str:
-        """The settings in one line; "" where there are none."""
-        return ", ".join(f"{key} = {_setting(value)}" for key, value in self.settings.items())
-
 
 def summarise(design: Design, outcomes: Sequence[Outcome]) -> tuple[CellSummary, ...]:
     """Return the summary of each cell, in the design's order."""
     summaries = []
     for index, cell in enumerate(design.cells):
+        settings = dict(zip(design.keys, cell.values, strict=True))
         own = [outcome for outcome in outcomes if outcome.cell == index]
         good = [outcome for outcome in own if not outcome.failed]
         by_name = {name: [getattr(outcome, name) for outcome in good] for name in QUANTITIES}
         known = {name: [value for value in values if value is not None] for name, values in by_name.items()}
         summaries.append(
             CellSummary(
-                settings=dict(zip(design.keys, cell.values, strict=True)),
+                name=cell_name(settings, design.scenario.name),
+                settings=settings,
                 trials=len(good),
                 failed=len(own) - len(good),
                 timed_out=sum(outcome.end == "time_limit" for outcome in good),
@@ -131,7 +129,7 @@ def summary_table(design: Design, summaries: Sequence[CellSummary], width: int =
         columns |= dict(zip(("delivered", "mean delay [s]", "max delay [s]"), DELIVERY_QUANTITIES, strict=True))
     lines = [[*design.keys, "trials", *columns]]
     for summary in summaries:
-        values = [_setting(value) for value in summary.settings.values()]
+        values = [setting_text(value) for value in summary.settings.values()]
         count = f"{summary.trials}" + (f" + {summary.failed} failed" if summary.failed else "")
         spreads = [summary.statistics.get(name) for name in columns.values()]
         lines.append([*values, count, *(_spread(spread) for spread in spreads)])
@@ -163,11 +161,6 @@ def aligned(lines: Sequence[Sequence[str]], num_first: int, total_width: int) ->
         padded = ["  ".join(f"{line[column]:<{widths[column]}}" for column in columns) for line in lines]
         blocks.append("\n".join(line.rstrip() for line in padded))
     return "\n\n".join(blocks)
-
-
-def _setting(value: Any) -> str:
-    text = value if isinstance(value, str) else json.dumps(value)
-    return text if len(text) <= 30 else f"{text[:27]}..."
 
 
 def _spread(spread: Spread | None) -> str:

@@ -37,16 +37,17 @@ Amount = Annotated[float, msgspec.Meta(ge=0.0, le=1e12)]
 
 
 class VictimTimes(msgspec.Struct, frozen=True):
-    """When a victim was first heard and saved [s]; None: never."""
+    """When a victim was first heard, saved, and safe [s]; None: never."""
 
     heard_s: Amount | None = None
     saved_s: Amount | None = None
+    safe_s: Amount | None = None
 
 
 class Details(msgspec.Struct, frozen=True):
-    """The parts of `Outcome.details` that reports need."""
+    """The parts of `Outcome.details` that reports need; None: unknown."""
 
-    victims: dict[str, VictimTimes] = {}
+    victims: dict[str, VictimTimes] | None = None
     network: NetworkTotals | None = None
     idleness: Idleness | None = None
 
@@ -98,6 +99,15 @@ class Outcome:
     def known_details(self) -> Details:
         """The details of a trial that has not failed. Raises: msgspec.MsgspecError: they are damaged."""
         return msgspec.json.decode(self.details or "{}", type=Details)
+
+    @property
+    def saved_s(self) -> tuple[float, ...] | None:
+        """Times at which victims were saved or safe, ascending, from the start of the mission [s]; None if unknown."""
+        victims = self.known_details.victims
+        if victims is None:
+            return None
+        times_s = (time_s for times in victims.values() for time_s in (times.saved_s, times.safe_s))
+        return tuple(sorted(time_s for time_s in times_s if time_s is not None))
 
     @property
     def network(self) -> NetworkTotals | None:

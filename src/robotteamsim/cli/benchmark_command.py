@@ -191,7 +191,7 @@ def _run(
     made = report(ran.outcomes)
     path = made.write(options.out)
     if options.json:
-        rows = {t.name: [dict(zip(t.head, row, strict=True)) for row in t.rows] for t in made.tables}
+        rows = {t.name: [dict(zip(t.head, row, strict=True)) for row in t.texts] for t in made.tables}
         print(json.dumps({"report": str(path), "notes": made.notes, "tables": rows}, ensure_ascii=False))
     elif not options.quiet:
         _print_report(made)
@@ -205,4 +205,4 @@ def _print_report(made: Report) -> None:
         print(note)
     first = made.tables[0]
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else UNLIMITED
-    print(f"{first.title}\n\n{aligned([first.head, *first.rows], first.left, width)}")
+    print(f"{first.title}\n\n{aligned([first.head, *first.texts], first.left, width)}")

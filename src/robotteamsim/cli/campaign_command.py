@@ -15,7 +15,7 @@ from typing import Any
 from rich.console import Console
 
 from robotteamsim.campaign import Design, Outcome, Store, check_folder, make_design, open_store
-from robotteamsim.campaign.design import Trial
+from robotteamsim.campaign.design import NOISE_KEY, Trial
 from robotteamsim.campaign.factors import DesignFile, Factor, parse_override, parse_sweep, read_design_file
 from robotteamsim.campaign.runner import local_workers, run_trials, scheduler_at
 from robotteamsim.campaign.summary import UNLIMITED, copies_note, exclusion_note, summarise, summary_table
@@ -176,7 +176,7 @@ def command_line(words: Sequence[str], options: Mapping[str, Iterable[object]], 
 
 def _design(options: argparse.Namespace) -> Design:
     file, place = (read_design_file(options.design), str(options.design)) if options.design else (DesignFile(), "")
-    noise = [Factor("voice.noise_db", tuple(options.noise), "--noise")] if options.noise else []
+    noise = [Factor(NOISE_KEY, tuple(options.noise), "--noise")] if options.noise else []
     return make_design(
         options.scenario,
         trials=_first(options.trials, file.trials, DEFAULT_TRIALS),
@@ -232,7 +232,7 @@ def _print_tables(design: Design, outcomes: tuple[Outcome, ...]) -> None:
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else UNLIMITED
     summaries = summarise(design, outcomes)
     print(summary_table(design, summaries, width))
-    counts = [(cell.name or design.scenario.name, cell.trials, cell.different) for cell in summaries]
+    counts = [(cell.name, cell.trials, cell.different) for cell in summaries]
     for note in (exclusion_note(outcomes), copies_note(counts)):
         if note:
             print(f"\n{note}")

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 _DESCRIPTION = """\
 Make the report of a campaign: report.html, which needs no other file, the figures as PNG,
-and the tables as CSV and LaTeX. The same store always gives the same bytes. The page compares
+PDF and SVG, and the tables as CSV and LaTeX. The same store always gives the same bytes. The page compares
 the settings, and plays the best, the median and the worst mission, which are simulated again and
 must have the stored trajectories."""
 
@@ -43,6 +43,11 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument(
         "--out", type=path_of, metavar="DIR", help="folder for the report; default the folder of the only campaign"
+    )
+    parser.add_argument(
+        "--each-pair",
+        action="store_true",
+        help="compare each pair of algorithms, not only each with the first; and any number of pairs of settings",
     )
     parser.add_argument("--no-players", action="store_true", help="leave out the three missions, about 2 MB")
     add_code_option(parser)
@@ -81,4 +86,4 @@ def _report(stored: Sequence[StoredCampaign], options: argparse.Namespace) -> Re
         from robotteamsim.view.campaign_missions import shown_missions
 
         missions = shown_missions(stored, places, allow_code=options.allow_code)
-    return make_report(stored, places, missions)
+    return make_report(stored, places, missions, each_pair=options.each_pair)

@@ -6,8 +6,9 @@ import dataclasses
 from collections.abc import Sequence
 
 from robotteamsim.analysis.report import ShownMissions
-from robotteamsim.analysis.report.samples import cell_name, cell_scenario
+from robotteamsim.analysis.report.samples import cell_scenario
 from robotteamsim.campaign import Outcome, StoredCampaign
+from robotteamsim.campaign.design import cell_name
 from robotteamsim.control import foreign_code
 from robotteamsim.errors import RecordingError, RobotTeamSimError
 from robotteamsim.view.html import player_frame
@@ -73,7 +74,7 @@ def _recording(mission: _Mission, place: str, *, allow_code: bool) -> Recording:
         foreign_code.check_foreign(scenario.control.algorithm, place, "--allow-code")
     seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": outcome.seed})})
     recording = repeat_mission(seeded, outcome.trajectory_hash, place)
-    name = cell_name(values, scenario) if values else scenario.name
+    name = cell_name(values, scenario.name)
     return dataclasses.replace(recording, title=f"{mission.label}: {name}, seed {outcome.seed}, {_summary(outcome)}")
 
 

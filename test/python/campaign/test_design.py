@@ -6,7 +6,7 @@ import pytest
 
 from robotteamsim import rng
 from robotteamsim.campaign import make_design
-from robotteamsim.campaign.design import settings_difference
+from robotteamsim.campaign.design import cell_name, settings_difference
 from robotteamsim.campaign.factors import Factor, parse_override, parse_sweep
 from robotteamsim.errors import CampaignError, ScenarioError
 
@@ -21,6 +21,20 @@ def test_cells_are_all_combinations_the_first_key_slowest(short_design):
     assert values(design) == [(n, a) for n in (10.0, 20.0) for a in (0.3, 0.5, 0.7)]
     assert design.cells[4].scenario.voice.noise_db == 20.0
     assert design.cells[4].scenario.control.alpha == 0.5
+
+
+@pytest.mark.parametrize(
+    ("settings", "name"),
+    [
+        ({}, "hall"),
+        ({"voice.noise_db": 10.0, "control.algorithm": "pso"}, "10 dB, algorithm = pso"),
+        ({"radio.exponent": 2.0, "voice.exponent": 3.0}, "radio.exponent = 2.0, voice.exponent = 3.0"),
+        ({"plan": "a/folder/with/a/long/name/plan.yaml"}, "plan = a/folder/with/a/long/..."),
+        ({"run.realtime": True, "relays.count": 3}, "realtime = true, count = 3"),
+    ],
+)
+def test_cell_is_named_by_the_last_parts_of_its_keys_if_they_differ(settings, name):
+    assert cell_name(settings, "hall") == name
 
 
 def test_groups_combine_with_every_sweep_and_show_the_default_where_they_are_silent():

@@ -26,7 +26,7 @@ def test_failed_trials_count_but_have_no_figures(short_design, outcome_of, faile
     trials = list(design.all_trials())
     outcomes = [outcome_of(trials[0], time_s=1.0), failed_outcome_of(trials[2]), failed_outcome_of(trials[1])]
     first, second = summarise(design, outcomes)
-    assert first.settings == {"voice.noise_db": 10.0}
+    assert (first.name, first.settings) == ("10 dB", {"voice.noise_db": 10.0})
     assert (first.trials, first.failed, first.statistics["time_s"].mean) == (1, 1, 1.0)
     assert (second.trials, second.failed, second.statistics) == (0, 1, {})
 

@@ -56,8 +56,12 @@ def test_benchmark_that_is_finished_only_writes_its_report_again(capsys, tmp_pat
     assert main(command) == 0
     assert json.loads(capsys.readouterr().out) == first
     assert (tmp_path / "report.html").read_bytes() == page
-    (difference,) = (row for row in first["tables"]["differences"] if row[""] == "victims saved")
-    assert difference["first, second"] == "greedy, random_walk (warehouse, 20 dB, 3 robots)"
+    (difference,) = (row for row in first["tables"]["differences"] if row["quantity"] == "victims saved")
+    assert [difference[key] for key in ("at", "first", "second")] == [
+        "warehouse, 20 dB, 3 robots",
+        "greedy",
+        "random_walk",
+    ]
     assert difference["pairs"] == "2"
 
 

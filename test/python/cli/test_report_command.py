@@ -34,7 +34,7 @@ def test_report_is_written_next_to_the_store_or_to_the_given_folder(capsys, camp
     assert main(["report", str(folder), "--no-players"]) == 0
     captured = capsys.readouterr()
     assert captured.out.endswith(f"written {folder}/report.html\n")
-    assert main(["report", str(folder), "--no-players", "--out", str(tmp_path / "docs"), "--json"]) == 0
+    assert main(["report", str(folder), "--no-players", "--each-pair", "--out", str(tmp_path / "docs"), "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["report"] == str(tmp_path / "docs" / "report.html")
     assert document["notes"] == []

@@ -51,8 +51,26 @@ def test_reference_has_every_key_and_the_public_functions(site: Path) -> None:
     row = re.sub("<[^>]*>", "", keys[keys.index('<span class="pre">slope_db</span>') :]).split()
     assert row[:3] == ["slope_db", "number", "23.2"]
     api = (site / "python_api.html").read_text(encoding="utf-8")
-    for name in ("robotteamsim.notebook.simulate", "robotteamsim.recording.mcap_writer.McapWriter"):
-        assert f'id="{name}"' in api
+    for name in (
+        "notebook.simulate",
+        "recording.mcap_writer.McapWriter",
+        "sensing.readings.RobotReading.ranges_m",
+        "interface.decision.Decision.outbox",
+        "control.driving.path_controller.PathController.drive",
+        "control.driving.known_map.KnownMap.reaches",
+        "_core.plan.PlanningGrid.distance_map",
+    ):
+        assert api.count(f'id="robotteamsim.{name}"') == 1, name
+
+
+def test_examples_in_docstrings_are_code(site: Path) -> None:
+    api = (site / "python_api.html").read_text(encoding="utf-8")
+    (example,) = re.findall(r'<div class="highlight-python notranslate">(.*?)</div>', api, re.DOTALL)
+    assert re.sub("<[^>]*>", "", example).splitlines()[:3] == [
+        "from robotteamsim.notebook import read_bag, read_campaign, simulate",
+        "",
+        'mission = simulate("garage_sar", seed=1)',
+    ]
 
 
 def test_text_and_pages_need_no_other_host(site: Path) -> None:

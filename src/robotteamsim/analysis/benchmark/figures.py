@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from robotteamsim import palette
 from robotteamsim.analysis.benchmark.measures import PatrolSample
@@ -57,7 +58,7 @@ def draw_idleness(samples: Sequence[PatrolSample]) -> Figure:
             )
         axes.set_title(title)
         axes.set(xlabel="robots", ylabel="[s]" if place == 0 else "")
-        axes.set_xticks(sorted({sample.robots for sample in samples}))
+        axes.xaxis.set_major_locator(MaxNLocator(8, integer=True))
         axes.set_ylim(bottom=0.0)
         axes.grid(color=palette.GRID, linewidth=0.7)
     _add_legend(figure)

@@ -126,7 +126,7 @@ def _networks(outcomes: Sequence[Outcome]) -> tuple[NetworkTotals, ...]:
 
 def last_saved_s(outcome: Outcome) -> float:
     """Return when the last victim was saved [s]; infinity if not all were."""
-    times_s = [victim.saved_s for victim in outcome.known_details.victims.values()]
+    times_s = [victim.saved_s for victim in (outcome.known_details.victims or {}).values()]
     saved_s = [time_s for time_s in times_s if time_s is not None]
     return max(saved_s) if saved_s and len(saved_s) == len(times_s) else math.inf
 

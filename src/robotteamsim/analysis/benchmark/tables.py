@@ -10,8 +10,8 @@ from robotteamsim.analysis.benchmark.figures import CLAIRVOYANT
 from robotteamsim.analysis.benchmark.measures import PatrolSample, SearchSample
 from robotteamsim.analysis.benchmark.profile import Profile
 from robotteamsim.analysis.report.statistics import bootstrap_mean, clopper_pearson, generator
-from robotteamsim.analysis.report.tables import Table
-from robotteamsim.analysis.report.wording import interval_text, percents, share_text
+from robotteamsim.analysis.report.tables import UNKNOWN, Entry, Table, interval_entry, share_entry
+from robotteamsim.analysis.report.wording import percents
 
 FACTORS = (1.5, 2.0, 4.0, 8.0, 16.0)
 """Factors of the best time in the table of profiles."""
@@ -29,11 +29,11 @@ def mission_table(samples: Sequence[SearchSample]) -> Table:
             (
                 *name,
                 str(len(sample.numbers)),
-                interval_text(bootstrap_mean(sample.saved.astype(float), generator("saved", *name)), 2),
-                share_text(clopper_pearson(saved_all, len(sample.numbers))),
-                interval_text(bootstrap_mean(sample.restricted_s, generator("last", *name)), 1),
+                interval_entry(bootstrap_mean(sample.saved.astype(float), generator("saved", *name)), 2),
+                share_entry(clopper_pearson(saved_all, len(sample.numbers))),
+                interval_entry(bootstrap_mean(sample.restricted_s, generator("last", *name)), 1),
                 _median_ratio(sample),
-                interval_text(bootstrap_mean(sample.areas.astype(float), generator("areas", *name)), 2),
+                interval_entry(bootstrap_mean(sample.areas.astype(float), generator("areas", *name)), 2),
                 f"{np.mean(sample.end_s):.1f}",
             )
         )
@@ -66,8 +66,8 @@ def idleness_table(samples: Sequence[PatrolSample]) -> Table:
                 sample.controller,
                 str(sample.robots),
                 str(len(sample.numbers)),
-                interval_text(bootstrap_mean(sample.mean_s, generator("mean_s", *name)), 1),
-                interval_text(bootstrap_mean(sample.max_s, generator("max_s", *name)), 1),
+                interval_entry(bootstrap_mean(sample.mean_s, generator("mean_s", *name)), 1),
+                interval_entry(bootstrap_mean(sample.max_s, generator("max_s", *name)), 1),
                 f"{sample.vertices_s.mean(axis=0).std():.1f}",
                 f"{worst}",
                 f"{sample.vertices_s[:, worst].mean():.1f}",
@@ -96,16 +96,16 @@ def vertex_table(samples: Sequence[PatrolSample]) -> Table:
     return Table("vertices", "Idleness of each vertex over all missions", head, rows, 2)
 
 
-def _bound_row(sample: SearchSample) -> tuple[str, ...]:
-    mean = interval_text(bootstrap_mean(sample.bound_s, generator("bound", sample.place.name)), 1)
-    rest = (f"{sample.num_victims:d}", "-", mean, "1.00", "-", "-")
+def _bound_row(sample: SearchSample) -> tuple[str | Entry, ...]:
+    mean = interval_entry(bootstrap_mean(sample.bound_s, generator("bound", sample.place.name)), 1)
+    rest = (f"{sample.num_victims:d}", UNKNOWN, mean, "1.00", UNKNOWN, UNKNOWN)
     return (sample.place.name, f"{CLAIRVOYANT} (lower bound)", str(len(sample.numbers)), *rest)
 
 
-def _median_ratio(sample: SearchSample) -> str:
+def _median_ratio(sample: SearchSample) -> str | Entry:
     """Return the median of the time over the bound, of the missions that save all victims."""
     solved = np.isfinite(sample.last_s)
     if not solved.any():
-        return "-"
+        return UNKNOWN
     least = np.maximum(sample.bound_s[solved], sample.step_s)
     return f"{np.median(np.maximum(sample.last_s[solved], sample.step_s) / least):.2f}"

@@ -17,12 +17,15 @@ from robotteamsim.analysis.report.rank_tests import (
     superiority,
     wilcoxon,
 )
-from robotteamsim.analysis.report.samples import Campaign, Cell, Sample, cell_name
+from robotteamsim.analysis.report.samples import Campaign, Cell, Sample
 from robotteamsim.analysis.report.statistics import Interval, fisher_freeman_halton, generator
+from robotteamsim.campaign.design import cell_name
 
 ALGORITHM_KEY = "control.algorithm"
 
-_MAX_PAIRS = 66
+MAX_PAIRS = 66
+"""Most pairs that a reader gets without asking."""
+
 _QUANTITIES: dict[str, tuple[int, Callable[[Sample], np.ndarray]]] = {
     "victims saved": (2, lambda sample: sample.victims_saved),
     "time [s]": (1, lambda sample: sample.restricted_s),
@@ -87,14 +90,22 @@ class Overall:
     areas_p: float | None
 
 
-def contrasts(campaign: Campaign) -> tuple[Contrast, ...]:
-    """Compare cells in pairs; none if there are too many pairs to read.
+def compared_pairs(campaign: Campaign, *, each_pair: bool = False) -> list[Pair[Sample]]:
+    """Return the cells to compare, in pairs.
 
-    If algorithms are compared, each is compared with the first one under equal other settings. Otherwise each cell is
-    compared with each other one.
+    If algorithms are compared, each with the first one under equal other settings; otherwise each cell with each other.
+    Args: each_pair: each algorithm with each other.
     """
-    pairs = _algorithm_pairs(campaign) or _all_pairs(campaign.cells)
-    if not 0 < len(pairs) <= _MAX_PAIRS:
+    return _algorithm_pairs(campaign, each_pair) or _all_pairs(campaign.cells)
+
+
+def contrasts(campaign: Campaign, *, each_pair: bool = False) -> tuple[Contrast, ...]:
+    """Compare pairs of cells in each quantity in which they differ.
+
+    Args: each_pair: see `compared_pairs`; then also of more than MAX_PAIRS.
+    """
+    pairs = compared_pairs(campaign, each_pair=each_pair)
+    if not pairs or (len(pairs) > MAX_PAIRS and not each_pair):
         return ()
     found = [
         compare(pairs, quantity, decimals, of, campaign.paired)
@@ -141,16 +152,17 @@ def overall(campaign: Campaign) -> Overall | None:
     )
 
 
-def _algorithm_pairs(campaign: Campaign) -> list[Pair[Sample]]:
-    """Return the first algorithm and each other one, under equal other settings; [] if only one algorithm is there."""
+def _algorithm_pairs(campaign: Campaign, each_pair: bool) -> list[Pair[Sample]]:
+    """Return pairs of algorithms under equal other settings; [] if only one algorithm is there."""
     if ALGORITHM_KEY not in campaign.keys:
         return []
-    baseline = campaign.cells[0].settings[ALGORITHM_KEY]
+    known = list(dict.fromkeys(cell.settings[ALGORITHM_KEY] for cell in campaign.cells))
+    compared = list(itertools.combinations(known, 2)) if each_pair else [(known[0], other) for other in known[1:]]
     pairs = []
     for first, second in itertools.permutations(campaign.cells, 2):
         algorithms = first.settings[ALGORITHM_KEY], second.settings[ALGORITHM_KEY]
-        if algorithms[0] == baseline != algorithms[1] and _others(first) == _others(second):
-            where = cell_name(_others(first), campaign.scenario) if len(campaign.keys) > 1 else ""
+        if algorithms in compared and _others(first) == _others(second):
+            where = cell_name(_others(first), campaign.scenario.name) if len(campaign.keys) > 1 else ""
             pairs.append(Pair(where, algorithms, first.missions, second.missions))
     return pairs
 

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Callable, Sequence
+import textwrap
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 import matplotlib
@@ -11,16 +13,26 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 from scipy import stats
 
 from robotteamsim import palette
 from robotteamsim.analysis.plain_figure import PlainFigure
 from robotteamsim.analysis.report.samples import Panel, Sample
-from robotteamsim.analysis.report.statistics import bootstrap_mean, clopper_pearson, generator, survival
+from robotteamsim.analysis.report.statistics import (
+    bootstrap_mean,
+    clopper_pearson,
+    generator,
+    mean_course,
+    survival,
+)
 from robotteamsim.palette import GRID, INK, PAPER
 
 MAX_PANELS = 24
 """Most settings in a figure; tables contain all."""
+
+MAX_COURSES = 10
+"""Most settings in a figure of curves on top of each other."""
 
 _STYLE: dict[Any, Any] = {
     "font.size": 10.5,
@@ -41,6 +53,10 @@ WIDTH_INCHES = 10.0
 _PANEL_COLUMNS = 3
 _ROW_INCHES = 0.62
 _DOTS = 400
+_LEVEL_LETTERS = 4
+"""Labels of bars that are longer would overlap and are slanted."""
+_TITLE_LETTERS = 40
+"""A line of a panel's title."""
 
 
 def styled(draw: Callable[..., Figure]) -> Callable[..., Figure]:
@@ -115,8 +131,10 @@ def draw_counts(panels: Sequence[Panel], of: Callable[[Sample], np.ndarray], wha
         for place, each in enumerate(panel.series):
             shift = 0.4 * (place - 0.5 * (len(panel.series) - 1))
             _shares(axes, of(each.missions), counts, each.colour, shift, each.missions)
-        axes.set_title(panel.name)
-        axes.set_xticks(range(len(counts)), [_bin_name(counts, place) for place in range(len(counts))])
+        axes.set_title(textwrap.fill(panel.name, _TITLE_LETTERS))
+        names = [_bin_name(counts, place) for place in range(len(counts))]
+        slanted: dict[str, Any] = {"rotation": 35.0, "ha": "right", "rotation_mode": "anchor"}
+        axes.set_xticks(range(len(counts)), names, **(slanted if max(map(len, names)) > _LEVEL_LETTERS else {}))
         axes.set(ylim=(0.0, 1.04), xlim=(-0.6, len(counts) - 0.4), xlabel=what)
     _add_legend(figure, shown, "\N{MULTIPLICATION SIGN}: mean; bars end in 95 % intervals")
     return figure
@@ -130,7 +148,7 @@ def draw_survival(panels: Sequence[Panel]) -> Figure:
     for axes, panel in zip(all_axes, shown, strict=True):
         for each in panel.series:
             _curve(axes, each.missions, each.colour)
-        axes.set_title(panel.name)
+        axes.set_title(textwrap.fill(panel.name, _TITLE_LETTERS))
         axes.set_xlabel("time [s]")
         axes.grid(axis="x", color=GRID, linewidth=0.7)
     samples = [each.missions for panel in shown for each in panel.series]
@@ -138,6 +156,32 @@ def draw_survival(panels: Sequence[Panel]) -> Figure:
     latest = max(sample.limit_s for sample in samples)
     all_axes[0].set_xlim(max(0.0, earliest - 0.12 * latest), latest * 1.02)
     _add_legend(figure, shown, "|: cut short (censored at the limit)")
+    return figure
+
+
+@styled
+def draw_saved(panels: Sequence[Panel]) -> Figure:
+    """Draw the mean number of victims saved so far, by time, with pointwise 95 % bootstrap intervals.
+
+    Args: panels: at least one of their series has the times.
+    """
+    courses = [(name, each.missions) for panel in panels for name, each in panel.named() if each.missions.saved_s]
+    figure = Figure(figsize=(WIDTH_INCHES, 4.6), dpi=DPI, layout="constrained")
+    axes = figure.subplots()
+    until_s = max(float(missions.time_s.max()) for _, missions in courses)
+    dashes = itertools.cycle(("-", "--", "-.", ":"))
+    for place, (name, missions) in enumerate(courses[:MAX_COURSES]):
+        course, colour = mean_course(missions.saved_s, until_s, generator("saved", name)), palette.robot_colour(place)
+        line: dict[str, Any] = {"color": colour, "linewidth": 2.0, "linestyle": next(dashes), "label": name}
+        axes.step(course.time_s, course.mean, where="post", **line)
+        axes.fill_between(course.time_s, course.low, course.high, step="post", color=colour, alpha=0.18, linewidth=0)
+    most = max(missions.num_victims for _, missions in courses)
+    axes.axhline(most, color=INK, linewidth=0.9, linestyle=":")
+    axes.set(xlim=(0.0, until_s), ylim=(0.0, 1.04 * most), xlabel="time [s]", ylabel="victims saved")
+    axes.yaxis.set_major_locator(MaxNLocator(8, integer=True))
+    axes.grid(color=GRID, linewidth=0.7)
+    axes.set_axisbelow(True)
+    figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=9)
     return figure
 
 
@@ -175,8 +219,15 @@ def _raincloud(axes: Axes, sample: Sample, y: float, colour: str, name: str) -> 
 def _bins(lowest: int, highest: int) -> list[tuple[int, int]]:
     """Return ranges of counts; with few counts, each range is one count."""
     lowest = max(0, min(lowest, highest - 3))
-    step = max(1, math.ceil((highest - lowest + 1) / 8))
+    least = max(1, math.ceil((highest - lowest + 1) / 8))
+    step = next(size for size in _round_numbers() if size >= least)
+    lowest -= lowest % step
     return [(start, start + step - 1) for start in range(lowest, max(highest, 1) + 1, step)]
+
+
+def _round_numbers() -> Iterator[int]:
+    """Yield 1, 2, 5, 10, 20, 50 and so on."""
+    return (digit * 10**power for power in itertools.count() for digit in (1, 2, 5))
 
 
 def _bin_name(counts: Sequence[tuple[int, int]], place: int) -> str:

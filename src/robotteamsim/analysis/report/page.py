@@ -14,13 +14,13 @@ from markupsafe import Markup
 
 from robotteamsim import palette
 from robotteamsim.analysis.report import figures, maps
-from robotteamsim.analysis.report.contrasts import Contrast, contrasts, overall
+from robotteamsim.analysis.report.contrasts import MAX_PAIRS, Contrast, compared_pairs, contrasts, overall
 from robotteamsim.analysis.report.pictures import Picture, picture
 from robotteamsim.analysis.report.rank_tests import PERMUTATIONS
 from robotteamsim.analysis.report.samples import Campaign, Cell, Panel, Sample, panels_of, pooled
 from robotteamsim.analysis.report.statistics import TABLES
 from robotteamsim.analysis.report.tables import Table, campaign_tables
-from robotteamsim.analysis.report.wording import interval_text, listed, p_text
+from robotteamsim.analysis.report.wording import difference_text, listed, p_text
 from robotteamsim.campaign import StoredCampaign
 from robotteamsim.campaign.summary import copies_note
 from robotteamsim.recording.files import atomically, prepare_folder
@@ -102,18 +102,26 @@ class ShownMissions:
 
 
 def make_report(
-    stored: Sequence[StoredCampaign], places: Sequence[str], missions: ShownMissions | None = None
+    stored: Sequence[StoredCampaign],
+    places: Sequence[str],
+    missions: ShownMissions | None = None,
+    *,
+    each_pair: bool = False,
 ) -> Report:
     """Return the report of one stored campaign, or of several of one design; the same stores give the same bytes.
 
     Args:   places: the stores' folders, for messages. missions: to play in the page; None: none.
+            each_pair: whether to compare each pair of algorithms, not only each with the first, and any number of
+            pairs.
     Raises: CampaignError: no mission has ended, this version cannot read the scenario, or the campaigns differ.
     """
     campaign = pooled(stored, places)
-    panels, between = panels_of(campaign), contrasts(campaign)
+    panels, between = panels_of(campaign), contrasts(campaign, each_pair=each_pair)
     tables = campaign_tables(panels, between, overall(campaign))
     pictures = list(campaign_pictures(campaign, panels))
     opening, notes = compared_settings(between), campaign_notes(campaign, missions)
+    if not each_pair and (count := len(compared_pairs(campaign))) > MAX_PAIRS:
+        notes += (f"Settings are not compared: they are {count} pairs; `report --each-pair` compares them.",)
     comparison = tables[:1] if between else ()
     page = campaign_page(
         campaign, [*opening, *notes], pictures, tables[len(comparison) :], missions, comparison=comparison
@@ -135,8 +143,7 @@ def _paragraph(contrasts: Sequence[Contrast]) -> str:
     parts = []
     for c in contrasts[:_MAX_SUMMARISED]:
         a, b = (f"{value:.{c.decimals}f}" for value in c.values)
-        shift = interval_text(c.difference, c.decimals).replace(" [-, -]", ", no interval")
-        shift = shift.replace("-", "\N{MINUS SIGN}")
+        shift = difference_text(c.difference, c.decimals)
         parts.append(
             f"{c.quantity} {b} instead of {a} (difference {shift}, larger in {100.0 * c.superiority:.0f} % of "
             f"comparisons, {p_text(c.p)})"
@@ -147,8 +154,8 @@ def _paragraph(contrasts: Sequence[Contrast]) -> str:
 
 
 def report_files(page: str, pictures: Sequence[Picture], tables: Sequence[Table]) -> dict[str, bytes]:
-    """Return the files of a report by path: its figures, its tables as CSV and LaTeX, and last its page."""
-    files = {f"figures/{drawn.name}.png": drawn.png for drawn in pictures}
+    """Return the files of a report by path: its figures as PNG, PDF and SVG, its tables as CSV and LaTeX, its page."""
+    files = {f"figures/{name}": data for drawn in pictures for name, data in drawn.files().items()}
     for table in tables:
         files[f"tables/{table.name}.csv"] = table.csv().encode()
         files[f"tables/{table.name}.tex"] = table.latex().encode()
@@ -200,6 +207,14 @@ def campaign_pictures(campaign: Campaign, panels: Sequence[Panel]) -> Iterator[P
         "the limit.",
         figures.draw_survival(panels),
     )
+    if num_victims > 0 and any(sample.saved_s for sample in samples):
+        yield picture(
+            "saved",
+            "Victims saved over time",
+            "Mean number of victims saved so far, with pointwise 95 % bootstrap intervals. The dotted line is the "
+            f"number of victims.{_shown(panels, figures.MAX_COURSES)}",
+            figures.draw_saved(panels),
+        )
     num_areas = max(sample.num_areas for sample in samples)
     if num_areas > 0:
         yield _counts_picture(panels, "areas", "Areas explored", lambda sample: sample.areas_explored, num_areas)
@@ -225,9 +240,14 @@ def _path_pictures(cells: Sequence[Cell]) -> Iterator[Picture]:
     if heated := maps.drawable(cells):
         caption = (
             "Mean time that robots spent at each place in a mission. Red: the path of one robot in the mission of "
-            "median duration. Circles are the areas in their order, crosses the victims."
+            "median duration. Circles are the areas in their order, crosses the victims; if they are at random places, "
+            f"those of that mission.{_shown(heated, maps.MAX_MAPS)}"
         )
         yield picture("paths", "Paths of the robots", caption, maps.draw_heat(heated))
+
+
+def _shown(settings: Sequence[object], most: int) -> str:
+    return f" Shown are the first {most} of {len(settings)} settings." if len(settings) > most else ""
 
 
 def campaign_page(

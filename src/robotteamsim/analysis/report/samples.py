@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from robotteamsim.campaign import Outcome, StoredCampaign, decode_paths
-from robotteamsim.campaign.design import settings_difference
+from robotteamsim.campaign.design import cell_name, settings_difference
 from robotteamsim.campaign.summary import num_different
 from robotteamsim.errors import CampaignError, ScenarioError
 from robotteamsim.mission.status import COMPLETED
@@ -19,11 +19,8 @@ from robotteamsim.palette import OURS
 from robotteamsim.recording.network_log import NetworkTotals
 from robotteamsim.scenario import Scenario, from_mapping
 from robotteamsim.scenario.controllers import control_kind
-from robotteamsim.scenario.yaml_text import shown
 
-NOISE_KEY = "voice.noise_db"
 _LIMIT_KEY = "mission.time_limit_s"
-_SHOWN_VALUE = 24
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,6 +34,7 @@ class Sample:
     numbers:    of the trials: trials of equal number form a pair in a paired campaign.
     limit_s:    time limit of the mission.
     networks:   of the missions; fewer if some are in stores of an earlier version.
+    saved_s:    of each mission, the times at which victims were saved, ascending; () if they are unknown.
     """
 
     time_s: np.ndarray
@@ -50,6 +48,7 @@ class Sample:
     num_areas: int
     limit_s: float
     networks: tuple[NetworkTotals, ...] = ()
+    saved_s: tuple[tuple[float, ...], ...] = ()
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -72,6 +71,7 @@ class Cell:
     name:     its settings in short, such as "20 dB".
     scenario: the scenario with these settings; None if it cannot be read, such as a plan that is missing.
     missions: all that have ended.    different: number of different trajectories among them.
+    seeds:    of the missions.
     paths_m:  positions of each mission once a second, shape (samples, robots, 2), in `map`.
     """
 
@@ -82,6 +82,7 @@ class Cell:
     failed: int
     missions: Sample
     different: int
+    seeds: tuple[int, ...]
     paths_m: tuple[np.ndarray, ...]
 
 
@@ -155,7 +156,7 @@ def read_campaign(stored: StoredCampaign, place: str) -> Campaign:
     for index, values in enumerate(cell_values):
         own = [outcome for outcome in stored.outcomes if outcome.cell == index]
         cell_settings = dict(zip(keys, values, strict=True))
-        name = cell_name(cell_settings, base)
+        name = cell_name(cell_settings, base.name)
         if all(outcome.failed for outcome in own):
             empty.append(name)
             continue
@@ -200,6 +201,7 @@ def _cell(
         failed=len(outcomes) - len(good),
         missions=_sample(good, limit_s if scenario is None else scenario.mission.time_limit_s),
         different=num_different(good),
+        seeds=tuple(outcome.seed for outcome in good),
         paths_m=tuple(decode_paths(outcome.paths) for outcome in good if outcome.paths is not None),
     )
 
@@ -233,17 +235,6 @@ def pooled(stored: Sequence[StoredCampaign], places: Sequence[str]) -> Campaign:
     )
 
 
-def cell_name(settings: Mapping[str, Any], base: Scenario) -> str:
-    """Return the settings of a cell in short: the noise with its unit, other keys by their last part."""
-    words = []
-    for key, value in settings.items():
-        text = value if isinstance(value, str) else shown(value)
-        text = text if len(text) <= _SHOWN_VALUE else f"{text[: _SHOWN_VALUE - 3]}..."
-        is_noise = key == NOISE_KEY and isinstance(value, (int, float))
-        words.append(f"{value:g} dB" if is_noise else f"{key.rpartition('.')[2]} = {text}")
-    return ", ".join(words) or base.name
-
-
 def cell_scenario(stored: dict[str, Any], settings: Mapping[str, Any], place: str) -> Scenario:
     """Return the scenario of a campaign with the settings of a cell; its seed is 0.
 
@@ -270,6 +261,7 @@ def _sample(outcomes: Sequence[Outcome], limit_s: float) -> Sample:
     def column(name: str) -> np.ndarray:
         return np.array([getattr(outcome, name) for outcome in outcomes])
 
+    saved_s = [outcome.saved_s for outcome in outcomes]
     return Sample(
         time_s=column("time_s").astype(float),
         finished=np.isin(column("end"), list(COMPLETED)),
@@ -282,4 +274,5 @@ def _sample(outcomes: Sequence[Outcome], limit_s: float) -> Sample:
         num_areas=int(column("num_areas")[0]),
         limit_s=limit_s,
         networks=tuple(network for outcome in outcomes if (network := outcome.network) is not None),
+        saved_s=() if None in saved_s else tuple(times_s for times_s in saved_s if times_s is not None),
     )

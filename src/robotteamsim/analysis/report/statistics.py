@@ -21,6 +21,8 @@ TABLES = 99_999
 BATCH = 1_000
 """Resamples that are computed at once."""
 
+_BAND_RESAMPLES = 1_999
+_BAND_POINTS = 200
 _SEED = 2013
 _LARGE_TABLE = 60
 _TIE = 1e-9
@@ -44,6 +46,16 @@ class Survival:
     low: np.ndarray
     high: np.ndarray
     censored_s: np.ndarray
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Course:
+    """A mean over time with a pointwise 95 % interval, NaN for a single mission; arrays of equal shape."""
+
+    time_s: np.ndarray
+    mean: np.ndarray
+    low: np.ndarray
+    high: np.ndarray
 
 
 def generator(*name: str | int) -> np.random.Generator:
@@ -78,6 +90,23 @@ def bootstrap_mean(values: np.ndarray, generator: np.random.Generator, confidenc
     )
     low, high = result.confidence_interval
     return Interval(mean, float(low), float(high))
+
+
+def mean_course(events_s: Sequence[Sequence[float]], until_s: float, generator: np.random.Generator) -> Course:
+    """Return the mean number of events so far at each time from 0 to `until_s`, with bootstrap percentile intervals.
+
+    Args: events_s: of each mission, the times of its events, ascending.
+    """
+    time_s = np.linspace(0.0, until_s, _BAND_POINTS)
+    counts = np.array([np.searchsorted(np.array(times_s), time_s, side="right") for times_s in events_s], dtype=float)
+    mean = counts.mean(axis=0)
+    if len(counts) < 2:
+        unknown = np.full_like(mean, np.nan)
+        return Course(time_s, mean, unknown, unknown)
+    result = stats.bootstrap(
+        (counts,), np.mean, n_resamples=_BAND_RESAMPLES, batch=BATCH // 10, method="percentile", rng=generator
+    )
+    return Course(time_s, mean, *result.confidence_interval)
 
 
 def fisher_freeman_halton(samples: Sequence[np.ndarray], generator: np.random.Generator) -> float | None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
-import re
+import math
 import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ import numpy as np
 
 from robotteamsim.analysis.report.contrasts import Contrast, Overall
 from robotteamsim.analysis.report.samples import Panel, Series
-from robotteamsim.analysis.report.statistics import bootstrap_mean, clopper_pearson, generator
+from robotteamsim.analysis.report.statistics import Interval, bootstrap_mean, clopper_pearson, generator
 from robotteamsim.analysis.report.wording import interval_text, p_text, share_text
 from robotteamsim.recording.network_log import NetworkTotals
 from robotteamsim.wording import safe_cell
@@ -37,35 +37,66 @@ _LATEX = {
 }
 
 
-_INTERVAL = re.compile(r"(\S+) \[(\S+), (\S+)]")
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """An entry with numbers. text: as readers see it. numbers: for CSV; of an interval value, lower and upper bound."""
+
+    text: str
+    numbers: tuple[str, ...]
+
+
+UNKNOWN = Entry("-", ("",))
+"""Where there is no value."""
+
+
+def interval_entry(interval: Interval, digits: int) -> Entry:
+    """Return a value with its interval."""
+    return Entry(interval_text(interval, digits), _numbers(interval, digits))
+
+
+def share_entry(share: Interval) -> Entry:
+    """Return a share with its interval: per cent for readers, 0 to 1 in CSV."""
+    return Entry(share_text(share), _numbers(share, 4))
+
+
+def p_entry(p: float | None) -> Entry:
+    """Return a p value; None means that the samples allow no test."""
+    return Entry(p_text(p), ("" if p is None else f"{p:.4g}",))
+
+
+def _numbers(interval: Interval, digits: int) -> tuple[str, ...]:
+    values = interval.value, interval.low, interval.high
+    return tuple("" if math.isnan(value) else f"{value:.{digits}f}" for value in values)
 
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """A table. name: of its files. title: its caption. head, rows: texts; the first `left` columns are left-aligned."""
+    """A table. name: of its files. title: its caption. The first `left` columns are left-aligned."""
 
     name: str
     title: str
     head: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
+    rows: tuple[tuple[str | Entry, ...], ...]
     left: int = 1
+
+    @property
+    def texts(self) -> tuple[tuple[str, ...], ...]:
+        """The rows as readers see them."""
+        return tuple(tuple(entry.text if isinstance(entry, Entry) else entry for entry in row) for row in self.rows)
 
     def csv(self) -> str:
         """Return the table as comma-separated values; the bounds of intervals have columns of their own."""
         text = io.StringIO()
         writer = csv.writer(text, lineterminator="\n")
-        columns = [
-            column
-            for name, *cells in zip(self.head, *self.rows, strict=True)
-            for column in (_parted(name, cells) or [(name, *cells)])
-        ]
-        writer.writerows(map(safe_cell, row) for row in zip(*columns, strict=True))
+        columns = zip(self.head, *self.rows, strict=True)
+        parts = [part for name, *entries in columns for part in _columns(str(name), entries)]
+        writer.writerows(map(safe_cell, row) for row in zip(*parts, strict=True))
         return text.getvalue()
 
     def latex(self) -> str:
         """Return the table as a LaTeX float that is not wider than the text; its first line names the packages."""
         head = " & ".join(map(_latex, self.head))
-        body = "\n".join(f"    {' & '.join(map(_latex, row))} \\\\" for row in self.rows)
+        body = "\n".join(f"    {' & '.join(map(_latex, row))} \\\\" for row in self.texts)
         caption = f"\\caption{{{_latex(self.title)}}}\\label{{tab:{self.name}}}"
         columns = "l" * self.left + "r" * (len(self.head) - self.left)
         return (
@@ -75,6 +106,14 @@ class Table:
             f"  \\begin{{tabular}}{{{columns}}}\n    \\toprule\n    {head} \\\\\n    \\midrule\n"
             f"{body}\n    \\bottomrule\n  \\end{{tabular}}\n  \\end{{adjustbox}}\n\\end{{table}}\n"
         )
+
+
+def _columns(name: str, entries: Sequence[str | Entry]) -> list[tuple[str, ...]]:
+    """Return a column as those of a CSV file: one, or value, lower and upper bound."""
+    rows = [entry.numbers if isinstance(entry, Entry) else (entry,) for entry in entries]
+    names = (name, f"{name} low", f"{name} high")[: max(map(len, rows))]
+    padded = [(*row, *[""] * (len(names) - len(row))) for row in rows]
+    return [(part, *(row[place] for row in padded)) for place, part in enumerate(names)]
 
 
 def campaign_tables(
@@ -105,11 +144,11 @@ def _missions(panels: Sequence[Panel]) -> Table:
                 name,
                 str(len(sample)),
                 str(int((~sample.finished).sum())),
-                interval_text(bootstrap_mean(times, generator("time", name)), 1),
-                f"{np.std(times, ddof=1):.1f}" if len(times) > 1 else "-",
+                interval_entry(bootstrap_mean(times, generator("time", name)), 1),
+                f"{np.std(times, ddof=1):.1f}" if len(times) > 1 else UNKNOWN,
                 f"{np.median(times):.1f}",
                 f"{min(statistics.multimode(np.rint(times).astype(int).tolist())):d}",
-                interval_text(bootstrap_mean(sample.victims_saved.astype(float), generator("victims", name)), 2),
+                interval_entry(bootstrap_mean(sample.victims_saved.astype(float), generator("victims", name)), 2),
                 f"{np.mean(sample.areas_explored):.2f}",
                 str(int(np.count_nonzero(sample.endangered))),
             )
@@ -141,9 +180,10 @@ def _given_victims(panels: Sequence[Panel]) -> Table:
     for name, each in _named(panels):
         for saved in sorted(set(each.missions.victims_saved.tolist())):
             times_s = each.missions.time_given_s(saved)
-            mean, sd = f"{times_s[0]:.1f}", "-"
+            mean: str | Entry = f"{times_s[0]:.1f}"
+            sd: str | Entry = UNKNOWN
             if len(times_s) > 1:
-                mean = interval_text(bootstrap_mean(times_s, generator("given", f"{name}, {saved}")), 1)
+                mean = interval_entry(bootstrap_mean(times_s, generator("given", f"{name}, {saved}")), 1)
                 sd = f"{np.std(times_s, ddof=1):.1f}"
             rows.append((name, str(saved), str(len(times_s)), mean, sd))
     title = "Duration given the number of victims saved: means with 95 % bootstrap intervals"
@@ -151,20 +191,22 @@ def _given_victims(panels: Sequence[Panel]) -> Table:
 
 
 def difference_table(contrasts: Sequence[Contrast]) -> Table:
-    """Return differences between settings: the name, the values of both, the difference, effect size and p of each."""
-    paired = any(c.pairs is not None for c in contrasts)
+    """Return differences between settings: the names, the values of both, the difference, effect size and p of each."""
+    paired, placed = any(c.pairs is not None for c in contrasts), any(c.where for c in contrasts)
     rows = []
     for c in contrasts:
         means = tuple(f"{value:.{c.decimals}f}" for value in c.values)
-        shift = interval_text(c.difference, c.decimals)
-        setting = f"{c.first}, {c.second}" + (f" ({c.where})" if c.where else "")
+        shift = interval_entry(c.difference, c.decimals)
+        where = (c.where,) if placed else ()
         pairs = (str(c.pairs),) if paired else ()
-        rows.append((setting, c.quantity, *pairs, *means, shift, f"{c.superiority:.2f}", p_text(c.p)))
+        rows.append(
+            (*where, c.first, c.second, c.quantity, *pairs, *means, shift, f"{c.superiority:.2f}", p_entry(c.p))
+        )
     test = "Wilcoxon, pairs of equal seed" if paired else "Mann-Whitney"
     title = f"Differences between settings: second minus first with 95 % t interval; {test}, p after Holm"
-    values = ("first", "second", "difference", "P(second larger)", "p")
-    head = ("first, second", "", *(("pairs",) if paired else ()), *values)
-    return Table("differences", title, head, tuple(rows), 2)
+    names = (*(("at",) if placed else ()), "first", "second", "quantity")
+    values = (*(("pairs",) if paired else ()), "first mean", "second mean", "difference", "P(second larger)", "p")
+    return Table("differences", title, (*names, *values), tuple(rows), len(names))
 
 
 def network_table(keys: Sequence[str], settings: Sequence[tuple[tuple[str, ...], Sequence[NetworkTotals]]]) -> Table:
@@ -181,17 +223,17 @@ def network_table(keys: Sequence[str], settings: Sequence[tuple[tuple[str, ...],
     return Table("networks", title, (*keys, *head, *base), rows, len(keys))
 
 
-def _network_cells(names: tuple[str, ...], totals: Sequence[NetworkTotals], has_base: bool) -> tuple[str, ...]:
-    def mean(key: str, digits: int) -> str:
+def _network_cells(names: tuple[str, ...], totals: Sequence[NetworkTotals], has_base: bool) -> tuple[str | Entry, ...]:
+    def mean(key: str, digits: int) -> Entry:
         values = [getattr(each, key) for each in totals]
         if None in values:
-            return "-"
-        return interval_text(bootstrap_mean(np.array(values, dtype=float), generator(key, *names)), digits)
+            return UNKNOWN
+        return interval_entry(bootstrap_mean(np.array(values, dtype=float), generator(key, *names)), digits)
 
     whole = sum(each.split_s == 0.0 for each in totals)
     return (
         str(len(totals)),
-        share_text(clopper_pearson(whole, len(totals))),
+        share_entry(clopper_pearson(whole, len(totals))),
         *(mean("split_s", 1), mean("endangered_s", 1), mean("breaks", 1), mean("messages_lost", 1)),
         *((mean("base_areas", 2), mean("base_victims", 2)) if has_base else ()),
     )
@@ -199,29 +241,16 @@ def _network_cells(names: tuple[str, ...], totals: Sequence[NetworkTotals], has_
 
 def _overall(overall: Overall | None) -> Table:
     """Tests of all cells at once."""
-    rows: list[tuple[str, ...]] = []
+    rows: list[tuple[str | Entry, ...]] = []
     if overall:
-        rows.append(("time", "all settings equal (Kruskal-Wallis)", p_text(overall.time_p)))
-        rows.append(("victims saved", "all settings equal (Fisher-Freeman-Halton)", p_text(overall.victims_p)))
-        rows.append(("areas explored", "all settings equal (Fisher-Freeman-Halton)", p_text(overall.areas_p)))
+        rows.append(("time", "all settings equal (Kruskal-Wallis)", p_entry(overall.time_p)))
+        rows.append(("victims saved", "all settings equal (Fisher-Freeman-Halton)", p_entry(overall.victims_p)))
+        rows.append(("areas explored", "all settings equal (Fisher-Freeman-Halton)", p_entry(overall.areas_p)))
     return Table("overall", "Tests of all settings at once", ("", "hypothesis", "p"), tuple(rows), 2)
 
 
 def _named(panels: Sequence[Panel]) -> list[tuple[str, Series]]:
     return [named for panel in panels for named in panel.named()]
-
-
-def _parted(name: str, cells: Sequence[str]) -> list[tuple[str, ...]]:
-    """Return a column of intervals as three columns: values, lower and upper bounds; [] if none are intervals.
-
-    A cell without an interval is a value without bounds.
-    """
-    found = [_INTERVAL.fullmatch(cell) for cell in cells]
-    if not any(found) or any(" " in cell for cell, match in zip(cells, found, strict=True) if match is None):
-        return []
-    parts = [match.groups() if match else (cell, "", "") for cell, match in zip(cells, found, strict=True)]
-    names = (name, f"{name} low", f"{name} high")
-    return [(part, *(each[group] for each in parts)) for group, part in enumerate(names)]
 
 
 def _latex(text: str) -> str:

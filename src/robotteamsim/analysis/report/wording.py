@@ -6,6 +6,8 @@ import math
 
 from robotteamsim.analysis.report.statistics import Interval
 
+MINUS = "\N{MINUS SIGN}"
+
 
 def percents(*shares: float) -> list[str]:
     """Return shares as integer per cent, or all with one decimal if one is near 0 or 1."""
@@ -25,6 +27,13 @@ def interval_text(interval: Interval, digits: int) -> str:
     if math.isnan(interval.low):
         return f"{interval.value:.{digits}f} [-, -]"
     return f"{interval.value:.{digits}f} [{interval.low:.{digits}f}, {interval.high:.{digits}f}]"
+
+
+def difference_text(interval: Interval, digits: int) -> str:
+    """Return a difference with its interval for a sentence, with minus signs instead of hyphens."""
+    if math.isnan(interval.low):
+        return f"{interval.value:.{digits}f}, no interval".replace("-", MINUS)
+    return interval_text(interval, digits).replace("-", MINUS)
 
 
 def p_text(p: float | None) -> str:

@@ -24,7 +24,7 @@ class GreedyController(PathController):
         self._value = 0.0
         self._finder = LocalBestFinder(setup.scenario)
 
-    def _decide(self, now: Situation) -> Decision:
+    def decide(self, now: Situation) -> Decision:
         """Return the command towards the local best of this iteration."""
         iteration = now.observation.sim_time_ns // self._iteration_ns
         if iteration != self._iteration:

@@ -33,7 +33,7 @@ class PatrolController(PathController, abc.ABC):
         self._goal = -1
         self._until_s = 0.0
 
-    def _decide(self, now: Situation) -> Decision:
+    def decide(self, now: Situation) -> Decision:
         """Return the command towards the chosen vertex, and messages if a vertex is reached."""
         self._listen(now.inbox, now.time_s)
         if self._goal < 0:

@@ -7,6 +7,6 @@ from robotteamsim.interface import Decision
 class RandomWalkController(PathController):
     """Random straight legs over the known map, without any communication."""
 
-    def _decide(self, now: Situation) -> Decision:
+    def decide(self, now: Situation) -> Decision:
         """Return the command towards the end of the current leg."""
         return self.drive(now, None)

@@ -49,7 +49,7 @@ class RouteController(PathController, abc.ABC):
         self._kept_out_now: Disc | None = None
         self._save_distance_m = setup.scenario.mission.save_distance_m
 
-    def _decide(self, now: Situation) -> Decision:
+    def decide(self, now: Situation) -> Decision:
         """Return the command of this step, and the messages of a new iteration."""
         outbox: tuple[Message, ...] = ()
         iteration = now.observation.sim_time_ns // self._iteration_ns
@@ -82,7 +82,8 @@ class RouteController(PathController, abc.ABC):
     def is_searched(self) -> bool:
         """Whether the robot knows that the whole floor has been searched."""
 
-    def _kept_out(self, task: Task) -> Disc | None:
+    def kept_out(self, task: Task) -> Disc | None:
+        """Return the last area until the floor has been searched."""
         self._areas.follow(task)
         kept_out = None if self.is_searched else self._areas.kept_out_soon
         if kept_out != self._kept_out_now:

@@ -9,7 +9,7 @@ from robotteamsim import _core
 from robotteamsim.control.driving.hot_places import with_hot_blocks
 from robotteamsim.scenario.building import Building, Doors
 from robotteamsim.scenario.fire import Block
-from robotteamsim.scenario.plan import FREE, OccupancyGrid
+from robotteamsim.scenario.plan import FREE, Grid, OccupancyGrid
 from robotteamsim.swarm import Vector
 
 GRID_RESOLUTION_M = 0.1
@@ -36,10 +36,8 @@ class KnownMap:
 
     Results depend only on places and doors, not on earlier calls. Distance maps are cached because they are expensive.
 
-    `grid` has the methods without a distance map: `along_path` returns the point in the direction of the first segment
-    of the path to a goal, at the path's length; `first_stretch` the first bend of a shortest path, and the length of
-    the path [m]; `reachable_towards` the goal if the straight line to it is free, else the reachable place nearest to
-    it. A goal without a path of at most the given length [m] is returned unchanged, at its straight distance.
+    layout: where the cells are in `map`.
+    grid:   which cells are free for the robot's centre, and paths through them.
     """
 
     def __init__(
@@ -55,6 +53,7 @@ class KnownMap:
         blocked = cells != FREE
         if kept_out is not None:
             blocked |= _within(occupancy, kept_out, clearance_m)
+        self.layout = Grid(occupancy.origin_m, GRID_RESOLUTION_M)
         self.grid = _core.plan.PlanningGrid(blocked, occupancy.origin_m, GRID_RESOLUTION_M, clearance_m)
         self._distance_maps: dict[Vector, np.ndarray | None] = {}
         self._pieces: dict[tuple[Vector, float], list[np.ndarray]] = {}

@@ -38,7 +38,13 @@ class Situation:
 class PathController(abc.ABC):
     """Base class of a controller that chooses goals; it drives there, or wanders if there is no goal.
 
-    A subclass has `_decide` and, for what it must note even while the mission does not run, `_note`.
+    A subclass has `decide` and, if it needs them, `note` and `kept_out`.
+
+    robot_id:   the robot, from 0.
+    setup:      the scenario that is ready to run: the team, its start poses, the building.
+    scenario:   `setup.scenario`, with all keys.
+    driver:     has the known map (`driver.map`), the hot places (`driver.hot`), and drives to points.
+    speed_mps:  at which it drives.
     """
 
     def __init__(self, robot_id: int, setup: Setup, arrival: int = 1) -> None:
@@ -54,20 +60,20 @@ class PathController(abc.ABC):
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """Return the command and the messages of this step; the robot stands still while the mission does not run."""
         self.driver.hot.look(observation.robot)
-        self.driver.update_map(observation.sim_time_ns, kept_out=self._kept_out(task))
+        self.driver.update_map(observation.sim_time_ns, kept_out=self.kept_out(task))
         now = Situation(observation, inbox, task, self.driver.pose(observation))
-        self._note(now)
-        return self._decide(now) if task.running else Decision()
+        self.note(now)
+        return self.decide(now) if task.running else Decision()
 
-    def _note(self, now: Situation) -> None:  # noqa: B027  (few controllers need it)
+    def note(self, now: Situation) -> None:  # noqa: B027  (few controllers need it)
         """Note the input of a step, also while the mission does not run; nothing by default."""
 
-    def _kept_out(self, task: Task) -> Disc | None:
+    def kept_out(self, task: Task) -> Disc | None:
         """Return a disc that paths must not enter in this step; None by default."""
         return None
 
     @abc.abstractmethod
-    def _decide(self, now: Situation) -> Decision:
+    def decide(self, now: Situation) -> Decision:
         """Return the command and the messages of a step while the mission runs."""
 
     def stand(self, now: Situation, outbox: tuple[Message, ...] = ()) -> Decision:

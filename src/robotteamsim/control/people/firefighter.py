@@ -58,7 +58,7 @@ class FirefighterController(PathController):
         self._returns = False
         """Whether the firefighter is on the way back to where contact was lost."""
 
-    def _note(self, now: Situation) -> None:
+    def note(self, now: Situation) -> None:
         """Note own discoveries, the victim in their care, orders, and what others have searched."""
         for found in now.task.undelivered:
             is_own_victim = found.robot_id == self.robot_id and found.kind == "victim"
@@ -77,7 +77,7 @@ class FirefighterController(PathController):
             if orders is not None:
                 self._follow({order.firefighter: order for order in orders.orders}.get(self.robot_id), now)
 
-    def _decide(self, now: Situation) -> Decision:
+    def decide(self, now: Situation) -> Decision:
         """Return the command and, once per iteration, the messages of this step."""
         goal = self._goal(now)
         outbox = self._messages(now)

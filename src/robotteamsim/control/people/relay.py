@@ -46,7 +46,7 @@ class RelayController(PathController):
         self._needed_dbm = scenario.network.endangered_below_dbm + _MARGIN_DB
         self._goal: Point | None = None
 
-    def _note(self, now: Situation) -> None:
+    def note(self, now: Situation) -> None:
         """Note where teammates are."""
         for message in now.inbox:
             found = whereabouts_in(message.payload)
@@ -56,7 +56,7 @@ class RelayController(PathController):
             if parse_relay(message.payload) is not None:
                 self._relays.add(message.sender)
 
-    def _decide(self, now: Situation) -> Decision:
+    def decide(self, now: Situation) -> Decision:
         """Return the command towards the relay's place and, once per iteration, its position."""
         outbox: tuple[Message, ...] = ()
         iteration = now.observation.sim_time_ns // self._iteration_ns

@@ -36,6 +36,11 @@ class Laser(Model):
             raise wrong("range_max_m", f"{self.range_max_m:g} is not above range_min_m, {self.range_min_m:g}")
         return self
 
+    @property
+    def angles_rad(self) -> np.ndarray:
+        """The directions of the beams from straight ahead, counter-clockwise, float64, shape (beams,) [rad]."""
+        return np.linspace(self.angle_min_rad, self.angle_max_rad, self.beams)
+
     def beam_model(self, left_m: float = 0.0, yaw_rad: float = 0.0) -> BeamModel:
         """Return its beams. Without a return they read range_max, or +inf; too near range_min, or -inf (REP-117)."""
         as_rep_117 = self.no_return == "inf"

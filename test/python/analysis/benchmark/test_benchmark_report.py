@@ -35,7 +35,7 @@ def outcomes(outcome_of):
 
 def table(made, name: str) -> list[dict[str, str]]:
     (found,) = (each for each in made.tables if each.name == name)
-    return [dict(zip(found.head, row, strict=True)) for row in found.rows]
+    return [dict(zip(found.head, row, strict=True)) for row in found.texts]
 
 
 def test_time_to_save_all_is_that_of_the_last_victim(outcomes):
@@ -53,7 +53,7 @@ def test_tables_contain_the_means_and_the_bound(outcomes):
     assert bound["controller"] == "clairvoyant (lower bound)"
     assert (greedy["victims saved"][:4], walk["victims saved"][:4]) == ("2.00", "1.50")
     assert greedy["time to save all [s]"].startswith("125.0 [")
-    (saved,) = (row for row in table(made, "differences") if row[""] == "victims saved")
+    (saved,) = (row for row in table(made, "differences") if row["quantity"] == "victims saved")
     assert saved["difference"].startswith("-0.50 [")
     profile = {row["controller"]: row for row in table(made, "profiles")}
     assert profile["clairvoyant"]["within 1.5"].startswith("100")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 
 import pytest
@@ -15,7 +16,10 @@ TIMES_S = (426.0, 438.0, 447.0, 600.0)
 
 @pytest.fixture(scope="session")
 def garage(stored_campaign) -> Callable[..., StoredCampaign]:
-    """Make a campaign of the garage under several noises [dB]; each 10 dB cost a victim and save 50 s."""
+    """Make a campaign of the garage under several noises [dB]; each 10 dB cost a victim and save 50 s.
+
+    One victim is saved every 60 s.
+    """
 
     def make(*noises_db: float, trials: int) -> StoredCampaign:
         factors = [Factor("voice.noise_db", noises_db, "--noise")] if noises_db else []
@@ -25,13 +29,16 @@ def garage(stored_campaign) -> Callable[..., StoredCampaign]:
             tens = design.cells[trial.cell].scenario.voice.noise_db / 10.0 - 1.0
             time_s = TIMES_S[(trial.number - 1) % len(TIMES_S)]
             ended = time_s < 600.0
+            saved = 4 - int(tens) - trial.number % 2
+            victims = {f"victim_{i}": {"saved_s": 60.0 * i if i <= saved else None} for i in range(1, 5)}
             return {
                 "end": "areas_explored" if ended else "time_limit",
                 "time_s": time_s - 50.0 * tens if ended else time_s,
                 "areas_explored": 5 if ended else 4,
                 "num_areas": 5,
-                "victims_saved": 4 - int(tens) - trial.number % 2,
+                "victims_saved": saved,
                 "num_victims": 4,
+                "details": json.dumps({"victims": victims}),
             }
 
         return stored_campaign(design, figures)

@@ -41,6 +41,7 @@ def test_report_has_its_figures(garage_report):
         "victims",
         "times",
         "survival",
+        "saved",
         "areas",
         "endangered",
         "paths",
@@ -48,6 +49,8 @@ def test_report_has_its_figures(garage_report):
     for name in names:
         image = Image.open(io.BytesIO(garage_report.files[name]))
         assert len(image.convert("RGB").getcolors(1_000_000)) > 10
+        assert garage_report.files[name.replace(".png", ".pdf")].startswith(b"%PDF")
+        assert garage_report.files[name.replace(".png", ".svg")].startswith(b"<?xml")
 
 
 def test_page_needs_no_other_file(garage_report):
@@ -93,6 +96,31 @@ def test_paired_campaign_is_compared_in_pairs(arena):
     # All differences of pairs are 5 s: two of the 16 assignments of signs are as extreme.
     assert "time [s] 27.5 instead of 22.5 (difference 5.0, no interval, larger in 100 % of" in opening
     assert "p = 0.12" in opening
+
+
+def test_each_pair_of_algorithms_is_compared_on_request(arena):
+    stored = arena(Factor("control.algorithm", ("rdpso", "random_walk", "pso"), "--sweep"), trials=3)
+
+    def compared(**options):
+        table = make_report([stored], ["here"], **options).tables[0]
+        return {row[:2] for row in table.texts if row[2] == "time [s]"}
+
+    with_first = {("rdpso", "random_walk"), ("rdpso", "pso")}
+    assert compared() == with_first
+    assert compared(each_pair=True) == with_first | {("random_walk", "pso")}
+
+
+def test_more_pairs_than_anybody_reads_are_compared_on_request(arena):
+    stored = arena(Factor("control.alpha", tuple(0.1 + 0.05 * i for i in range(13)), "--sweep"), trials=1)
+    report = make_report([stored], ["here"])
+    assert report.notes == ("Settings are not compared: they are 78 pairs; `report --each-pair` compares them.",)
+    assert "tables/differences.csv" not in report.files
+    assert make_report([stored], ["here"], each_pair=True).tables[0].name == "differences"
+
+
+def test_report_of_a_campaign_does_not_mention_the_study(garage_report, sweep_report):
+    for report in (garage_report, sweep_report):
+        assert "dissertation" not in text(report).lower()
 
 
 def test_same_store_gives_the_same_bytes(garage, garage_report):

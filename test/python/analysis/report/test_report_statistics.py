@@ -11,6 +11,7 @@ from robotteamsim.analysis.report.statistics import (
     bootstrap_mean,
     clopper_pearson,
     fisher_freeman_halton,
+    mean_course,
     survival,
 )
 
@@ -109,3 +110,18 @@ def test_missions_that_never_finish_stay_at_one():
     curve = survival(np.array([20.0, 20.0]), np.array([False, False]), 20.0)
     assert (curve.time_s[0], curve.time_s[-1]) == (0.0, 20.0)
     assert set(curve.share.tolist()) == {1.0}
+
+
+def test_course_of_two_missions_is_the_mean_of_their_steps():
+    course = mean_course([(1.0, 3.0), (2.0,)], 4.0, generator())
+    at = [int(np.searchsorted(course.time_s, time_s)) for time_s in (0.5, 1.5, 2.5, 4.0)]
+    assert course.mean[at].tolist() == [0.0, 0.5, 1.0, 1.5]
+    # Resamples are both missions once, or one of them twice.
+    assert course.low[at].tolist() == [0.0, 0.0, 1.0, 1.0]
+    assert course.high[at].tolist() == [0.0, 1.0, 1.0, 2.0]
+
+
+def test_course_of_one_mission_has_no_interval():
+    course = mean_course([()], 4.0, generator())
+    assert not course.mean.any()
+    assert np.isnan(course.low).all()

@@ -1,0 +1,40 @@
+from __future__ import annotations
+
+import dataclasses
+import itertools
+
+import numpy as np
+import pytest
+
+from robotteamsim.analysis.report.figures import draw_counts, draw_saved
+from robotteamsim.analysis.report.samples import panels_of, read_campaign
+
+pytestmark = pytest.mark.slow
+
+
+@pytest.mark.parametrize("most", [3, 60, 1_136, 250_000])
+def test_labels_of_bars_do_not_overlap(garage, most):
+    panels = panels_of(read_campaign(garage(10.0, 20.0, 30.0, trials=2), "here"))
+    figure = draw_counts(panels, lambda sample: np.linspace(0, most, len(sample)).astype(int), "times", None)
+    figure.draw_without_rendering()
+    for axes in figure.axes:
+        labels = axes.get_xticklabels()
+        assert 2 <= len(labels) <= 9
+        boxes = [label.get_window_extent() for label in labels]
+        if labels[0].get_rotation() == 0.0:
+            assert all(left.x1 < right.x0 for left, right in itertools.pairwise(boxes))
+        else:  # slanted labels are as far apart as their ends
+            assert all(right.x1 - left.x1 > left.height / 4 for left, right in itertools.pairwise(boxes))
+
+
+def test_curves_of_saved_victims_end_at_the_mean_number_of_each_setting(garage):
+    stored = garage(10.0, 20.0, trials=4)
+    panels = panels_of(read_campaign(stored, "here"))
+    axes = draw_saved(panels).axes[0]
+    curves = {line.get_label(): line.get_ydata() for line in axes.lines if line.get_label() in ("10 dB", "20 dB")}
+    assert {name: (values[0], values[-1]) for name, values in curves.items()} == {
+        "10 dB": (0.0, 3.5),
+        "20 dB": (0.0, 2.5),
+    }
+    unknown = dataclasses.replace(stored, outcomes=[dataclasses.replace(o, details="{}") for o in stored.outcomes])
+    assert {panel.series[0].missions.saved_s for panel in panels_of(read_campaign(unknown, "here"))} == {()}
