@@ -275,6 +275,14 @@ class SimulationNode:
         assert result is not None
         console = Console()
         print_totals(console, result, [self._folder])  # The events were logged when they happened.
+        skipped = 0 if self._elsewhere is None else self._elsewhere.skipped_steps
+        if skipped:
+            logger.warning(
+                "%d of %d steps of the other world were skipped, because this node was late: a bag has all of them, so "
+                "the hash of its trajectories differs",
+                skipped,
+                skipped + result.steps,
+            )
         if not self._stays:
             console.print(LAST_WORDS, soft_wrap=True, markup=False, highlight=False)
 
