@@ -94,7 +94,8 @@ def take_picture(moment: Moment, screen: str, scratch: Path) -> None:
     """Run to the moment and write its picture."""
     launch = ["roslaunch", "robotteamsim", moment.launch, *RUN, *moment.arguments]
     with running(launch, scratch / "launch.log"):
-        rospy.wait_for_service("/pause", TIMEOUT_S)  # then the scenario, which the scene reads, has been launched
+        # Then the scenario, which the scene reads, has been launched.
+        rospy.wait_for_service("/simulation/pause", TIMEOUT_S)
         with running([sys.executable, str(ROOT / "scripts" / "scene")], scratch / "scene.log"):
             pause_after(moment.steps)
             path = IMAGES / f"{moment.name}.png"
@@ -138,9 +139,10 @@ def pause_after(steps: int) -> None:
     while not rospy.wait_for_message("/scene/robots", MarkerArray, TIMEOUT_S).markers:
         pass
     rospy.wait_for_message("/mission/status", MissionStatus, TIMEOUT_S)
-    for name in ("/pause", "/reset"):  # The scene may have missed the first steps, which would shorten the trails.
+    # The scene may have missed the first steps, which would shorten the trails.
+    for name in ("/simulation/pause", "/simulation/reset"):
         call(name, Trigger)
-    call("/step", Step, steps)
+    call("/simulation/step", Step, steps)
 
 
 def call(name: str, kind: type, *arguments: Any) -> None:

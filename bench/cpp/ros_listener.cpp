@@ -177,8 +177,8 @@ int main(int argc, char** argv) {
     std::_Exit(1);
   }
   std_srvs::Trigger resume;
-  ros::service::waitForService("/resume");
-  ros::service::call("/resume", resume);
+  ros::service::waitForService("/simulation/resume");
+  ros::service::call("/simulation/resume", resume);
   while (ros::ok() && !listener.Complete() && SecondsSince(start) < timeout_s) {
     ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.05));
   }

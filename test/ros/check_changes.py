@@ -50,13 +50,13 @@ class ChangesTest(ComparedMission):
         cls.status.wait_for_count(5)
         cls.step_index = pause().to_nsec() // STEP_NS
         cls.change()
-        call("/resume", Trigger)
+        call("/simulation/resume", Trigger)
         cls.first = cls.document_at_end()
         catch_up(cls.doors, cls.robots, cls.odometry[1])
         cls.topics = (cls.doors, cls.robots, cls.odometry[1], cls.victims, cls.maps)
         cls.of_first = [by_stamp(topic.messages) for topic in cls.topics]
         cls.begin = [len(topic.messages) for topic in cls.topics]
-        cls.second = cls.document_after("/reset")
+        cls.second = cls.document_after("/simulation/reset")
         cls.changed = Log(
             "garage_sar",
             cls.settings,
@@ -71,32 +71,32 @@ class ChangesTest(ComparedMission):
         """Do in ROS what `as_changed` does without it, and what is rejected."""
         cls.rejected = [
             (
-                call("/set_door", SetDoor, name="no_such_door", closed=True),
+                call("/simulation/set_door", SetDoor, name="no_such_door", closed=True),
                 "unknown door 'no_such_door'; known: plant_door, stair_door",
             ),
-            (call("/remove_robot", RemoveRobot, robot_id=4), "robot_id must be in 0..3, got 4"),
-            (call("/remove_robot", RemoveRobot, robot_id=3), "robot_3 is not present; it cannot be removed"),
+            (call("/simulation/remove_robot", RemoveRobot, robot_id=4), "robot_id must be in 0..3, got 4"),
+            (call("/simulation/remove_robot", RemoveRobot, robot_id=3), "robot_3 is not present; it cannot be removed"),
             (
-                call("/spawn_robot", SpawnRobot, robot_id=1, at_start=True),
+                call("/simulation/spawn_robot", SpawnRobot, robot_id=1, at_start=True),
                 "robot_1 is already present; it cannot be spawned",
             ),
             (
-                call("/spawn_robot", SpawnRobot, robot_id=3, pose=Pose2D(10.0, 0.2, 0.0)),
+                call("/simulation/spawn_robot", SpawnRobot, robot_id=3, pose=Pose2D(10.0, 0.2, 0.0)),
                 "robot_3: pose (10.00, 0.20) is inside wall 'south'; expected 0.2 m of clearance",
             ),
             (
-                call("/spawn_robot", SpawnRobot, robot_id=3, pose=Pose2D(float("nan"), 3.0, 0.0)),
+                call("/simulation/spawn_robot", SpawnRobot, robot_id=3, pose=Pose2D(float("nan"), 3.0, 0.0)),
                 "robot_3: pose must be finite",
             ),
-            (call("/get_radio_map", GetRadioMap, robot_id=3), "robot_id: 3; the robot is not present"),
+            (call("/simulation/get_radio_map", GetRadioMap, robot_id=3), "robot_id: 3; the robot is not present"),
         ]
-        assert call("/set_door", SetDoor, name="stair_door", closed=False).success
-        assert call("/remove_robot", RemoveRobot, robot_id=1).success
-        assert call("/spawn_robot", SpawnRobot, robot_id=3, at_start=True).success
-        assert call("/step", Step, steps=AWAY_STEPS).success
-        assert call("/spawn_robot", SpawnRobot, robot_id=1, pose=THERE).success
-        assert call("/remove_robot", RemoveRobot, robot_id=2).success
-        assert call("/spawn_robot", SpawnRobot, robot_id=2, at_start=True).success
+        assert call("/simulation/set_door", SetDoor, name="stair_door", closed=False).success
+        assert call("/simulation/remove_robot", RemoveRobot, robot_id=1).success
+        assert call("/simulation/spawn_robot", SpawnRobot, robot_id=3, at_start=True).success
+        assert call("/simulation/step", Step, steps=AWAY_STEPS).success
+        assert call("/simulation/spawn_robot", SpawnRobot, robot_id=1, pose=THERE).success
+        assert call("/simulation/remove_robot", RemoveRobot, robot_id=2).success
+        assert call("/simulation/spawn_robot", SpawnRobot, robot_id=2, at_start=True).success
 
     @classmethod
     def as_changed(cls, simulation: Simulation, step_index: int) -> None:

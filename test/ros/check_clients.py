@@ -45,7 +45,7 @@ class ClientsTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         # Before the node begins: tf2 forgets all transforms when the simulated time of its node jumps back.
-        call("/reset", Trigger)
+        call("/simulation/reset", Trigger)
         # Clients live by the simulated clock.
         rospy.init_node("clients_test")
         cls.transforms = tf2_ros.Buffer(cache_time=CACHE)

@@ -90,19 +90,19 @@ class CommandsTest(unittest.TestCase):
         self.assertGreater(stamp_s(back), stamp_s(away))
 
     def test_paused_world_stops_steps_on_request_and_resumes(self) -> None:
-        self.assertFalse(call("/step", Step, steps=1).success)
+        self.assertFalse(call("/simulation/step", Step, steps=1).success)
         before = pause(self.truth)
-        self.assertFalse(call("/step", Step, steps=0).success)
-        self.assertTrue(call("/step", Step, steps=3).success)
+        self.assertFalse(call("/simulation/step", Step, steps=0).success)
+        self.assertTrue(call("/simulation/step", Step, steps=3).success)
         self.assertEqual((latched_time() - before).to_nsec(), 300_000_000)
         self.truth.wait_for_step(latched_time())
-        self.assertTrue(call("/resume", Trigger).success)
+        self.assertTrue(call("/simulation/resume", Trigger).success)
         self.truth.wait_for(lambda message: message.header.stamp > before + rospy.Duration(1), "a later stamp")
 
     def test_reset_restarts_every_node(self) -> None:
         self.command.publish(FORWARD)
         self.truth.wait_for(lambda message: speed_mps(message) > 0.4, "a robot that moves")
-        self.assertTrue(call("/reset", Trigger).success)
+        self.assertTrue(call("/simulation/reset", Trigger).success)
         begin = len(self.truth.messages)
         reset(self.truth, self.status)
         fresh = self.truth.wait_for_after(begin, lambda message: stamp_s(message) < 1.0, "a stamp near zero")
@@ -112,36 +112,49 @@ class CommandsTest(unittest.TestCase):
         self.assertLessEqual(later.time_s, later.header.stamp.to_sec())
 
     def test_doors_noise_and_victims_are_changed_by_service(self) -> None:
-        refused = call("/set_door", SetDoor, name="no_such_door", closed=True)
+        refused = call("/simulation/set_door", SetDoor, name="no_such_door", closed=True)
         self.assertFalse(refused.success)
         self.assertIn("no_such_door", refused.message)
-        self.assertTrue(call("/set_door", SetDoor, name="plant_door", closed=True).success)
+        self.assertTrue(call("/simulation/set_door", SetDoor, name="plant_door", closed=True).success)
         self.events.wait_for_after(
             0, lambda message: (message.kind, message.subject) == ("door", "plant_door"), "the door"
         )
-        self.assertFalse(call("/set_noise", SetNoise, noise_db=99.0).success)
-        refused = call("/set_victim", SetVictim, name="eve", position=Point(-5.0, 0.0, 0.0))
+        self.assertFalse(call("/simulation/set_noise", SetNoise, noise_db=99.0).success)
+        refused = call("/simulation/set_victim", SetVictim, name="eve", position=Point(-5.0, 0.0, 0.0))
         self.assertFalse(refused.success)
         begin = len(self.voice_map.messages)
-        self.assertTrue(call("/set_noise", SetNoise, noise_db=25.0).success)
+        self.assertTrue(call("/simulation/set_noise", SetNoise, noise_db=25.0).success)
         self.status.wait_for(lambda message: message.noise_db == 25.0, "the new noise")
         self.voice_map.wait_for_after(begin, lambda message: min(filter(None, message.data)) > 0.0, "a new map")
-        self.assertTrue(call("/set_victim", SetVictim, name="eve", position=Point(6.0, 5.0, 0.0)).success)
+        self.assertTrue(call("/simulation/set_victim", SetVictim, name="eve", position=Point(6.0, 5.0, 0.0)).success)
         self.victims.wait_for_after(0, lambda message: "eve" in [victim.name for victim in message.victims], "eve")
 
     def test_invalid_change_is_rejected(self) -> None:
         refusals = (
-            call("/set_noise", SetNoise, noise_db=math.nan),
-            call("/set_door", SetDoor, name="no_such_door", closed=True),
-            call("/set_victim", SetVictim, name="eve", position=Point(math.nan, 0.0, 0.0)),
+            call("/simulation/set_noise", SetNoise, noise_db=math.nan),
+            call("/simulation/set_door", SetDoor, name="no_such_door", closed=True),
+            call("/simulation/set_victim", SetVictim, name="eve", position=Point(math.nan, 0.0, 0.0)),
         )
         self.assertEqual([refused.success for refused in refusals], [False] * 3)
         self.assertTrue(math.isfinite(self.status.next().noise_db))
 
+    def test_old_names_of_services_work_with_one_warning_each(self) -> None:
+        begin = len(self.log.messages)
+        for noise_db in (12.0, 14.0):
+            self.assertTrue(call("/set_noise", SetNoise, noise_db=noise_db).success)
+            self.status.wait_for(lambda message, noise_db=noise_db: message.noise_db == noise_db, "the new noise")
+        self.assertFalse(call("/step", Step, steps=1).success)
+        self.log.wait_for_after(begin, lambda line: line.msg.startswith("/step: "), "the last warning")
+        warnings = [line.msg for line in self.log.messages[begin:] if "old name" in line.msg]
+        self.assertEqual(
+            warnings,
+            [f"/{name}: old name of /simulation/{name}; call that instead" for name in ("set_noise", "step")],
+        )
+
     def test_victims_are_added_while_the_mission_goes_on(self) -> None:
         # They come while the node publishes: a status from before beside the victims of after would end it.
         names = [f"caller_{index}" for index in range(40)]
-        set_victim = rospy.ServiceProxy("/set_victim", SetVictim, persistent=True)
+        set_victim = rospy.ServiceProxy("/simulation/set_victim", SetVictim, persistent=True)
         for name in names:
             self.status.next()
             self.assertTrue(set_victim(name=name, position=Point(6.0, 5.0, 0.0)).success)
@@ -151,7 +164,7 @@ class CommandsTest(unittest.TestCase):
         )
         self.status.next()
         begin = len(self.victims.messages)
-        call("/reset", Trigger)
+        call("/simulation/reset", Trigger)
         self.victims.wait_for_after(begin, lambda message: len(message.victims) == 4, "the scenario's victims")
 
     def test_mission_is_paused_resumed_aborted_and_begun_again(self) -> None:
@@ -163,7 +176,7 @@ class CommandsTest(unittest.TestCase):
         self.assertTrue(call("/mission/abort", Trigger).success)
         ended = self.status.wait_for(lambda message: message.state == "ended", "state ended")
         self.assertEqual(ended.end, "aborted")
-        call("/reset", Trigger)
+        call("/simulation/reset", Trigger)
         self.status.wait_for(lambda message: message.state == "running", "state running")
 
 

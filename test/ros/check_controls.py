@@ -83,7 +83,7 @@ class ControlsTest(unittest.TestCase):
         self.assertTrue(all(speed_mps(message) > 0.4 for message in driven[8:]))
 
     def test_odometry_does_not_move_while_a_wall_blocks_the_robot(self) -> None:
-        self.assertTrue(call("/set_pose", SetPose, robot_id=0, pose=AT_WALL).success)
+        self.assertTrue(call("/simulation/set_pose", SetPose, robot_id=0, pose=AT_WALL).success)
         self.drive_on(0, 20)
         before = self.measured_m()
         truth = self.drive_on(0, 20)
@@ -99,7 +99,9 @@ class ControlsTest(unittest.TestCase):
         self.assertEqual(place_m(fresh), (0.0, 0.0))
 
     def test_robot_is_put_elsewhere_and_its_odometry_does_not_notice(self) -> None:
-        self.assertTrue(call("/set_pose", SetPose, robot_id=0, pose=Pose2D(10.0, 3.0, 2.5 * math.pi)).success)
+        self.assertTrue(
+            call("/simulation/set_pose", SetPose, robot_id=0, pose=Pose2D(10.0, 3.0, 2.5 * math.pi)).success
+        )
         there = self.truths[0].wait_for(lambda message: place_m(message) == (10.0, 3.0), "the new place")
         self.assertAlmostEqual(there.pose.pose.orientation.z, math.sqrt(0.5))
         self.assertEqual(place_m(self.odometry.next()), (0.0, 0.0))
@@ -111,7 +113,7 @@ class ControlsTest(unittest.TestCase):
             (0, -3.0, "robot_0: pose (-3.00, 0.20) is outside the plan"),
             (0, math.nan, "robot_0: pose must be finite"),
         ):
-            refused = call("/set_pose", SetPose, robot_id=robot_id, pose=Pose2D(x_m, 0.2, 0.0))
+            refused = call("/simulation/set_pose", SetPose, robot_id=robot_id, pose=Pose2D(x_m, 0.2, 0.0))
             self.assertFalse(refused.success)
             self.assertIn(reason, refused.message)
             self.assertNotIn("\n", refused.message)
@@ -122,38 +124,38 @@ class ControlsTest(unittest.TestCase):
         self.addCleanup(objects.unsubscribe)
         self.assertTrue(objects.is_connected(TIMEOUT_S))
         crate = {"name": "crate", "kind": "box", "length_m": 0.6, "width_m": 0.4}
-        self.assertTrue(call("/set_object", SetObject, pose=Pose2D(12.0, 3.0, 0.5), **crate).success)
+        self.assertTrue(call("/simulation/set_object", SetObject, pose=Pose2D(12.0, 3.0, 0.5), **crate).success)
         objects.wait_for_after(0, lambda message: places_m(message) == [(12.0, 3.0)], "the crate")
-        self.assertTrue(call("/set_object", SetObject, name="crate", pose=Pose2D(13.0, 3.5, 0.0)).success)
+        self.assertTrue(call("/simulation/set_object", SetObject, name="crate", pose=Pose2D(13.0, 3.5, 0.0)).success)
         objects.wait_for_after(0, lambda message: places_m(message) == [(13.0, 3.5)], "the crate elsewhere")
         drum = {"name": "drum", "kind": "barrel", "radius_m": 0.3, "mass_kg": 20.0}
-        self.assertTrue(call("/set_object", SetObject, pose=Pose2D(14.0, 4.5, 0.0), **drum).success)
-        self.assertTrue(call("/remove_object", RemoveObject, name="crate").success)
+        self.assertTrue(call("/simulation/set_object", SetObject, pose=Pose2D(14.0, 4.5, 0.0), **drum).success)
+        self.assertTrue(call("/simulation/remove_object", RemoveObject, name="crate").success)
         left = objects.wait_for_after(0, lambda message: places_m(message) == [(14.0, 4.5)], "the drum alone")
         self.reset()
-        self.assertFalse(call("/remove_object", RemoveObject, name="drum").success)
+        self.assertFalse(call("/simulation/remove_object", RemoveObject, name="drum").success)
         self.assertEqual({marker.ns for marker in left.markers if marker.action == Marker.ADD}, {"objects"})
 
     def test_subscriber_that_comes_late_to_a_paused_world_gets_all_that_changes_rarely(self) -> None:
-        self.assertTrue(call("/pause", Trigger).success)
+        self.assertTrue(call("/simulation/pause", Trigger).success)
         for name, kind in LATCHED.items():
             self.assertIsNotNone(rospy.wait_for_message(name, kind, TIMEOUT_S), name)
-        self.assertTrue(call("/resume", Trigger).success)
+        self.assertTrue(call("/simulation/resume", Trigger).success)
 
     def test_subscriber_that_comes_late_to_a_paused_world_gets_objects_where_they_are(self) -> None:
-        self.assertTrue(call("/pause", Trigger).success)
+        self.assertTrue(call("/simulation/pause", Trigger).success)
         crate = {"name": "crate", "kind": "box", "length_m": 0.6, "width_m": 0.4}
-        self.assertTrue(call("/set_object", SetObject, pose=Pose2D(12.0, 3.0, 0.5), **crate).success)
+        self.assertTrue(call("/simulation/set_object", SetObject, pose=Pose2D(12.0, 3.0, 0.5), **crate).success)
         for place in ((12.0, 3.0), (13.0, 3.5)):
-            self.assertTrue(call("/set_object", SetObject, name="crate", pose=Pose2D(*place, 0.0)).success)
+            self.assertTrue(call("/simulation/set_object", SetObject, name="crate", pose=Pose2D(*place, 0.0)).success)
             self.assertEqual(places_m(rospy.wait_for_message("/world/objects", MarkerArray, TIMEOUT_S)), [place])
-        self.assertTrue(call("/remove_object", RemoveObject, name="crate").success)
+        self.assertTrue(call("/simulation/remove_object", RemoveObject, name="crate").success)
         self.assertEqual(places_m(rospy.wait_for_message("/world/objects", MarkerArray, TIMEOUT_S)), [])
-        self.assertTrue(call("/resume", Trigger).success)
+        self.assertTrue(call("/simulation/resume", Trigger).success)
 
     def test_invalid_object_is_rejected_with_the_reason(self) -> None:
         drum = {"name": "drum", "kind": "barrel", "radius_m": 0.3}
-        self.assertTrue(call("/set_object", SetObject, pose=Pose2D(14.0, 4.5, 0.0), **drum).success)
+        self.assertTrue(call("/simulation/set_object", SetObject, pose=Pose2D(14.0, 4.5, 0.0), **drum).success)
         box = {"name": "box", "kind": "box", "length_m": 0.6, "width_m": 0.4}
         for fields, x_m, reason in (
             (box, 14.2, "box 'box': pose (14.20, 4.50) is inside barrel 'drum'"),
@@ -165,30 +167,30 @@ class ControlsTest(unittest.TestCase):
             ({**box, "mass_kg": -1.0}, 12.0, "mass_kg: -1.0 is below 1e-06"),
             ({**box, "friction": math.inf}, 12.0, "friction: "),
         ):
-            refused = call("/set_object", SetObject, pose=Pose2D(x_m, 4.5, 0.0), **fields)
+            refused = call("/simulation/set_object", SetObject, pose=Pose2D(x_m, 4.5, 0.0), **fields)
             self.assertFalse(refused.success)
             self.assertIn(reason, refused.message)
             self.assertNotIn("\n", refused.message)
-        refused = call("/remove_object", RemoveObject, name="crate")
+        refused = call("/simulation/remove_object", RemoveObject, name="crate")
         self.assertEqual((refused.success, refused.message), (False, "unknown object 'crate'; known: drum"))
 
     def test_speed_is_obeyed_from_now_on(self) -> None:
-        self.addCleanup(call, "/set_speed", SetSpeed, speed=SPEED)
-        self.assertTrue(call("/set_speed", SetSpeed, speed=0.0).success)
+        self.addCleanup(call, "/simulation/set_speed", SetSpeed, speed=SPEED)
+        self.assertTrue(call("/simulation/set_speed", SetSpeed, speed=0.0).success)
         self.truths[0].wait_for_count(len(self.truths[0].messages) + 20)
-        self.assertTrue(call("/set_speed", SetSpeed, speed=ENDLESS).success)
+        self.assertTrue(call("/simulation/set_speed", SetSpeed, speed=ENDLESS).success)
         before = latched_time()
         for _ in range(50):
-            self.assertFalse(call("/set_speed", SetSpeed, speed=-1.0).success)
+            self.assertFalse(call("/simulation/set_speed", SetSpeed, speed=-1.0).success)
         # The tick under way and the one that time is counted from may still come.
         self.assertLessEqual((latched_time() - before).to_nsec(), 40_000_000)
-        self.assertEqual(call("/reset", Trigger).message, "reset")
-        self.assertTrue(call("/set_speed", SetSpeed, speed=0.0).success)
+        self.assertEqual(call("/simulation/reset", Trigger).message, "reset")
+        self.assertTrue(call("/simulation/set_speed", SetSpeed, speed=0.0).success)
         self.truths[0].wait_for_count(len(self.truths[0].messages) + 20)
 
     def test_invalid_speed_is_rejected_with_the_reason(self) -> None:
         for speed in (-1.0, math.nan, math.inf):
-            refused = call("/set_speed", SetSpeed, speed=speed)
+            refused = call("/simulation/set_speed", SetSpeed, speed=speed)
             self.assertEqual(
                 (refused.success, refused.message), (False, f"speed must be finite and >= 0, got {speed:g}")
             )
@@ -196,13 +198,13 @@ class ControlsTest(unittest.TestCase):
     def test_invalid_seed_is_rejected_with_the_reason(self) -> None:
         time = self.truths[0].next().header.stamp
         for seed, reason in ((-1, "seed: -1 is below 0"), (2**53 + 1, f"seed: {2**53 + 1} is above")):
-            refused = call("/reset_seed", ResetSeed, seed=seed)
+            refused = call("/simulation/reset_seed", ResetSeed, seed=seed)
             self.assertFalse(refused.success)
             self.assertIn(reason, refused.message)
         self.assertGreater(self.truths[0].next().header.stamp, time)
 
     def test_seed_of_a_reset_is_that_of_later_resets(self) -> None:
-        self.assertTrue(call("/reset_seed", ResetSeed, seed=2**40).success)
+        self.assertTrue(call("/simulation/reset_seed", ResetSeed, seed=2**40).success)
         self.reset()
         self.assertEqual(rospy.get_param("/robotteamsim/seed"), str(2**40))
 

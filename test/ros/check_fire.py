@@ -70,12 +70,12 @@ class FireTest(ComparedMission):
         self.assert_values(found, self.expected.kept["heat"], 5)
 
     def test_y_service_ignites_only_where_there_is_fuel(self) -> None:
-        answer = call("/ignite", Ignite, position=Point(50.0, 20.0, 0.0))
+        answer = call("/simulation/ignite", Ignite, position=Point(50.0, 20.0, 0.0))
         self.assertFalse(answer.success)
         self.assertIn("there is no fuel", answer.message)
 
     def test_z_reset_repeats_the_fire(self) -> None:
-        self.assert_as_expected(self.document_after("/reset"), self.expected)
+        self.assert_as_expected(self.document_after("/simulation/reset"), self.expected)
 
 
 if __name__ == "__main__":

@@ -35,15 +35,15 @@ class FreeLeavingTest(unittest.TestCase):
     def test_others_go_on_without_a_robot_that_left_and_with_it_when_it_came(self) -> None:
         pause(self.truths[1])
         silent_since = len(self.truths[1].messages)
-        self.assertTrue(call("/remove_robot", RemoveRobot, robot_id=1).success)
-        self.assertTrue(call("/resume", Trigger).success)
+        self.assertTrue(call("/simulation/remove_robot", RemoveRobot, robot_id=1).success)
+        self.assertTrue(call("/simulation/resume", Trigger).success)
         self.network.wait_for(has_row(1, there=False), "robot 1 gone")
         before = self.status.next().time_s
         self.status.wait_for(lambda message: message.time_s > before + 3.0, "3 s more of the mission")
         self.truths[0].wait_for(lambda message: abs(speed_mps(message)) > 0.1, "robot 0 driving")
         self.assertEqual(len(self.truths[1].messages), silent_since)
         place = Pose2D(10.0, 3.0, 0.5)
-        self.assertTrue(call("/spawn_robot", SpawnRobot, robot_id=1, pose=place).success)
+        self.assertTrue(call("/simulation/spawn_robot", SpawnRobot, robot_id=1, pose=place).success)
         self.network.wait_for(has_row(1, there=True), "robot 1 there")
         arrived = self.truths[1].wait_for_after(silent_since, lambda _: True, "robot 1")
         self.assertEqual(place_m(arrived), (10.0, 3.0))
@@ -51,7 +51,7 @@ class FreeLeavingTest(unittest.TestCase):
 
     def test_z_mission_ends_when_nobody_is_left(self) -> None:
         for robot_id in ROBOTS:
-            self.assertTrue(call("/remove_robot", RemoveRobot, robot_id=robot_id).success)
+            self.assertTrue(call("/simulation/remove_robot", RemoveRobot, robot_id=robot_id).success)
         ended = self.status.wait_for(lambda message: message.state == "ended", "state ended")
         self.assertEqual(ended.end, "none_left")
 

@@ -33,17 +33,17 @@ STEP_NS = 100_000_000
 SERVICES = {
     "/static_map": "nav_msgs/GetMap",
     "/reset_positions": "std_srvs/Empty",
-    "/pause": "std_srvs/Trigger",
-    "/resume": "std_srvs/Trigger",
-    "/reset": "std_srvs/Trigger",
-    "/reset_seed": "robotteamsim/ResetSeed",
-    "/set_speed": "robotteamsim/SetSpeed",
-    "/set_pose": "robotteamsim/SetPose",
-    "/step": "robotteamsim/Step",
-    "/get_radio_map": "robotteamsim/GetRadioMap",
-    "/set_door": "robotteamsim/SetDoor",
-    "/set_noise": "robotteamsim/SetNoise",
-    "/set_victim": "robotteamsim/SetVictim",
+    "/simulation/pause": "std_srvs/Trigger",
+    "/simulation/resume": "std_srvs/Trigger",
+    "/simulation/reset": "std_srvs/Trigger",
+    "/simulation/reset_seed": "robotteamsim/ResetSeed",
+    "/simulation/set_speed": "robotteamsim/SetSpeed",
+    "/simulation/set_pose": "robotteamsim/SetPose",
+    "/simulation/step": "robotteamsim/Step",
+    "/simulation/get_radio_map": "robotteamsim/GetRadioMap",
+    "/simulation/set_door": "robotteamsim/SetDoor",
+    "/simulation/set_noise": "robotteamsim/SetNoise",
+    "/simulation/set_victim": "robotteamsim/SetVictim",
     "/mission/start": "std_srvs/Trigger",
     "/mission/pause": "std_srvs/Trigger",
     "/mission/resume": "std_srvs/Trigger",
@@ -159,6 +159,7 @@ class InterfaceTest(unittest.TestCase):
         latched = self.map.wait_for_count(1)[0]
         served = call("/static_map", GetMap).map
         self.assertEqual(served.info, latched.info)
+        self.assertGreater(served.info.map_load_time.to_sec(), 0.0)
         self.assertEqual(bytes(map(abs, served.data)), bytes(map(abs, latched.data)))
         self.assertEqual(served.info.width * served.info.height, len(served.data))
 
@@ -186,7 +187,9 @@ class InterfaceTest(unittest.TestCase):
             self.assertLess(later - earlier, 2 * 10**9)
 
     def test_radio_map_is_made_on_demand_at_any_resolution(self) -> None:
-        coarse, usual = (call("/get_radio_map", GetRadioMap, robot_id=1, resolution_m=side) for side in (1.0, 0.0))
+        coarse, usual = (
+            call("/simulation/get_radio_map", GetRadioMap, robot_id=1, resolution_m=side) for side in (1.0, 0.0)
+        )
         self.assertEqual((coarse.success, usual.success), (True, True))
         self.assertEqual((coarse.map.resolution_m, usual.map.resolution_m), (1.0, 0.25))
         for made in (coarse.map, usual.map):
@@ -203,7 +206,7 @@ class InterfaceTest(unittest.TestCase):
             (0, 0.01, "resolution_m: 0.01; expected 0.05 to 10, or 0"),
             (0, math.nan, "resolution_m: nan; expected 0.05 to 10, or 0"),
         ):
-            refused = call("/get_radio_map", GetRadioMap, robot_id=robot_id, resolution_m=resolution_m)
+            refused = call("/simulation/get_radio_map", GetRadioMap, robot_id=robot_id, resolution_m=resolution_m)
             self.assertEqual((refused.success, refused.message), (False, reason))
 
     def test_network_links_two_robots_side_by_side(self) -> None:

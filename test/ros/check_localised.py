@@ -122,7 +122,7 @@ class LocalisedTest(unittest.TestCase):
         cls.answer = cls.answers.messages[-1]
         cls.stopped = cls.braked if stands(cls.braked) else next(filter(stands, steps))
         cls.lost_s = localisers[LOST].last_s
-        call("/resume", Trigger)
+        call("/simulation/resume", Trigger)
         cls.fault = cls.statuses[LOST].wait_for_after(0, lambda status: bool(status.fault), "a fault").fault
         cls.truths[0].wait_for(moves, "the other robot, which moves")
         cls.events.wait_for_after(0, lambda event: event.kind == "controller_failed", "a stopped robot")

@@ -55,8 +55,8 @@ class LockstepTest(ComparedMission):
         cls.odometry = [Topic(f"/robot_{i}/odom", Odometry) for i in ROBOTS]
         cls.scans = [Topic(f"/robot_{i}/base_scan", LaserScan) for i in ROBOTS]
         cls.first = cls.document_at_end()["result"]
-        cls.again = cls.document_after("/reset")["result"]
-        cls.other = cls.document_after("/reset_seed", ResetSeed, seed=OTHER_SEED)["result"]
+        cls.again = cls.document_after("/simulation/reset")["result"]
+        cls.other = cls.document_after("/simulation/reset_seed", ResetSeed, seed=OTHER_SEED)["result"]
         pause(*cls.odometry, *cls.scans)
 
     def test_mission_has_the_same_bits_as_without_ros(self) -> None:

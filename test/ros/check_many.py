@@ -29,19 +29,19 @@ class ManyTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls) -> None:
         rospy.init_node("many_test", disable_rostime=True)
-        call("/pause", Trigger)
+        call("/simulation/pause", Trigger)
         cls.tf = Topic("/tf", TFMessage)
         cls.topics = [Topic(f"/robot_{i}/{name}", kind) for i in range(ROBOTS) for name, kind in TOPICS.items()]
         deadline_s = time.monotonic() + TIMEOUT_S
         # A publisher may know a subscriber a moment later than the subscriber knows it.
         while any(not topic.messages for topic in (cls.tf, *cls.topics)):
             assert time.monotonic() < deadline_s, "not all topics are published"
-            call("/step", Step, steps=1)
+            call("/simulation/step", Step, steps=1)
         stamp = latched_time()
         for topic in cls.topics:
             topic.wait_for_step(stamp)
         cls.begin = {topic.name: len(topic.messages) for topic in (cls.tf, *cls.topics)}
-        call("/step", Step, steps=STEPS)
+        call("/simulation/step", Step, steps=STEPS)
 
     def test_every_step_of_every_topic_arrives_once_and_in_order(self) -> None:
         first_ns = self.new_messages(self.topics[0])[0].header.stamp.to_nsec()

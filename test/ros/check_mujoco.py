@@ -48,19 +48,21 @@ class MujocoTest(unittest.TestCase):
         """Lift and drop a crate with a robot that stands at its start again, while its controller waits."""
         pause(robots)
         x, y, yaw = resolve(scenario).robots[0].start_pose
-        self.assertTrue(call("/set_pose", SetPose, robot_id=0, pose=Pose2D(x, y, yaw)).success)
+        self.assertTrue(call("/simulation/set_pose", SetPose, robot_id=0, pose=Pose2D(x, y, yaw)).success)
         ahead = Pose2D(x + 0.4 * math.cos(yaw), y + 0.4 * math.sin(yaw), yaw)
-        self.assertTrue(call("/set_object", SetObject, name="crate", kind="barrel", radius_m=0.1, pose=ahead).success)
-        answer = call("/lift_object", LiftObject, robot_id=0, name="crate")
+        self.assertTrue(
+            call("/simulation/set_object", SetObject, name="crate", kind="barrel", radius_m=0.1, pose=ahead).success
+        )
+        answer = call("/simulation/lift_object", LiftObject, robot_id=0, name="crate")
         self.assertEqual((answer.success, answer.message), (True, ""))
         make_step(robots)
         self.assertEqual(list(robots.messages[-1].loads)[:1], ["crate"])
-        again = call("/lift_object", LiftObject, robot_id=0, name="crate")
+        again = call("/simulation/lift_object", LiftObject, robot_id=0, name="crate")
         self.assertEqual((again.success, again.message), (False, "robot_0 already holds 'crate'"))
-        self.assertTrue(call("/drop_object", DropObject, robot_id=0).success)
+        self.assertTrue(call("/simulation/drop_object", DropObject, robot_id=0).success)
         make_step(robots)
         self.assertEqual(list(robots.messages[-1].loads), [])
-        nothing = call("/drop_object", DropObject, robot_id=0)
+        nothing = call("/simulation/drop_object", DropObject, robot_id=0)
         self.assertEqual((nothing.success, nothing.message), (False, "robot_0 holds nothing"))
 
 

@@ -27,8 +27,8 @@ class RestartTest(unittest.TestCase):
             pause(truth, status)
             begin, next_event = len(status.messages), len(events.messages)
             for _ in range(RESETS):
-                self.assertEqual(call("/reset", Trigger).message, "reset")
-            self.assertEqual(call("/resume", Trigger).message, "resumed")
+                self.assertEqual(call("/simulation/reset", Trigger).message, "reset")
+            self.assertEqual(call("/simulation/resume", Trigger).message, "resumed")
             fresh = status.wait_for_after(begin, lambda message: message.time_s < 1.0, "a fresh mission")
             self.assertLess(fresh.header.stamp.to_sec(), 5.0)
             status.wait_for_after(begin, lambda message: message.time_s > 5.0, "a mission that goes on")
@@ -36,7 +36,7 @@ class RestartTest(unittest.TestCase):
             start = events.wait_for_after(next_event, lambda event: event.kind == "start", "a start")
             for _ in range(RESETS):
                 next_event, begin = events.messages.index(start, next_event) + 1, len(status.messages)
-                self.assertEqual(call("/reset", Trigger).message, "reset")
+                self.assertEqual(call("/simulation/reset", Trigger).message, "reset")
                 start = events.wait_for_after(next_event, lambda event: event.kind == "start", "another start")
                 status.wait_for_after(begin, lambda message: message.time_s < 1.0, "another fresh mission")
 

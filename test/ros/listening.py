@@ -104,7 +104,7 @@ def pause(*topics: Topic) -> rospy.Time:
     for topic in topics:
         topic.wait_for_count(1)
     deadline_s = time.monotonic() + TIMEOUT_S
-    while (answer := call("/pause", Trigger).message) != "paused":
+    while (answer := call("/simulation/pause", Trigger).message) != "paused":
         assert time.monotonic() < deadline_s, answer
     return _wait_for_last_step(topics, [0] * len(topics))
 
@@ -112,23 +112,23 @@ def pause(*topics: Topic) -> rospy.Time:
 def catch_up(*topics: Topic) -> None:
     """Wait until topics with one message per step have the messages of all steps up to now."""
     pause(*topics)
-    assert call("/resume", Trigger).success
+    assert call("/simulation/resume", Trigger).success
 
 
 def make_step(*topics: Topic) -> rospy.Time:
     """Let a paused world take one step, wait for its message on each topic, and return the time."""
     counts = [len(topic.messages) for topic in topics]
-    assert call("/step", Step, steps=1).success
+    assert call("/simulation/step", Step, steps=1).success
     return _wait_for_last_step(topics, counts)
 
 
 def reset(*topics: Topic) -> None:
     """Reset the world and wait for the first step on each topic, so that all later messages belong to the new run."""
     pause(*topics)
-    answer = call("/reset", Trigger).message
+    answer = call("/simulation/reset", Trigger).message
     assert answer == "reset", answer
     make_step(*topics)
-    assert call("/resume", Trigger).success
+    assert call("/simulation/resume", Trigger).success
 
 
 def _wait_for_last_step(topics: Sequence[Topic], counts: Sequence[int]) -> rospy.Time:
@@ -147,9 +147,9 @@ def drive(command: rospy.Publisher, twist: Twist, topic: Topic, steps: int) -> S
     begin = len(topic.messages)
     for _ in range(0, steps, 2):
         command.publish(twist)
-        call("/step", Step, steps=2)
+        call("/simulation/step", Step, steps=2)
     messages = topic.wait_for_count(begin + steps)
-    call("/resume", Trigger)
+    call("/simulation/resume", Trigger)
     return messages[begin : begin + steps]
 
 

@@ -46,7 +46,7 @@ class RosWorld:
         self._scans = [Topic(f"{name}base_scan", LaserScan) for name in names]
         self._doors = Topic("/world/doors", Doors)
         self._robots = Topic("/world/robots", Robots) if has_presence else None
-        self._set_door = "/set_door" if has_presence else "/world/set_door"
+        self._set_door = "/simulation/set_door" if has_presence else "/world/set_door"
         self._commands = [
             rospy.Publisher(f"{name}cmd_vel", TwistMessage, queue_size=10, tcp_nodelay=True) for name in names
         ]
@@ -131,14 +131,14 @@ class RosWorld:
         self._change(self._set_door, SetDoor, name=name, closed=closed)
 
     def set_pose(self, robot_id: int, pose: Pose) -> None:
-        self._change("/set_pose", SetPose, robot_id=robot_id, pose=Pose2D(pose.x_m, pose.y_m, pose.yaw_rad))
+        self._change("/simulation/set_pose", SetPose, robot_id=robot_id, pose=Pose2D(pose.x_m, pose.y_m, pose.yaw_rad))
 
     def remove_robot(self, robot_id: int) -> None:
-        self._change("/remove_robot", RemoveRobot, robot_id=robot_id)
+        self._change("/simulation/remove_robot", RemoveRobot, robot_id=robot_id)
 
     def spawn_robot(self, robot_id: int, pose: Pose) -> None:
         place = Pose2D(pose.x_m, pose.y_m, pose.yaw_rad)
-        self._change("/spawn_robot", SpawnRobot, robot_id=robot_id, at_start=False, pose=place)
+        self._change("/simulation/spawn_robot", SpawnRobot, robot_id=robot_id, at_start=False, pose=place)
 
     @property
     def _topics(self) -> tuple[Topic, ...]:

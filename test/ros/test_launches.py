@@ -31,13 +31,13 @@ from robotteamsim.recording import BagWriter, TrajectoryHash
 from robotteamsim.recording.bag_types import bag_typestore
 from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS
 from robotteamsim.recording.topics.robots import read_odometry
-from robotteamsim.ros.nodes.find_gmapping import installed
+from robotteamsim.ros.programs import installed
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
 
 LAUNCH_FILES = sorted((Path(__file__).parents[2] / "launch").glob("*.launch"))
-OPTIONAL = {"mapping": "Missing package dependencies: robotteamsim/package.xml: gmapping"}
-"""What launch files may lack: nobody else needs gmapping."""
+OPTIONAL = {"mapping": "gmapping", "amcl": "amcl", "amcl_robot": "amcl"}
+"""The package that a launch file needs, and nothing else does."""
 GARAGE = (*ROSLAUNCH, "robotteamsim", "garage_sar.launch", "rviz:=false", "seed:=7")
 STEP_NS = 100_000_000
 
@@ -67,21 +67,23 @@ def headless_hash() -> str:
 
 @pytest.mark.parametrize("path", LAUNCH_FILES, ids=lambda path: path.stem)
 def test_launch_file_passes_roslaunch_check(path: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    stand_in(tmp_path)
+    stand_in(tmp_path, "gmapping", "slam_gmapping")
+    stand_in(tmp_path, "amcl", "amcl")
     monkeypatch.setenv("ROS_PACKAGE_PATH", f"{os.environ['ROS_PACKAGE_PATH']}:{tmp_path}")
-    assert (roslaunch.rlutil.check_roslaunch(str(path)) or "") == OPTIONAL.get(path.stem, "")
+    lacks = f"Missing package dependencies: robotteamsim/package.xml: {OPTIONAL.get(path.stem)}"
+    assert (roslaunch.rlutil.check_roslaunch(str(path)) or "") == (lacks if path.stem in OPTIONAL else "")
 
 
-def stand_in(folder: Path) -> None:
-    """Make a package gmapping, for where there is no other."""
-    package = folder / "gmapping"
+def stand_in(folder: Path, name: str, program: str) -> None:
+    """Make a package with a program, for where there is no other."""
+    package = folder / name
     package.mkdir()
-    (package / "package.xml").write_text("<package><name>gmapping</name><version>0.0.0</version></package>")
-    (package / "slam_gmapping").write_text("#!/bin/sh\n")
-    (package / "slam_gmapping").chmod(0o755)
+    (package / "package.xml").write_text(f"<package><name>{name}</name><version>0.0.0</version></package>")
+    (package / program).write_text("#!/bin/sh\n")
+    (package / program).chmod(0o755)
 
 
-@pytest.mark.skipif(installed() is not None, reason="gmapping is installed")
+@pytest.mark.skipif(installed("gmapping", "slam_gmapping") is not None, reason="gmapping is installed")
 def test_mapping_without_gmapping_ends_before_it_starts_with_one_line_that_says_so(tmp_path: Path) -> None:
     with running((*ROSLAUNCH, "robotteamsim", "mapping.launch"), tmp_path) as program:
         assert program.wait() != 0
@@ -90,9 +92,9 @@ def test_mapping_without_gmapping_ends_before_it_starts_with_one_line_that_says_
     assert "Traceback" not in program.output
 
 
-@pytest.mark.skipif(installed() is not None, reason="gmapping is installed")
+@pytest.mark.skipif(installed("gmapping", "slam_gmapping") is not None, reason="gmapping is installed")
 def test_mapping_starts_gmapping_in_the_namespace_of_its_robot(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    stand_in(tmp_path)
+    stand_in(tmp_path, "gmapping", "slam_gmapping")
     monkeypatch.setenv("ROS_PACKAGE_PATH", f"{os.environ['ROS_PACKAGE_PATH']}:{tmp_path}")
     command = (
         *ROSLAUNCH,

@@ -12,7 +12,7 @@ import pytest
 import shapely
 from running import ROSLAUNCH, TIMEOUT_S, Program, running
 
-from robotteamsim.ros.nodes.find_gmapping import installed
+from robotteamsim.ros.programs import installed
 from robotteamsim.scenario import load
 from robotteamsim.scenario.plan import obstacles
 
@@ -37,7 +37,7 @@ numpy.save("walls.npy", cells * grid.info.resolution + [origin.x, origin.y])
 @pytest.fixture
 def mapper(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """slam_gmapping, or where it is not installed a package of its name with a simpler mapper."""
-    if installed() is not None:
+    if installed("gmapping", "slam_gmapping") is not None:
         return
     package = tmp_path / "gmapping"
     package.mkdir()

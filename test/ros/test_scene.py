@@ -154,6 +154,12 @@ def test_view_is_far_enough_for_the_whole_building(corner, scale):
     assert after["From above"]["Scale"] == before["From above"]["Scale"] / scale
 
 
+def test_window_fits_a_screen_of_1280_x_800_with_a_title_and_a_panel():
+    config = fitted(ROOT / "rviz" / "robotteamsim.rviz", load("garage_sar"))["Window Geometry"]
+    assert config["Width"] <= 1280
+    assert config["Height"] <= 800 - 2 * 40
+
+
 def test_rviz_shows_the_scans_of_each_robot_in_its_colour():
     config = ROOT / "rviz" / "robotteamsim.rviz"
     displays = fitted(config, load("warehouse_push"))["Visualization Manager"]["Displays"]

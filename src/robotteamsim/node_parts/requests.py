@@ -1,4 +1,4 @@
-"""Requests that change a simulation, by the names of their services: `/set_pose` is of type `SetPose`.
+"""Requests that change a simulation, by the names of their services: `set_pose` is of type `SetPose`.
 
 A request is any object with the attributes of its .srv file.
 """

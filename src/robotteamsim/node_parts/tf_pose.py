@@ -8,7 +8,8 @@ from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.recording.topics.base import check_place
 
 MAP = "map"
-
+START_TIMEOUT_S = 10.0
+"""At the start, a robot waits at least this long for its first transform; only then it is lost [s]."""
 
 Newest = Callable[[str, str], tuple[tuple[int, float, float, float] | None, str]]
 """Returns stamp [ns], x, y [m] and yaw [rad] of the second frame in the first one; or None and the reason."""
@@ -45,9 +46,11 @@ class TfPose:
             self._note(step_ns, *found)
         if self._seen_ns is None:
             self._seen_ns = step_ns  # waits from the first step on
-        if step_ns - self._seen_ns < round(self._timeout_s * 1e9):
+        timeout_s = self._timeout_s if self.newest is not None else max(START_TIMEOUT_S, self._timeout_s)
+        if step_ns - self._seen_ns < round(timeout_s * 1e9):
             return ""
-        return f"/tf: no transform {self.name} for {self._timeout_s:g} s (control.tf_timeout_s)"
+        key = "" if timeout_s > self._timeout_s else " (control.tf_timeout_s)"
+        return f"/tf: no transform {self.name} for {timeout_s:g} s{key}"
 
     def _note(self, step_ns: int, tf_ns: int, x_m: float, y_m: float, yaw_rad: float) -> None:
         try:

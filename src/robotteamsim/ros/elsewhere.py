@@ -59,7 +59,7 @@ class _Robot:
         if stamp_ns - self.truth_ns >= self._timeout_ns:
             self.values.pop(self.inputs.truth.topic, None)
         lost = "" if self.has_truth else self.tf.follow(stamp_ns)
-        if lost and not self._lost:
+        if lost and not self._lost and self.tf.newest is not None:
             logger.warning("%s; using its last position", lost)
         self._lost = lost
         return self.has_truth or self.tf.newest is not None
@@ -88,6 +88,9 @@ class RobotsElsewhere:
         self._closed = False
         self._due_ns = 0
         """Stamp of the next step; half a step less is enough, so that jitter of the messages skips no step."""
+        self._last_ns: int | None = None
+        self.skipped_steps = 0
+        """Number of the other world's steps that came too fast to be taken."""
         self.has_jumped_back = False
         """Whether the other world's time has jumped back."""
         for robot in self._robots.values():
@@ -119,9 +122,11 @@ class RobotsElsewhere:
                 if self._closed:
                     return None
                 stamp_ns = max((robot.pace_ns for robot in robots), default=self._due_ns)
-                self._due_ns = max(self._due_ns, stamp_ns - self._step_ns) + self._step_ns
+                is_late = stamp_ns - self._due_ns >= self._step_ns // 2
+                self._due_ns = (stamp_ns if is_late else self._due_ns) + self._step_ns
                 located = [robot.locate(stamp_ns) for robot in robots]
                 if all(located):
+                    self._count_skipped(stamp_ns)
                     return stamp_ns
             if not reported and time.monotonic() - begin_s > REPORT_TIMEOUT_S:
                 reported = True
@@ -131,10 +136,16 @@ class RobotsElsewhere:
         """Restart with the other world's next step."""
         with self._changed:
             self._due_ns, self.has_jumped_back = 0, False
+            self._last_ns, self.skipped_steps = None, 0
             if self._transforms is not None:
                 self._transforms.clear()
             for robot in self._robots.values():
                 robot.forget()
+
+    def _count_skipped(self, stamp_ns: int) -> None:
+        if self._last_ns is not None:
+            self.skipped_steps += max(0, (stamp_ns - self._last_ns + self._step_ns // 2) // self._step_ns - 1)
+        self._last_ns = stamp_ns
 
     def follow(self, world: AnyWorld, stamp_ns: int | None) -> None:
         """Put the bodies where they are in the other world.

@@ -48,8 +48,15 @@ def test_robot_is_lost_when_no_transform_came_for_the_timeout_and_keeps_its_last
     assert tf.follow(20 * S) == ""
 
 
-def test_robot_that_is_never_located_is_lost_after_the_timeout_and_has_no_pose(tf):
-    assert [tf.follow(7 * S + tenths * S // 10) for tenths in range(4)] == ["", "", "", LOST]
+@pytest.mark.parametrize(
+    ("timeout_s", "lost_s", "line"),
+    [(0.3, 10, "10 s"), (15.0, 15, "15 s (control.tf_timeout_s)")],
+    ids=["shorter than a start", "longer"],
+)
+def test_robot_that_is_never_located_waits_at_the_start_and_is_then_lost_without_a_pose(table, timeout_s, lost_s, line):
+    tf = TfPose(table.newest, "robot_1", timeout_s)
+    answers = [tf.follow(7 * S + seconds * S) for seconds in range(lost_s + 1)]
+    assert answers == [*(lost_s * [""]), f"/tf: no transform map -> robot_1/base_link for {line}"]
     assert tf.newest is None
     assert tf.reason == "no such frame"
 

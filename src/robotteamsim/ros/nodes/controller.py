@@ -12,6 +12,7 @@ from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.message_parts import robot_name
 from robotteamsim.network.messages import Message
+from robotteamsim.node_parts.scan_check import ScanCheck
 from robotteamsim.node_parts.steps import Step, Steps
 from robotteamsim.node_parts.tf_pose import TfPose
 from robotteamsim.recording.topics.decisions import STAMPED_COMMAND
@@ -59,6 +60,11 @@ class ControllerSlot:
         self.robot_id = robot_id
         control = settings.scenario.control
         self._tf = None if transforms is None else TfPose(transforms.newest, robot_name(robot_id), control.tf_timeout_s)
+        self._scan_check: ScanCheck | None = None
+        if self._tf is not None:
+            laser = settings.setup.robots[robot_id].laser
+            smoke = settings.scenario.fire is not None
+            self._scan_check = ScanCheck(robot_name(robot_id), settings.scenario.plan, laser, smoke)
         self._sensors = RobotInputs(settings, robot_id)
         self._voice, self._received = (Input.of(topic, settings, robot_id) for topic in (VOICE, INBOX))
         self._outputs = decision_outputs(settings, [robot_id], RospyOutput)
@@ -88,6 +94,8 @@ class ControllerSlot:
         self._decision = Decision()
         if self._tf is not None:
             self._tf.restart()
+        if self._scan_check is not None:
+            self._scan_check.restart()
         make = partial(make_controller, self.robot_id, settings.setup, self._arrival)
         self._controller = Guard(self.robot_id, settings.num_robots, make)
 
@@ -110,6 +118,10 @@ class ControllerSlot:
                 self._publish(step.stamp_ns, standing)
                 return
         reading = self._sensors.reading(values, pose)
+        if self._scan_check is not None and pose is not None:
+            line = self._scan_check.follow(step.stamp_ns, pose, reading.ranges_m)
+            if line:
+                logger.warning("%s", line)
         observation = Observation(self.robot_id, step.stamp_ns, reading, values[self._voice.topic])
         self._decision = self._controller.step(observation, self._inbox(step), task)
         self._publish(step.stamp_ns, self._decision)

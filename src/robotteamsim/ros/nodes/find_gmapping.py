@@ -2,15 +2,14 @@
 
 import sys
 
-import roslib.packages
-import rospkg
+from robotteamsim.ros.programs import installed
 
 PACKAGE, PROGRAM = "gmapping", "slam_gmapping"
 
 
 def main() -> None:
     """Print the path of slam_gmapping; if it is not installed, exit with one line and status 2."""
-    path = installed()
+    path = installed(PACKAGE, PROGRAM)
     if path is None:
         sys.stderr.write(
             f"mapping.launch: {PROGRAM} (ROS package {PACKAGE}) is not installed; install it, or use scenario.launch"
@@ -18,12 +17,3 @@ def main() -> None:
         )
         sys.exit(2)
     sys.stdout.write(path)
-
-
-def installed() -> str | None:
-    """Return the full path of slam_gmapping, or None."""
-    try:
-        found = roslib.packages.find_node(PACKAGE, PROGRAM)
-    except rospkg.ResourceNotFound:
-        return None
-    return found[0] if found else None

@@ -31,7 +31,7 @@ from robotteamsim.ros.inputs import Input
 from robotteamsim.ros.messages import RosTypes
 from robotteamsim.ros.node import ParameterError, is_running, on_shutdown, parameter, run, wait_for_shutdown
 from robotteamsim.ros.outputs import RadioMapOutputs, RecordOutputs, RobotOutputs, TeamOutputs, output_of
-from robotteamsim.ros.services import SERVICE_TIMEOUT_S, command
+from robotteamsim.ros.services import SERVICE_TIMEOUT_S, offer, offer_command
 from robotteamsim.ros.settings import SEED, Settings, read_settings
 from robotteamsim.ros.stage import StageRequests
 from robotteamsim.ros.subscriptions import recorded_topics, wait_for_subscribers
@@ -275,6 +275,14 @@ class SimulationNode:
         assert result is not None
         console = Console()
         print_totals(console, result, [self._folder])  # The events were logged when they happened.
+        skipped = 0 if self._elsewhere is None else self._elsewhere.skipped_steps
+        if skipped:
+            logger.warning(
+                "%d of %d steps of the other world were skipped, because this node was late: a bag has all of them, so "
+                "the hash of its trajectories differs",
+                skipped,
+                skipped + result.steps,
+            )
         if not self._stays:
             console.print(LAST_WORDS, soft_wrap=True, markup=False, highlight=False)
 
@@ -284,25 +292,25 @@ class SimulationNode:
 
     def _offer_world(self) -> None:
         """Offer what another world would offer itself: its map, time and bodies."""
-        (grid,) = MAP.messages(self._make, 0, MAP.values(Source(self._settings.setup), None))
+        (grid,) = MAP.messages(self._make, START_NS, MAP.values(Source(self._settings.setup), None))
         self._map = output_of(MAP, self._settings)
         self._map.publish(grid)
         rospy.Service("/static_map", GetMap, lambda _: GetMapResponse(map=grid))
         rospy.Service("/reset_positions", Empty, self._reset_positions)
-        command("/pause", Trigger, self._pause)
-        command("/resume", Trigger, self._resume)
-        command("/step", srv.Step, self._make_steps)
-        command("/reset", Trigger, self._restart)
-        command("/reset_seed", srv.ResetSeed, self._reset_seed)
-        command("/set_speed", srv.SetSpeed, lambda request: self._pacer.set_speed(request.speed))
+        offer_command("pause", Trigger, self._pause)
+        offer_command("resume", Trigger, self._resume)
+        offer_command("step", srv.Step, self._make_steps)
+        offer_command("reset", Trigger, self._restart)
+        offer_command("reset_seed", srv.ResetSeed, self._reset_seed)
+        offer_command("set_speed", srv.SetSpeed, lambda request: self._pacer.set_speed(request.speed))
         self._offer_changes(CHANGES_OF_BODIES)
 
     def _offer_services(self) -> None:
         self._offer_changes(CHANGES)
-        command("/spawn_robot", srv.SpawnRobot, self._spawn_robot, self._lock)
-        command("/set_door", srv.SetDoor, self._set_door)
+        offer_command("spawn_robot", srv.SpawnRobot, self._spawn_robot, self._lock)
+        offer_command("set_door", srv.SetDoor, self._set_door)
         if self._settings.mission:
-            rospy.Service("/get_radio_map", srv.GetRadioMap, self._serve_radio_map)
+            offer("get_radio_map", srv.GetRadioMap, self._serve_radio_map)
             for name in ("start", "pause", "resume", "abort"):
                 rospy.Service(f"/mission/{name}", Trigger, partial(self._order_mission, name))
         if self._settings.is_another_world:
@@ -311,7 +319,7 @@ class SimulationNode:
     def _offer_changes(self, changes: Mapping[str, Change]) -> None:
         for name, change in changes.items():
             service_class = getattr(srv, name.title().replace("_", ""))
-            command(f"/{name}", service_class, partial(self._change, change), self._lock)
+            offer_command(name, service_class, partial(self._change, change), self._lock)
 
     def _change(self, change: Change, request: Any) -> None:
         change(self._simulation, request)
