@@ -73,11 +73,10 @@ def run_check(options: argparse.Namespace) -> None:
             mistakes.append(f"{name}: {mistake}")
             continue
         mission, bounds = loaded.mission, loaded.plan.bounds
-        num_victims = len(mission.victims) + mission.random_victims
         width_m, height_m = (high - low for low, high in zip(bounds.min, bounds.max, strict=True))
         print(
             f"{name}: valid: {counted(loaded.num_robots, 'robot')}, {counted(len(mission.areas), 'area')}, "
-            f"{counted(num_victims, 'victim')} in {loaded.plan.name} of {width_m:g} x {height_m:g} m"
+            f"{counted(loaded.num_victims, 'victim')} in {loaded.plan.name} of {width_m:g} x {height_m:g} m"
         )
     if mistakes:
         for mistake in mistakes[:-1]:
