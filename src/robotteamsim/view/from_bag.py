@@ -17,7 +17,17 @@ from robotteamsim.recording.topics.world import FIRE, SMOKE
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.view.bag_layers import BagLayers, Timeline, read_layers
-from robotteamsim.view.frame import Frame, Link, Pose, fallen_of, gait_of, links_of, shown_events, victim_shape
+from robotteamsim.view.frame import (
+    Frame,
+    Link,
+    Pose,
+    fallen_of,
+    gait_of,
+    links_of,
+    shown_egress,
+    shown_events,
+    victim_shape,
+)
 from robotteamsim.view.layers import SMOKE_S, field_layer, fire_layer, keep_map, smoke_layer
 from robotteamsim.view.recorder import FRAME_S, MOST_SCANNED, SCAN_S, Recording
 from robotteamsim.view.scene import Scene, scene_of_run
@@ -108,6 +118,7 @@ def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenari
                 noise_db=status.noise_db,
                 endangered=status.endangered_links,
                 scans_m=tuple(scan.ranges_m if scan else [] for scan in scans) if any(scans) else (),
+                egress=shown_egress(layers.egress.at(stamp_ns, None)),
             )
         )
     return frames

@@ -14,6 +14,7 @@ from robotteamsim.campaign import Outcome, StoredCampaign, decode_paths
 from robotteamsim.campaign.design import settings_difference
 from robotteamsim.campaign.summary import num_different
 from robotteamsim.errors import CampaignError, ScenarioError
+from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.status import COMPLETED
 from robotteamsim.palette import OURS
 from robotteamsim.recording.network_log import NetworkTotals
@@ -36,7 +37,7 @@ class Sample:
     distance_m: driven by all robots; NaN where unknown.
     numbers:    of the trials: trials of equal number form a pair in a paired campaign.
     limit_s:    time limit of the mission.
-    networks:   of the missions; fewer if some are in stores of an earlier version.
+    networks, egress: of the missions; fewer if some are in stores of an earlier version, or have none.
     """
 
     time_s: np.ndarray
@@ -50,6 +51,7 @@ class Sample:
     num_areas: int
     limit_s: float
     networks: tuple[NetworkTotals, ...] = ()
+    egress: tuple[Egress, ...] = ()
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -278,4 +280,5 @@ def _sample(outcomes: Sequence[Outcome], limit_s: float) -> Sample:
         num_areas=int(column("num_areas")[0]),
         limit_s=limit_s,
         networks=tuple(network for outcome in outcomes if (network := outcome.network) is not None),
+        egress=tuple(egress for outcome in outcomes if (egress := outcome.egress) is not None),
     )
