@@ -16,6 +16,7 @@ from robotteamsim.recording.topics.radio import VOICE_MAP
 from robotteamsim.recording.topics.world import FIRE, SMOKE
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.setup import resolve
 from robotteamsim.view.bag_layers import BagLayers, Timeline, read_layers
 from robotteamsim.view.frame import (
     Frame,
@@ -85,7 +86,8 @@ def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenari
     """Return a frame each `FRAME_S` and one at the end, of the last values up to each of them."""
     statuses = Timeline((status.stamp_ns, status) for status in run.statuses)
     victims = Timeline(run.victims)
-    gaits = {victim.name: gait_of(victim) for victim in scenario.mission.victims} if scenario else {}
+    known = resolve(scenario).scenario.mission.victims if scenario else ()
+    gaits = {victim.name: gait_of(victim) for victim in known}
     excluded = [_timeline(robot.excluded) for robot in run.robots]
     fallen_ns = _fallen_ns(run)
     doors = DoorStates.at_start(scenario.plan) if scenario else {}
