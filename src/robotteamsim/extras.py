@@ -5,6 +5,7 @@ _EXTRA_OF_PACKAGE = {
     "cv2": "images",
     "dask": "campaign",
     "distributed": "campaign",
+    "ezdxf": "dxf",
     "fdsreader": "fds",
     "jinja2": "report",
     "matplotlib": "report",

@@ -13,6 +13,7 @@ from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.world.placement import check_places, placed_robots
+from robotteamsim.world.random_people import with_drawn_people
 from robotteamsim.world.random_victims import with_random_victims
 
 
@@ -20,7 +21,7 @@ from robotteamsim.world.random_victims import with_random_victims
 class Setup:
     """A resolved scenario; simulation, controllers, recorders and shells take it.
 
-    scenario: with the victims of `mission.random_victims` at their places.
+    scenario: with the victims of `mission.random_victims` and the people of `people.groups` at their places.
     robots:   the team with start poses, in id order: robots, firefighters, command centre.
     building: the floor plan, with the grids and maps of it that several users need.
     """
@@ -49,7 +50,7 @@ def resolve(scenario: Scenario) -> Setup:
     Raises: PlacementError, ScenarioError: one line with file or --set, key and value.
     """
     building = building_of(scenario.plan)
-    scenario = with_random_victims(scenario, building)
+    scenario = with_drawn_people(with_random_victims(scenario, building), building)
     check_places(scenario, building)
     if scenario.fire is not None:
         make_hazards(scenario, building)  # checks fuel and ignitions

@@ -137,7 +137,8 @@ def search_design(protocol: SearchProtocol) -> Design:
         if not protocol.areas:
             changes["areas"] = ()
         mission = _section(Mission, base.mission, "--victims: ", **changes)
-        base = base.model_copy(update={"mission": mission})
+        nobody_else = base.people.model_copy(update={"groups": ()})
+        base = base.model_copy(update={"mission": mission, "people": nobody_else})
         for noise_db in protocol.noises_db:
             voice = _section(Voice, base.voice, "--noise: ", noise_db=noise_db)
             noisy = base.model_copy(update={"voice": voice})

@@ -12,6 +12,7 @@ import robotteamsim
 from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.paths import PathLog
 from robotteamsim.errors import CampaignError
+from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.events import VictimLocated
 from robotteamsim.mission.status import VictimState
 from robotteamsim.recording.idleness import Idleness, IdlenessLog, patrols
@@ -62,7 +63,8 @@ class Outcome:
              did, and located_by and position_error_m of the first location) and `robots` (distance_m, contact_s,
              excluded_s, longest_stay_s of each); if there are any, `casualties` (id, kind, time_s of robots that
              failed and firefighters who collapsed); `network`, as `recording.network_log.NetworkTotals`, except in
-             stores of earlier versions; for a patrol also `idleness`, as `recording.idleness.Idleness`.
+             stores of earlier versions; for a patrol also `idleness`, as `recording.idleness.Idleness`; with fire
+             or exits also `egress`, as `mission.egress.Egress`.
     paths:   of the robots, for `decode_paths`.
     wall_s:  computing time, the only value that differs between equal trials.
     """
@@ -113,6 +115,12 @@ class Outcome:
     def network(self) -> NetworkTotals | None:
         """The network of the trial; None if it failed, or is in the store of an earlier version."""
         return self.known_details.network
+
+    @property
+    def egress(self) -> Egress | None:
+        """How people left; None if the trial failed, or has no fire and no exits, or is of an earlier version."""
+        found = json.loads(self.details or "{}").get("egress")
+        return None if found is None else msgspec.convert(found, Egress)
 
 
 def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
@@ -181,4 +189,6 @@ class _EventTimes(Observer):
         own: dict[str, Any] = {"areas": self._areas, "victims": self._victims, "robots": robots}
         if self._casualties:
             own["casualties"] = self._casualties
+        if result.egress is not None:
+            own["egress"] = result.egress.values()
         return json.dumps(own | further, ensure_ascii=False)

@@ -1,25 +1,44 @@
 """`robotteamsim plan`: import images and worlds of Stage, export scenarios to Gazebo and MuJoCo, draw floor plans."""
 
 import argparse
+import math
 import os
 import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from robotteamsim import scenario
 from robotteamsim.cli.output import add_png_option, save
-from robotteamsim.cli.parser import PLAN_HELP, SCENARIO_HELP, UsageError, path_of
+from robotteamsim.cli.parser import PLAN_HELP, SCENARIO_HELP, UsageError, number, path_of, positive_number
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
-from robotteamsim.scenario.map_image import import_map
+from robotteamsim.scenario.door_places import without_misplaced_doors
+from robotteamsim.scenario.dxf import DxfRules, import_dxf
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.map_image import DrawingRules, MapImage, left_out, read_drawing, read_map, with_doors
+from robotteamsim.scenario.map_image import import_image as import_image_by_rules
 from robotteamsim.scenario.yaml_text import write
 from robotteamsim.setup import resolve
 from robotteamsim.wording import counted
+from robotteamsim.world.floor_parts import floor_parts, part_text
 
 _IMPORT_TEXT = """\
-Convert an occupancy image, as written by map_server or slam_gmapping, into a floor plan of
-walls and blocks. A scenario can also use the image's yaml directly as its plan."""
+Convert a drawing (an image, or DXF), or an occupancy image as written by map_server or
+slam_gmapping, into a floor plan of walls and blocks. A scenario can also use the yaml of an image directly as its plan.
+A warning is printed for each part of the floor to which no door leads."""
+
+_IMPORT_EXAMPLES = """\
+examples:
+  robotteamsim plan import house.yaml                        image, resolution, origin
+  robotteamsim plan import house.png --metres-per-pixel 0.02
+  robotteamsim plan import house.png --measured 120,80,820,80,14
+                                     the line between these pixels is 14 m long; y counts from the top
+  robotteamsim plan import house.png --metres-per-pixel 0.02 --thinnest-wall 0.08 --smallest-wall 0.5 \\
+    --doors --png import.png         without text and thin lines, gaps as doors, and what became what
+  robotteamsim plan import house.dxf --layer WALLS --layer PILLARS --wall-thickness 0.12"""
 
 _STAGE_TEXT = """\
 Convert a Stage world to a scenario and its floor plan: models with a bitmap, blocks or a
@@ -50,13 +69,22 @@ examples:
   python -m mujoco.viewer --mjcf=DIR/garage_sar.xml"""
 
 
+_DOOR_WIDTHS_M = (0.6, 1.6)
+_DOOR_WIDTHS_TEXT = ",".join(f"{width_m:g}" for width_m in _DOOR_WIDTHS_M)
+_ROBOT_M = 0.2
+"""Radius of the robot for which parts of the floor count as connected."""
+
+
 def add_to(commands: Any) -> None:
     """Add the command to the parser."""
     parser = commands.add_parser("plan", help="import, export or draw floor plans", description=__doc__)
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
 
-    image = actions.add_parser("import", help="convert a map_server image to a floor plan", description=_IMPORT_TEXT)
-    image.add_argument("map", type=path_of, metavar="MAP.yaml", help="yaml of the image")
+    image = actions.add_parser(
+        "import", help="convert a drawing or map to a floor plan", description=_IMPORT_TEXT, epilog=_IMPORT_EXAMPLES
+    )
+    image.add_argument("map", type=path_of, metavar="FILE", help="an image, the yaml of one, or a DXF file")
+    _add_drawing_options(image)
     image.add_argument(
         "--out", type=path_of, metavar="FILE", help="the floor plan to write; default plan.yaml, if that does not exist"
     )
@@ -98,17 +126,147 @@ def add_to(commands: Any) -> None:
     render.set_defaults(command=render_plan)
 
 
+def _add_drawing_options(parser: argparse.ArgumentParser) -> None:
+    """Add the scale of an image without a yaml, and what of it is a wall or a door."""
+    scale = parser.add_mutually_exclusive_group()
+    scale.add_argument("--metres-per-pixel", type=positive_number, metavar="M", help="scale of an image without a yaml")
+    scale.add_argument(
+        "--measured",
+        type=_measured,
+        metavar="X1,Y1,X2,Y2,M",
+        help="the same, from two pixels and their distance",
+    )
+    parser.add_argument(
+        "--thinnest-wall",
+        type=positive_number,
+        default=0.0,
+        metavar="M",
+        help="thinner strokes are no walls: text, dimension lines, arcs of doors; default: all are",
+    )
+    parser.add_argument(
+        "--smallest-wall",
+        type=positive_number,
+        default=0.0,
+        metavar="M",
+        help="separate strokes smaller than this in width and height are no walls: letters; default: all are",
+    )
+    parser.add_argument(
+        "--doors",
+        type=_widths,
+        nargs="?",
+        const=_DOOR_WIDTHS_M,
+        metavar="LOW,HIGH",
+        help=f"gaps of these widths [m] in walls along the axes become open doors; default {_DOOR_WIDTHS_TEXT}",
+    )
+    parser.add_argument("--png", type=path_of, metavar="FILE", help="draw what was taken for what")
+    parser.add_argument(
+        "--layer",
+        action="append",
+        default=[],
+        dest="layers",
+        metavar="NAME",
+        help="a layer of a DXF file whose lines are walls; repeatable; without it, the layers are listed",
+    )
+    parser.add_argument(
+        "--metres-per-unit", type=positive_number, metavar="M", help="scale of a DXF file; default: the unit it names"
+    )
+    parser.add_argument(
+        "--wall-thickness", type=positive_number, metavar="M", help="of each line of a DXF file; default 0.1"
+    )
+
+
+def _numbers(text: str, count: int, form: str) -> list[float]:
+    """Return comma-separated numbers. Raises: ArgumentTypeError."""
+    parts = text.split(",")
+    if len(parts) != count:
+        raise argparse.ArgumentTypeError(f"'{text}' is not {form}")
+    return [number(part) for part in parts]
+
+
+def _measured(text: str) -> float:
+    """Return the metres per pixel of a measured line. Raises: ArgumentTypeError."""
+    x1, y1, x2, y2, metres = _numbers(text, 5, "X1,Y1,X2,Y2,M")
+    pixels = math.hypot(x2 - x1, y2 - y1)
+    if pixels < 1.0 or metres <= 0.0:
+        raise argparse.ArgumentTypeError(f"'{text}': expected two pixels apart from each other, and metres above 0")
+    return metres / pixels
+
+
+def _widths(text: str) -> tuple[float, float]:
+    """Return the least and greatest width of a door. Raises: ArgumentTypeError."""
+    low, high = _numbers(text, 2, "LOW,HIGH")
+    if not 0.0 < low <= high:
+        raise argparse.ArgumentTypeError(f"'{text}': expected widths above 0, the smaller one first")
+    return low, high
+
+
+def _import_image(options: argparse.Namespace) -> tuple[FloorPlan, MapImage, np.ndarray]:
+    """Return the plan of an image, the image, and its ink that is no wall.
+
+    Raises: UsageError: no scale, or two, or options of DXF. ScenarioError: it cannot be read.
+    """
+    for option, value in _dxf_options(options).items():
+        if value:
+            raise UsageError(f"{option}: only for DXF files, not for {options.map}")
+    scale, is_yaml = options.metres_per_pixel or options.measured, options.map.suffix.lower() in (".yaml", ".yml")
+    if is_yaml and scale is not None:
+        raise UsageError(f"{options.map} has the resolution; --metres-per-pixel and --measured are for images")
+    if not is_yaml and scale is None:
+        raise UsageError(f"{options.map}: give its scale with --metres-per-pixel or --measured, or import its yaml")
+    rules = DrawingRules(options.thinnest_wall, options.smallest_wall, options.doors)
+    image = read_map(options.map) if is_yaml else read_drawing(options.map, scale)
+    return import_image_by_rules(image, options.map, rules), image, left_out(image, rules)
+
+
+def _dxf_options(options: argparse.Namespace) -> dict[str, object]:
+    return {
+        "--layer": options.layers,
+        "--metres-per-unit": options.metres_per_unit,
+        "--wall-thickness": options.wall_thickness,
+    }
+
+
+def _import_dxf(options: argparse.Namespace) -> FloorPlan:
+    """Return the plan of a DXF file. Raises: UsageError: options of images. ScenarioError: it cannot be read."""
+    only = {
+        "--metres-per-pixel": options.metres_per_pixel,
+        "--measured": options.measured,
+        "--thinnest-wall": options.thinnest_wall,
+        "--smallest-wall": options.smallest_wall,
+    }
+    for option, value in only.items():
+        if value:
+            raise UsageError(f"{option}: only for images, not for {options.map}")
+    thickness_m = options.wall_thickness or DxfRules(()).wall_thickness_m
+    plan = import_dxf(options.map, DxfRules(options.layers, options.metres_per_unit, thickness_m))
+    return plan if options.doors is None else with_doors(plan, options.doors)
+
+
 def import_image(options: argparse.Namespace) -> None:
-    """Import an image."""
+    """Import an image or a DXF file."""
     out = options.out or Path("plan.yaml")
     if options.out is None and out.exists():
         raise UsageError(f"{out} already exists; choose a file with --out")
     if os.path.realpath(out) == os.path.realpath(options.map):
         raise UsageError(f"--out {out}: would overwrite the map")
-    plan = import_map(options.map)
+    if options.png and os.path.realpath(options.png) in (os.path.realpath(options.map), os.path.realpath(out)):
+        raise UsageError(f"--png {options.png}: would overwrite the map or the plan")
+    image, no_wall = None, None
+    if options.map.suffix.lower() == ".dxf":
+        plan = _import_dxf(options)
+    else:
+        plan, image, no_wall = _import_image(options)
+    plan = without_misplaced_doors(plan)
+    parts = floor_parts(plan, _ROBOT_M)
     with atomically(out) as part:
         scenario.write_floor_plan(plan, part)
-    print(f"{out}: {counted(len(plan.walls), 'wall')}, {counted(len(plan.blocks), 'block')}")
+    counts = [counted(len(plan.walls), "wall"), counted(len(plan.blocks), "block"), counted(len(plan.doors), "door")]
+    print(f"{out}: {', '.join(counts if options.doors else counts[:2])}")
+    if options.png:
+        from robotteamsim.analysis.import_picture import draw_import
+
+        save(draw_import(plan, parts, image, no_wall), options.png)
+    _warn(f"no door leads from the largest part of the floor to {part_text(part)}" for part in parts[1:])
 
 
 def import_stage(options: argparse.Namespace) -> None:

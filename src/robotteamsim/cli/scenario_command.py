@@ -18,6 +18,7 @@ from robotteamsim.scenario.yaml_text import read_mapping, read_text
 from robotteamsim.setup import Setup, resolve
 from robotteamsim.simulation import Simulation
 from robotteamsim.wording import counted
+from robotteamsim.world.floor_parts import FloorPart, part_text, parts_without
 
 _SCHEMA_EPILOG = """\
 With an editor's YAML extension, this first line enables completion and checks:
@@ -73,16 +74,24 @@ def run_check(options: argparse.Namespace) -> None:
             mistakes.append(f"{name}: {mistake}")
             continue
         mission, bounds = loaded.mission, loaded.plan.bounds
-        num_victims = len(mission.victims) + mission.random_victims
         width_m, height_m = (high - low for low, high in zip(bounds.min, bounds.max, strict=True))
         print(
             f"{name}: valid: {counted(loaded.num_robots, 'robot')}, {counted(len(mission.areas), 'area')}, "
-            f"{counted(num_victims, 'victim')} in {loaded.plan.name} of {width_m:g} x {height_m:g} m"
+            f"{counted(loaded.num_victims, 'victim')} in {loaded.plan.name} of {width_m:g} x {height_m:g} m"
         )
+        for part in _unreachable(setup):
+            print(f"{name}: no robot can get to {part_text(part)}, not even through doors")
     if mistakes:
         for mistake in mistakes[:-1]:
             print(f"robotteamsim: {mistake}", file=sys.stderr)
         raise UsageError(mistakes[-1])
+
+
+def _unreachable(setup: Setup) -> tuple[FloorPart, ...]:
+    """Return the parts of the floor that no robot can reach from its start, such as rooms without a door."""
+    robots = [robot for robot in setup.robots[: setup.scenario.num_robots] if robot.present]
+    starts = [robot.start_pose[:2] for robot in robots]
+    return parts_without(setup.plan, min(robot.reach_m for robot in robots), starts) if robots else ()
 
 
 def _mistake_in_setting_up(setup: Setup) -> str:

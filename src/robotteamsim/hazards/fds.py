@@ -10,7 +10,7 @@ import numpy as np
 
 from robotteamsim.errors import PlacementError
 from robotteamsim.extras import missing_extra
-from robotteamsim.hazards.field import BURNING, HazardField
+from robotteamsim.hazards.field import BURNING, HazardField, Ignited
 from robotteamsim.hazards.hazards import ClosedDoors, ambient_field
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.building import Building
@@ -53,6 +53,8 @@ class FdsHazards:
         """Of the last update."""
         self.updated = False
         """Whether the last step was an update."""
+        self.ignited: tuple[Ignited, ...] = ()
+        """The place that burns first."""
 
     def step(self, sim_time_ns: int, doors: ClosedDoors) -> bool:
         """Advance to the step with this stamp [ns]; return whether this was an update. Doors change nothing."""
@@ -61,6 +63,10 @@ class FdsHazards:
             return False
         self.field = self._at((sim_time_ns - self._step_ns) / 1e9)
         self.version += 1
+        if not self.ignited and (self.field.states == BURNING).any():
+            row, col = np.unravel_index(np.argmax(self.field.temperatures_c), self.field.states.shape)
+            (x, y), cell_m = self.field.origin_m, self.field.resolution_m
+            self.ignited = (Ignited("", (x + cell_m * (float(col) + 0.5), y + cell_m * (float(row) + 0.5))),)
         return True
 
     def ignite(self, position_m: Point) -> None:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from robotteamsim import _core
+from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.plan import Grid
 
@@ -18,6 +20,19 @@ FARTHEST_SIGHT_M = 30.0
 
 _CO_PPM_PER_G_M3 = 1e6 * 0.02406 / 28.01
 """Parts per million of a gram of carbon monoxide in a cubic metre of air at 20 degC."""
+
+
+class Ignited(NamedTuple):
+    """A place of fuel that has begun to burn.
+
+    fuel:       its name; "" in results of FDS.
+    position_m: centre of the cell that burns first, in `map` [m].
+    spread:     whether fire from elsewhere has reached it.
+    """
+
+    fuel: str
+    position_m: Point
+    spread: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

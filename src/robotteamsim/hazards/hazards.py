@@ -10,7 +10,7 @@ import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.errors import PlacementError
-from robotteamsim.hazards.field import HazardField
+from robotteamsim.hazards.field import NOT_BURNING, HazardField, Ignited
 from robotteamsim.hazards.topology import Doorway, Topology, check_free, fuel_of_cells, topology
 from robotteamsim.rng import stream
 from robotteamsim.scenario.base import Point
@@ -41,6 +41,8 @@ class HazardSource(Protocol):
     """Number of changes of `field`."""
     updated: bool
     """Whether the last step was an update."""
+    ignited: tuple[Ignited, ...]
+    """What has begun to burn so far, in order."""
 
     def step(self, sim_time_ns: int, doors: ClosedDoors) -> bool:
         """Advance to the step with this stamp [ns]; return whether this was an update, see `Fire.updates_at`."""
@@ -88,7 +90,10 @@ class Hazards:
             convective_share=self._fire.heat.convective_share,
         )
         self._doors_version = 0
-        self._has_burnt = False
+        self.ignited: tuple[Ignited, ...] = ()
+        """What has begun to burn so far, in order."""
+        self._alight: set[int] = set()
+        """Indices of the places of fuel in which something has burnt."""
         self.field = self._read()
         """Of the last update."""
         self.version = 1
@@ -105,10 +110,11 @@ class Hazards:
             closed = doors.closed()
             for index, door in enumerate(self._plan.doors):
                 self._core.set_door(index, closed[door.name])
-        if self._has_burnt:
+        if self.ignited:
             self._core.advance(self._fire.update_s)
             self.field = self._read()
             self.version += 1
+            self._note_spread()
         return True
 
     def ignite(self, position_m: Point) -> None:
@@ -117,7 +123,7 @@ class Hazards:
             row, col = _burning_cell(self._plan, "ignite", position_m, self._cells, self._fuel)
         except PlacementError as error:
             raise ValueError(str(error)) from None
-        self._has_burnt |= self._core.ignite(row * self._cells.shape[1] + col)
+        self._light(row, col)
 
     def burnt_doors(self) -> tuple[str, ...]:
         """Return the names of the doors that have burnt through."""
@@ -135,7 +141,28 @@ class Hazards:
 
     def _ignite_due(self, begin_ns: int) -> None:
         while self._ignitions and self._ignitions[0][0] <= begin_ns:
-            self._has_burnt |= self._core.ignite(self._ignitions.popleft()[1])
+            self._light(*divmod(self._ignitions.popleft()[1], self._cells.shape[1]))
+
+    def _light(self, row: int, col: int) -> None:
+        """Set fire to a cell with fuel; no effect if it has burnt already."""
+        if self._core.ignite(row * self._cells.shape[1] + col):
+            self._note(int(self._fuel[row, col]), row, col, spread=False)
+
+    def _note_spread(self) -> None:
+        """Note the places of fuel that fire from elsewhere has reached in this update."""
+        if len(self._alight) == len(self._fire.fuel):
+            return
+        has_burnt = self.field.states != NOT_BURNING
+        for index in np.unique(self._fuel[has_burnt]).tolist():
+            if index not in self._alight:
+                row, col = np.argwhere(has_burnt & (self._fuel == index))[0].tolist()
+                self._note(index, row, col, spread=True)
+
+    def _note(self, fuel: int, row: int, col: int, spread: bool) -> None:
+        self._alight.add(fuel)
+        (x, y), cell_m = self._cells.origin_m, self._cells.resolution_m
+        position_m = x + cell_m * (col + 0.5), y + cell_m * (row + 0.5)
+        self.ignited = (*self.ignited, Ignited(self._fire.fuel[fuel].name, position_m, spread))
 
     def _read(self) -> HazardField:
         heat = self._fire.heat

@@ -293,9 +293,11 @@ class VictimNotFound(OfVictim, frozen=True, tag="victim_not_found"):
 
 
 class VictimSafe(OfVictim, frozen=True, tag="victim_safe"):
-    """A victim is in safety."""
+    """A victim is in safety. exit: its name, or `egress.AT_CENTRE`."""
 
-    template = "{victim} is safe"
+    exit: str
+
+    template = "{victim} is safe: {exit}"
 
 
 class OfHarm(OfVictim, frozen=True):
@@ -317,10 +319,52 @@ class VictimDied(OfHarm, frozen=True, tag="victim_dead"):
     template = "{victim} dies: FED {gas:.2f} from gas, {heat:.2f} from heat"
 
 
+class VisibilityLost(OfVictim, frozen=True, tag="visibility_lost"):
+    """Smoke takes a victim's sight: for the first time, they see less far than `fire.tenability.visibility_m`."""
+
+    visibility_m: float
+
+    template = "{victim} sees only {visibility_m:.1f} m far"
+
+
 class PersonEnclosed(OfVictim, frozen=True, tag="person_enclosed"):
     """No path to an exit is open to somebody who flees."""
 
     template = "{victim} waits, because no path to an exit is open"
+
+
+class FireStarted(Happening, frozen=True, tag="ignition"):
+    """A place of fuel begins to burn, at a position in `map` [m]. fuel: "" in results of FDS."""
+
+    fuel: str
+    position_m: tuple[float, float]
+    spread: bool
+
+    subject_template = "{fuel}"
+
+    def _words(self, name: Names) -> str:
+        verb, word = ("spreads", "to") if self.spread else ("begins", "in")
+        place = f" {word} {self.fuel}" if self.fuel else ""
+        return f"fire {verb}{place} at ({self.position_m[0]:.1f}, {self.position_m[1]:.1f})"
+
+
+class DoorBurnt(OfDoor, frozen=True, tag="door_burnt"):
+    """A closed door has burnt through, and is open from now on."""
+
+    template = "door {door} burns through"
+
+
+class ExitUntenable(Happening, frozen=True, tag="exit_untenable"):
+    """The conditions at an exit become untenable. gas, heat: the doses of somebody who stays there from the start."""
+
+    exit: str
+    visibility_m: float
+    gas: float
+    heat: float
+
+    subject_template = "{exit}"
+
+    template = "exit {exit} is untenable: visibility {visibility_m:.1f} m, FED {gas:.2f} from gas, {heat:.2f} from heat"
 
 
 class LinkEndangered(Happening, frozen=True, tag="link_endangered"):

@@ -8,7 +8,7 @@ from types import MappingProxyType
 import msgspec
 import numpy as np
 
-from robotteamsim.hazards import HazardField
+from robotteamsim.hazards import HazardField, Ignited
 from robotteamsim.interface import Decision
 from robotteamsim.network.messages import Message, NetworkState
 from robotteamsim.scenario.base import Point
@@ -31,6 +31,7 @@ class MissionInput(msgspec.Struct, frozen=True, kw_only=True, eq=False):
     people:      that the world moves.
     smoke:       fire, smoke and temperature as of their last update; None if nothing can burn.
     harms:       whether that update was in this step.
+    ignited, burnt_doors: what has begun to burn, and the doors that have burnt through, so far.
     mishaps, loads: why robots cannot go on, and what they hold, by id.
     """
 
@@ -48,6 +49,8 @@ class MissionInput(msgspec.Struct, frozen=True, kw_only=True, eq=False):
     people: tuple[PersonState, ...] = ()
     smoke: HazardField | None = None
     harms: bool = False
+    ignited: tuple[Ignited, ...] = ()
+    burnt_doors: tuple[str, ...] = ()
     mishaps: Mapping[int, Mishap] = MappingProxyType({})
     loads: Mapping[int, str] = MappingProxyType({})
 

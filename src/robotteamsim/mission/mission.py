@@ -13,6 +13,7 @@ from robotteamsim.interface import Discovery, Task
 from robotteamsim.mission import events
 from robotteamsim.mission.area_order import AreaOrder
 from robotteamsim.mission.base_station import BaseStation
+from robotteamsim.mission.egress import Egress, EgressMonitor
 from robotteamsim.mission.events import Event
 from robotteamsim.mission.input import MissionInput
 from robotteamsim.mission.monitors import LinkMonitor, TeamMonitor, WorldMonitor
@@ -51,6 +52,7 @@ class Mission:
         """None if robots save the victims."""
         self._casualties = None if scenario.fire is None else Casualties(scenario.fire)
         """None if nothing can burn."""
+        self._egress = EgressMonitor(scenario) if scenario.has_egress else None
         self._places = self._all_places()
         self._heard_places_m: set[Point] = set()
         """Loudest places that have been processed since the victims last changed."""
@@ -79,6 +81,11 @@ class Mission:
     def victims(self) -> tuple[Victim, ...]:
         """The victims in the order of `status.victims`, at their current positions."""
         return self._victims.all
+
+    @property
+    def egress(self) -> Egress | None:
+        """How people leave; None without fire and without exits."""
+        return None if self._egress is None else self._egress.state
 
     @property
     def silent_victims(self) -> tuple[str, ...]:
@@ -122,6 +129,8 @@ class Mission:
         """Add a victim, or move an existing one; they then wait (again) to be heard and saved."""
         if self._casualties is not None:
             self._casualties.forget(name)
+        if self._egress is not None:
+            self._egress.place(name)
         self._base.forget("victim", name)
         index = self._victims.place(name, position_m)
         if self._rescue is not None:
@@ -139,6 +148,8 @@ class Mission:
         for change in self._world.changes(now):
             self._add(change)
             self._epoch += isinstance(change, events.DoorChanged)  # the voice map changes
+            if self._egress is not None and isinstance(change, events.FireStarted):
+                self._egress.ignite(self._elapsed_ns / 1e9)
         if self._autostart and self._state == "waiting":
             self.start()
         # The task's epoch does not change when victims walk: bests must outlive a step of theirs.
@@ -181,7 +192,11 @@ class Mission:
         self._judge_end()
 
     def _judge_harm(self, casualties: Casualties, field: HazardField) -> None:
-        for index, state, event in casualties.judge(field, self._victims):
+        harmed = casualties.judge(field, self._victims)
+        if self._egress is not None:
+            for lost in self._egress.expose(self._elapsed_ns / 1e9, field, self._victims, casualties):
+                self._add(lost)
+        for index, state, event in harmed:
             if self._rescue is not None:
                 self._rescue.harm(index, event.victim, state)
             # Those whom a firefighter has reached stay in their care until they die.
@@ -235,6 +250,8 @@ class Mission:
         victim, time_s = self.victims[news.index], self._elapsed_ns / 1e9
         if news.event is not None:
             self._add(news.event)
+        if self._egress is not None and isinstance(news.event, events.VictimSafe):
+            self._egress.leave(victim.name, time_s, news.event.exit)
         if news.found is not None:
             self._base.add(Discovery("victim", victim.name, *news.found, time_s))
             self._is_task_new = True

@@ -9,9 +9,11 @@ import numpy as np
 from robotteamsim.interface import OUTSIDE, Decision
 from robotteamsim.mission.events import (
     ControllerFailed,
+    DoorBurnt,
     DoorChanged,
     DoorMoves,
     FirefighterCollapsed,
+    FireStarted,
     Happening,
     LinkEndangered,
     ObjectDropped,
@@ -42,6 +44,8 @@ class WorldMonitor:
 
     def __init__(self, scenario: Scenario) -> None:
         self._doors = DoorStates.at_start(scenario.plan)
+        self._num_ignited = 0
+        self._burnt_doors: tuple[str, ...] = ()
         self._enclosed: frozenset[str] = frozenset()
         self._mishaps: Mapping[int, Mishap] = {}
         self._loads: Mapping[int, str] = {}
@@ -52,7 +56,13 @@ class WorldMonitor:
         self._firefighters = frozenset(scenario.firefighter_ids)
 
     def changes(self, now: MissionInput) -> Iterator[Happening]:
-        """Yield what has happened to doors, people, robots and objects."""
+        """Yield what has happened to fuel, doors, people, robots and objects."""
+        for fuel, position_m, spread in now.ignited[self._num_ignited :]:
+            yield FireStarted(fuel, position_m, spread)
+        for name in now.burnt_doors:
+            if name not in self._burnt_doors:
+                yield DoorBurnt(name)
+        self._num_ignited, self._burnt_doors = len(now.ignited), now.burnt_doors
         if now.doors:
             yield from self._door_changes(now.doors)
         if now.people:

@@ -11,6 +11,7 @@ import numpy as np
 
 from robotteamsim.control.people.messages import parse_firefighter_update
 from robotteamsim.interface.task import Assistance
+from robotteamsim.mission.egress import AT_CENTRE
 from robotteamsim.mission.events import (
     NOBODY,
     Happening,
@@ -66,9 +67,9 @@ class Rescue:
         self._voice = scenario.voice
         self._firefighters = scenario.firefighter_ids
         self._sight = Sight(scenario.plan, mission.rescue, scenario.team_size, scenario.run.seed)
-        self._safe_places = [(way_out.center, way_out.radius_m) for way_out in mission.exits]
+        self._safe_places = [(way_out.name, way_out.center, way_out.radius_m) for way_out in mission.exits]
         assert scenario.base is not None, "firefighters need a command centre"
-        self._safe_places.append((setup.start_m(scenario.base), mission.rescue.safe_m))
+        self._safe_places.append((AT_CENTRE, setup.start_m(scenario.base), mission.rescue.safe_m))
         self._helps: dict[int, Assistance] = {}
         """By index of the victim."""
         self._reached_s: dict[int, float] = {}
@@ -222,10 +223,13 @@ class Rescue:
         for index, victim in enumerate(victims.all):
             state = victims.states[index]
             is_moved = state == "carried" or (victim.flees and state in _WAITING)
-            if is_moved and any(math.dist(victim.position, place) <= within for place, within in self._safe_places):
+            if not is_moved:
+                continue
+            reached = (name for name, place, within in self._safe_places if math.dist(victim.position, place) <= within)
+            if (way_out := next(reached, None)) is not None:
                 assistance = self._helps.pop(index, None)
                 robot_id = NOBODY if assistance is None else assistance.robot_id
-                yield VictimNews(index, "safe", VictimSafe(victim.name, robot_id=robot_id))
+                yield VictimNews(index, "safe", VictimSafe(victim.name, way_out, robot_id=robot_id))
 
     def _needs_help(self, victim: Victim, enclosed: frozenset[str]) -> bool:
         return not victim.flees or victim.name in enclosed or victim.name in self._collapsed

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from robotteamsim.hazards import Doses, HazardField
+from robotteamsim.hazards import Dose, Doses, HazardField
 from robotteamsim.mission.events import VictimCollapsed, VictimDied
 from robotteamsim.mission.status import OUT_OF_DANGER, SILENT, VictimState
 from robotteamsim.scenario.base import Point
@@ -80,6 +80,10 @@ class Casualties:
     def __init__(self, fire: Fire) -> None:
         self._doses = Doses(fire)
         self._update_s = fire.update_s
+
+    def dose_of(self, name: str) -> Dose:
+        """Return the dose of a victim."""
+        return self._doses.of(name)
 
     def forget(self, name: str) -> None:
         """Start with no dose again, for a victim who was moved."""

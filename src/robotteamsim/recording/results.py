@@ -109,7 +109,11 @@ class ResultWriter(EventList):
 
 def result_summary(result: Result) -> dict[str, Any]:
     """Return a result as plain values for JSON."""
-    return {**msgspec.structs.asdict(result), "robots": [msgspec.structs.asdict(robot) for robot in result.robots]}
+    return {
+        **msgspec.structs.asdict(result),
+        "robots": [msgspec.structs.asdict(robot) for robot in result.robots],
+        "egress": None if result.egress is None else result.egress.values(),
+    }
 
 
 def mission_document(scenario: Scenario, result: Result, events: list[Event]) -> dict[str, Any]:

@@ -14,6 +14,7 @@ from visualization_msgs.msg import MarkerArray
 from robotteamsim._core.sensing import OdometryState
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision
+from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.status import MissionStatus
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.topics import RECORD_TOPICS, Changes, Source, Topic, When, robots
@@ -271,6 +272,7 @@ class _Beginning(NamedTuple):
     victims: Sequence[Any]
     noise_db: float
     voice_map: FieldMap
+    egress: Egress | None
     events: tuple[()] = ()
 
 
@@ -304,8 +306,9 @@ class RecordOutputs:
         self.publish_objects(world)
         if self._settings.mission:
             mission, voice_map = simulation.mission, simulation.hearing.sensor.map()
-            beginning = _Beginning(mission.status, mission.victims, mission.noise_db, voice_map)
-            self._publish((*MISSION_TOPICS, *VOICE_MAP_TOPICS), 0, beginning)
+            beginning = _Beginning(mission.status, mission.victims, mission.noise_db, voice_map, mission.egress)
+            topics = [topic for topic in (*MISSION_TOPICS, *VOICE_MAP_TOPICS) if topic in self._outputs]
+            self._publish(topics, 0, beginning)
 
     def publish_presence(
         self,
@@ -316,7 +319,7 @@ class RecordOutputs:
         failed: Sequence[int] | frozenset[int],
     ) -> None:
         """Publish which robots were present in a step, and what they cannot do or hold now."""
-        values = present, arrivals, world.mishaps, failed, world.loads
+        values = present, arrivals, world.mishaps, failed, world.loads, self._settings.scenario.roles
         self._presence.publish(ROBOTS.message(self._make, time_ns, *values))
 
     def publish_objects(self, world: AnyWorld) -> None:

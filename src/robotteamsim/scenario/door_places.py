@@ -48,6 +48,13 @@ def misplaced_doors(plan: FloorPlan) -> list[tuple[int, str]]:
     return wrong
 
 
+def without_misplaced_doors(plan: FloorPlan) -> FloorPlan:
+    """Return a plan without the doors that `misplaced_doors` names."""
+    wrong = {index for index, _ in misplaced_doors(plan)}
+    doors = tuple(door for index, door in enumerate(plan.doors) if index not in wrong)
+    return plan.model_copy(update={"doors": doors})
+
+
 def _swings_into(door: Door, static: Sequence[Solid]) -> Solid | None:
     """Return what a leaf hits as it swings, ignoring contact near its hinge and along a wall."""
     leaf = shapely.LineString([door.start, door.end])

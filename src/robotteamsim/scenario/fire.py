@@ -135,6 +135,21 @@ class Casualties(Model):
         return self
 
 
+class Tenability(Model):
+    """From when on conditions are untenable, for the available safe egress time; docs/fire.md has the terms."""
+
+    dose: float = Field(
+        default=0.3, ge=SMALLEST, le=100.0, description="FED that 11 % of the population do not endure [iso13571]"
+    )
+    visibility_m: float = Field(
+        default=10.0,
+        ge=0.0,
+        le=30.0,
+        description="people who see less far may not find their way: 10 for large enclosures, 5 for small ones "
+        "[purser2016]; 0: does not count [m]",
+    )
+
+
 class Fire(Model):
     """Fire and smoke on a grid of the plan."""
 
@@ -154,6 +169,7 @@ class Fire(Model):
     soot: Soot = Soot()
     heat: Heat = Heat()
     casualties: Casualties = Casualties()
+    tenability: Tenability = Tenability()
     fds: str | None = Field(
         default=None,
         description="folder with the results of FDS, instead of fuel and ignitions; relative to the current folder",

@@ -7,18 +7,27 @@ import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 import shapely
 from pydantic import ConfigDict, Field, model_validator
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.map_import.cells import FREE_THRESH, OCCUPIED_THRESH, darkness, lightness, read_image, solid_cells
+from robotteamsim.map_import.cells import (
+    FREE_THRESH,
+    MAX_PIXELS,
+    OCCUPIED_THRESH,
+    darkness,
+    lightness,
+    read_image,
+    solid_cells,
+)
+from robotteamsim.map_import.strokes import gaps, small_groups, thin_strokes
 from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, SMALLEST, Model, PlanarPose, Point, wrong
-from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
-from robotteamsim.scenario.image_walls import MIN_PIECE_M2, in_metres, walls_and_blocks
-from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN, OccupancyGrid, occupancy_grid
+from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
+from robotteamsim.scenario.image_walls import MAX_WALL_THICKNESS_M, MIN_PIECE_M2, in_metres, walls_and_blocks
+from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN, Grid, OccupancyGrid, occupancy_grid
 from robotteamsim.scenario.plan_cache import cached_plan
 from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.scenario import Scenario
@@ -28,8 +37,13 @@ from robotteamsim.wording import printable
 RESOLUTION_M = 0.05
 """Of the map of a plan that is not an image."""
 
+DOOR_CELL_M = 0.02
+"""Cells in which gaps between walls are searched, if the plan is not too large."""
+
 CACHED_PIXELS = 200_000
 """Plans of larger images are kept in the cache."""
+
+Line = TypeVar("Line", Wall, Door)
 
 _FREE_GREY, _UNKNOWN_GREY, _OCCUPIED_GREY = 254, 205, 0
 
@@ -110,26 +124,69 @@ def read_map(path: Path) -> MapImage:
     image_path = path.parent / settings.image
     if not is_file(image_path):
         raise ScenarioError(f"{path}: image: there is no file {shown(settings.image)}")
+    return MapImage(settings, _pixels(image_path, f"{path}: image: '{settings.image}'"))
+
+
+def _pixels(path: Path, place: str) -> np.ndarray:
+    """Return the pixels of an image. Raises: ScenarioError: it cannot be read, or is too small or too large."""
     try:
-        pixels = read_image(image_path)
+        pixels = read_image(path)
     except ValueError as error:
-        raise ScenarioError(f"{path}: image: '{settings.image}' {error}") from None
+        raise ScenarioError(f"{place} {error}") from None
     if min(pixels.shape[:2]) < 3:
-        raise ScenarioError(f"{path}: image: '{settings.image}' has fewer than 3 rows or columns")
-    return MapImage(settings, pixels)
+        raise ScenarioError(f"{place} has fewer than 3 rows or columns")
+    return pixels
+
+
+def read_drawing(path: Path, resolution_m: float) -> MapImage:
+    """Return an image without a yaml as a map whose lower left corner is the origin.
+
+    Args:   resolution_m: edge of a pixel [m].
+    Raises: ScenarioError: one line with file and what was expected.
+    """
+    values = {"image": path.name, "resolution": resolution_m, "origin": [0.0, 0.0, 0.0]}
+    settings = checked(MapFile, values, place=f"{path}: ")
+    return MapImage(settings, _pixels(path, str(path)))
+
+
+@dataclass(frozen=True, slots=True)
+class DrawingRules:
+    """What of an image is a wall, and which gaps are doors. The defaults take all ink, and make no doors.
+
+    thinnest_m: thinner strokes are no walls, such as text, dimension lines and arcs of doors.
+    smallest_m: groups of ink that are smaller in width and height are no walls, such as letters.
+    doors_m:    least and greatest width of a gap in a wall along an axis that is a door; None: none is.
+    """
+
+    thinnest_m: float = 0.0
+    smallest_m: float = 0.0
+    doors_m: tuple[float, float] | None = None
 
 
 def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
-    """Return the floor plan of a map_server image.
+    """Return the floor plan of a map_server image, see `import_image`. Raises: ScenarioError."""
+    return import_image(read_map(Path(map_yaml)), Path(map_yaml), DrawingRules())
 
-    `map_import.cells.solid_cells` decides which cells are solid, and `image_walls.walls_and_blocks` converts them to
-    walls and blocks. Plans of large images are taken from the cache, see `plan_cache`. A yaw turns the plan about the
-    map's origin.
 
+def left_out(image: MapImage, rules: DrawingRules) -> np.ndarray:
+    """Return which cells of ink are no walls by the rules, bool, shape (rows, cols), row 0 at the lowest y."""
+    ink = image.dark >= image.settings.free_thresh
+    cell_m = image.settings.resolution
+    thin = thin_strokes(ink, round(rules.thinnest_m / cell_m))
+    no_wall: np.ndarray = thin | small_groups(ink & ~thin, round(rules.smallest_m / cell_m))
+    return no_wall
+
+
+def import_image(image: MapImage, path: Path, rules: DrawingRules) -> FloorPlan:
+    """Return the floor plan of an image.
+
+    `left_out` decides what is no wall, `map_import.cells.solid_cells` which cells are solid, and
+    `image_walls.walls_and_blocks` converts them to walls and blocks. Plans of large images are taken from the cache,
+    see `plan_cache`. A yaw turns the plan about the map's origin.
+
+    Args:   path: of the image or its yaml, for the plan's name and for errors.
     Raises: ScenarioError: one line with file, key, value and what was expected.
     """
-    path = Path(map_yaml)
-    image = read_map(path)
     settings, pixels = image.settings, image.pixels
     cell_m = (settings.resolution, settings.resolution)
     columns, rows = pixels.shape[1::-1]
@@ -145,17 +202,19 @@ def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
     name = printable(path.stem)[:MAX_NAME_CHARACTERS]
 
     def plan() -> FloorPlan:
-        solid = solid_cells(
-            image.dark, settings.occupied_thresh, settings.free_thresh, settings.resolution, closed=True
-        )
+        dark = np.where(left_out(image, rules), 0.0, image.dark)
+        solid = solid_cells(dark, settings.occupied_thresh, settings.free_thresh, settings.resolution, closed=True)
         walls, blocks = walls_and_blocks(solid, settings.origin[:2], cell_m)
+        grid = Grid(settings.origin[:2], settings.resolution)
+        doors = [] if rules.doors_m is None else list(_doors(solid, grid, rules.doors_m))
         if settings.origin[2] != 0.0:
-            walls, blocks = turn.walls(walls), [*turn.blocks(blocks), *_outside(frame, bounds)]
-        return FloorPlan(name=name, bounds=bounds, walls=tuple(walls), blocks=tuple(blocks))
+            walls, doors = turn.lines(walls), turn.lines(doors)
+            blocks = [*turn.blocks(blocks), *_outside(frame, bounds)]
+        return FloorPlan(name=name, bounds=bounds, walls=tuple(walls), blocks=tuple(blocks), doors=tuple(doors))
 
     if pixels.shape[0] * pixels.shape[1] < CACHED_PIXELS:
         return plan()
-    keys = f"{name} {settings.model_dump_json()} {pixels.shape}"
+    keys = f"{name} {settings.model_dump_json()} {pixels.shape} {rules}"
     return cached_plan((keys.encode(), pixels.tobytes()), plan)
 
 
@@ -171,10 +230,10 @@ class _Turn:
         turned_m = np.round(self._origin_m + (np.array(points) - self._origin_m) @ self._matrix.T, 6)
         return tuple((x, y) for x, y in turned_m.tolist())
 
-    def walls(self, walls: Sequence[Wall]) -> list[Wall]:
-        ends = [self.points((wall.start, wall.end)) for wall in walls]
+    def lines(self, lines: Sequence[Line]) -> list[Line]:
+        ends = [self.points((line.start, line.end)) for line in lines]
         return [
-            wall.model_copy(update={"start": start, "end": end}) for wall, (start, end) in zip(walls, ends, strict=True)
+            line.model_copy(update={"start": start, "end": end}) for line, (start, end) in zip(lines, ends, strict=True)
         ]
 
     def blocks(self, blocks: Sequence[Block]) -> list[Block]:
@@ -188,6 +247,29 @@ def _outside(frame: Sequence[Point], bounds: Bounds) -> Iterator[Block]:
     for number, corner in enumerate(large, 1):
         polygon = tuple((float(x), float(y)) for x, y in shapely.get_coordinates(corner.exterior)[:-1].tolist())
         yield Block(name=f"outside_{number}", polygon=polygon)
+
+
+def with_doors(plan: FloorPlan, widths_m: tuple[float, float]) -> FloorPlan:
+    """Return a plan without doors with one in each gap of some widths in walls along the axes, see `gaps`."""
+    (x0, y0), (x1, y1) = plan.bounds.min, plan.bounds.max
+    cell_m = max(DOOR_CELL_M, math.sqrt((x1 - x0) * (y1 - y0) / MAX_PIXELS))
+    grid = occupancy_grid(plan, cell_m)
+    return plan.model_copy(update={"doors": _doors(grid.cells == OCCUPIED, grid, widths_m)})
+
+
+def _doors(solid: np.ndarray, grid: Grid, widths_m: tuple[float, float]) -> tuple[Door, ...]:
+    """Return an open door door_1, door_2, ... in each gap between walls."""
+    cell_m = grid.resolution_m
+    least, most = (width_m / cell_m for width_m in widths_m)
+    doors: list[Door] = []
+    for gap in gaps(solid, least, most, MAX_WALL_THICKNESS_M / cell_m):
+        middle = (0.0, 0.5 * gap.rows) if gap.along_x else (0.5 * gap.columns, 0.0)
+        along = (gap.columns, 0.0) if gap.along_x else (0.0, gap.rows)
+        start = np.array([gap.column, gap.row]) + middle
+        ends_m = in_metres(grid.origin_m, (cell_m, cell_m), np.array([start, start + along]))
+        (x0, y0), (x1, y1) = ends_m.tolist()
+        doors.append(Door(name=f"door_{len(doors) + 1}", start=(x0, y0), end=(x1, y1)))
+    return tuple(doors)
 
 
 def published_map(scenario: Scenario) -> OccupancyGrid:

@@ -36,28 +36,6 @@ class Exit(Model):
     radius_m: float = Field(default=1.0, ge=SMALLEST, le=100.0, description="people within this distance are safe [m]")
 
 
-class PeopleTuning(Model):
-    """The collision-free speed model of people who flee or follow [tordeux2016]."""
-
-    radius_m: float = Field(
-        default=0.15, ge=SMALLEST, le=1.0, description="of a person; the length l is twice this [m]"
-    )
-    time_gap_s: float = Field(default=1.0, gt=0.01, le=10.0, description="T: time to the one ahead [s]")
-    neighbour_strength: float = Field(
-        default=8.0, ge=0.0, le=1000.0, description="a: how far neighbours turn the direction aside"
-    )
-    neighbour_range_m: float = Field(default=0.1, ge=0.01, le=10.0, description="D: over which that fades [m]")
-    wall_strength: float = Field(default=5.0, ge=0.0, le=1000.0, description="the same of walls")
-    wall_range_m: float = Field(default=0.05, ge=0.01, le=10.0, description="over which that fades [m]")
-    longest_substep_s: float = Field(default=0.05, ge=0.001, le=1.0, description="of the model in a step [s]")
-    look_ahead_m: float = Field(
-        default=2.0, gt=0.1, le=100.0, description="how far along the path to an exit people look [m]"
-    )
-    follow_gap_m: float = Field(
-        default=0.8, gt=0.1, le=10.0, description="distance at which people follow a firefighter [m]"
-    )
-
-
 class Rescue(Model):
     """How robots and firefighters find victims, and firefighters save them, with `saved_by: firefighter`."""
 

@@ -14,8 +14,9 @@ from robotteamsim.scenario.firefighters import Firefighters
 from robotteamsim.scenario.floor_plan import Block, FloorPlan, Wall
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.origin import Origin
+from robotteamsim.scenario.people import People
 from robotteamsim.scenario.radio_presets import with_preset
-from robotteamsim.scenario.rescue import CommandCentre, PeopleTuning, Relays
+from robotteamsim.scenario.rescue import CommandCentre, Relays
 from robotteamsim.scenario.schedule import ScheduledEvent, check_schedule
 from robotteamsim.scenario.sections import Mission, Network, PlacedRobot, Radio, Run, Team, Voice
 
@@ -53,7 +54,7 @@ class Scenario(Model):
         default=None, description="people who bring victims to the command centre or to exits"
     )
     relays: Relays = Relays()
-    people: PeopleTuning = PeopleTuning()
+    people: People = People()
     radio: Radio = Radio()
     voice: Voice = Voice()
     network: Network = Network()
@@ -173,11 +174,22 @@ class Scenario(Model):
             )
         if self.relays.count > robots:
             raise wrong("relays.count", f"{self.relays.count} is above the number of robots, {robots}")
-        fleeing = [index for index, victim in enumerate(mission.victims) if victim.flees]
+        self._check_people()
+
+    def _check_people(self) -> None:
+        """Raise the error of people who have nowhere to flee to, or the name of another."""
+        mission, groups = self.mission, self.people.groups
+        flees = {f"mission.victims.{index}": victim.flees for index, victim in enumerate(mission.victims)}
+        flees |= {f"people.groups.{index}": group.flees for index, group in enumerate(groups)}
+        fleeing = next((key for key, do_flee in flees.items() if do_flee), None)
         if fleeing and not mission.exits:
-            raise wrong(
-                f"mission.victims.{fleeing[0]}.flees", "there is no exit; expected at least one in mission.exits"
-            )
+            raise wrong(f"{fleeing}.flees", "there is no exit; expected at least one in mission.exits")
+        known = {victim.name for victim in mission.victims}
+        known |= {f"random_{number}" for number in range(1, mission.random_victims + 1)}
+        for index, group in enumerate(groups):
+            if double := known.intersection(group.names):
+                raise wrong(f"people.groups.{index}.name", f"'{min(double)}' is the name of another victim")
+            known.update(group.names)
 
     @property
     def _robot_keys(self) -> tuple[str, ...]:
@@ -223,6 +235,11 @@ class Scenario(Model):
             return "firefighter"
         return "command_centre" if self.command_centre is not None and robot_id == self.base else "robot"
 
+    @property
+    def roles(self) -> tuple[Role, ...]:
+        """The role of each member of the team, in id order."""
+        return tuple(map(self.role_of, range(self.team_size)))
+
     def name_of(self, robot_id: int) -> str:
         """Return the name of a member of the team for texts, such as "robot 2"."""
         role = self.role_of(robot_id)
@@ -231,7 +248,20 @@ class Scenario(Model):
     @property
     def moves_people(self) -> bool:
         """Whether the world moves people; otherwise victims only walk as their `path` or `wander` says."""
-        return self.mission.saved_by == "firefighter" or any(victim.flees for victim in self.mission.victims)
+        if self.mission.saved_by == "firefighter" or any(victim.flees for victim in self.mission.victims):
+            return True
+        return any(group.flees for group in self.people.groups)
+
+    @property
+    def num_victims(self) -> int:
+        """Number of victims at the start, those included whom the seed draws."""
+        drawn = self.mission.random_victims + sum(group.count for group in self.people.groups)
+        return len(self.mission.victims) + drawn
+
+    @property
+    def has_egress(self) -> bool:
+        """Whether missions report how people leave: there is a fire, or an exit."""
+        return self.fire is not None or bool(self.mission.exits)
 
     @property
     def present_at_start(self) -> tuple[bool, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 
+import numpy as np
 import shapely
 from pydantic import Field, model_validator
 
@@ -15,15 +16,15 @@ SMALLEST_ROOM_M2 = 0.01
 SHORTEST_LOOP_M = 0.1
 
 
-class Wander(Model):
-    """A region in which a victim walks to random places: a disc, or the polygon of a room."""
+class Region(Model):
+    """A part of the floor in which people are, or walk to random places: a disc, or the polygon of a room."""
 
     center: Point | None = Field(default=None, description="[x, y] of the disc in the map frame [m]")
     radius_m: float | None = Field(default=None, ge=0.1, le=1000.0, description="of the disc [m]")
     polygon: Many[Point] | None = Field(default=None, min_length=3, description="corners in order [m]")
 
     @model_validator(mode="after")
-    def _check(self) -> Wander:
+    def _check(self) -> Region:
         if self.polygon is None:
             for key in ("center", "radius_m"):
                 if getattr(self, key) is None:
@@ -39,11 +40,18 @@ class Wander(Model):
 
     def contains(self, point: Point) -> bool:
         """Whether a point lies inside or on the border."""
+        return bool(self.contain(np.array([point]))[0])
+
+    def contain(self, points: np.ndarray) -> np.ndarray:
+        """Return whether points lie inside or on the border, bool, shape (n,). Args: shape (n, 2), in `map` [m]."""
+        inside: np.ndarray
         if self.polygon is not None:
-            return bool(shapely.Polygon(self.polygon).intersects(shapely.Point(point)))
+            inside = shapely.intersects_xy(shapely.Polygon(self.polygon), *points.T)
+            return inside
         assert self.center is not None
         assert self.radius_m is not None
-        return math.dist(self.center, point) <= self.radius_m
+        inside = np.hypot(*(points - self.center).T) <= self.radius_m
+        return inside
 
     def box(self) -> tuple[Point, Point]:
         """Return the lower left and the upper right corner of the smallest box that contains the region [m]."""
@@ -63,7 +71,7 @@ class Victim(Model):
     position: Point = Field(description="[x, y] in the map frame, at the start [m]")
     path: Many[Point] = Field(default=(), max_length=1000, description="places to walk to, in this order [m]")
     loop: bool = Field(default=False, description="after the last place of path, walk to its first one again")
-    wander: Wander | None = Field(default=None, description="region with random places to walk to")
+    wander: Region | None = Field(default=None, description="region with random places to walk to")
     speed_mps: float = Field(default=0.5, ge=0.001, le=10.0, description="walking speed [m/s]")
     flees: bool = Field(default=False, description="walks to the nearest exit that can be reached")
     flees_after_s: float = Field(default=0.0, ge=0.0, le=1e6, description="until then, this person stays [s]")

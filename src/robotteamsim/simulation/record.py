@@ -11,6 +11,7 @@ import numpy as np
 
 from robotteamsim.hazards import HazardField
 from robotteamsim.interface import Decision
+from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.events import Event
 from robotteamsim.mission.status import MissionEnd, MissionStatus
 from robotteamsim.network.messages import Message, NetworkState
@@ -47,6 +48,7 @@ class StepRecord(msgspec.Struct, frozen=True, kw_only=True, eq=False):
     hazards:    fire, smoke and temperature, in the steps in which they advance, else None.
     failed:     ids of the absent robots that have failed by heat.
     people:     that the world moves; `people_version` increases with each update of their positions.
+    egress:     how people leave; None without fire and without exits.
     """
 
     step_index: int
@@ -71,6 +73,7 @@ class StepRecord(msgspec.Struct, frozen=True, kw_only=True, eq=False):
     failed: frozenset[int] = frozenset()
     people_version: int = 0
     people: tuple[PersonState, ...] = ()
+    egress: Egress | None = None
 
     def is_there(self, robot_id: int) -> bool:
         """Whether a robot is present."""
@@ -102,6 +105,7 @@ class Result(msgspec.Struct, frozen=True):
     wall_s: of the computation, the only value that differs between equal runs.
     discoveries_delivered: discoveries delivered to the base; None: there is no base.
     mean_delivery_delay_s, max_delivery_delay_s: from discovery to delivery [s]; None: none was delivered.
+    egress: how people left; None without fire and without exits.
     """
 
     scenario: str
@@ -123,6 +127,7 @@ class Result(msgspec.Struct, frozen=True):
     mean_delivery_delay_s: float | None = None
     max_delivery_delay_s: float | None = None
     victims_dead: int = 0
+    egress: Egress | None = None
 
     @property
     def speed(self) -> float:

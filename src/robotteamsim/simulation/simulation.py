@@ -132,6 +132,8 @@ class Simulation:
             people=self.people.states,
             smoke=hazards.field,
             harms=hazards.update is not None,
+            ignited=hazards.ignited,
+            burnt_doors=hazards.burnt_doors,
             mishaps=world.mishaps,
             loads=world.loads,
         )
@@ -164,6 +166,7 @@ class Simulation:
             failed=self.hazards.failed,
             people_version=self.people.version,
             people=self.people.states,
+            egress=mission.egress,
         )
 
     def run(self, observers: Sequence[Observer] = ()) -> Result:

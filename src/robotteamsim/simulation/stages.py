@@ -13,7 +13,7 @@ import numpy as np
 
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
-from robotteamsim.hazards import HazardField, HazardSource, HeatStress, walking_speed_share
+from robotteamsim.hazards import HazardField, HazardSource, HeatStress, Ignited, walking_speed_share
 from robotteamsim.hazards.hazards import make_hazards
 from robotteamsim.interface import Assistance
 from robotteamsim.mission.status import OUT_OF_DANGER, VictimState
@@ -104,6 +104,13 @@ class NoHazards:
     """`field` if it was updated in the last step, else None."""
     failed: frozenset[int] = frozenset()
     """The absent robots and firefighters that have failed or collapsed."""
+    burnt_doors: tuple[str, ...] = ()
+    """The names of the doors that have burnt through."""
+
+    @property
+    def ignited(self) -> tuple[Ignited, ...]:
+        """What has begun to burn so far, in order."""
+        return ()
 
     def slowed(self, twists: Sequence[Twist]) -> Sequence[Twist]:
         """Return the commands of a step as firefighters can follow them in the smoke of the last update."""
@@ -130,6 +137,11 @@ class HazardStage(NoHazards):
         self._stress = HeatStress(scenario.fire, world.num_robots)
         self._firefighters = FirefighterHealth(scenario)
 
+    @property
+    def ignited(self) -> tuple[Ignited, ...]:
+        """See `NoHazards.ignited`."""
+        return self.source.ignited
+
     def slowed(self, twists: Sequence[Twist]) -> Sequence[Twist]:
         """See `NoHazards.slowed`."""
         return self._firefighters.slowed(twists)
@@ -142,7 +154,8 @@ class HazardStage(NoHazards):
         self.field, self.update = field, field if is_updated else None
         if not is_updated:
             return
-        for name in self.source.burnt_doors():
+        self.burnt_doors = self.source.burnt_doors()
+        for name in self.burnt_doors:
             if world.door_states()[name].closed:
                 world.set_door(name, closed=False)
         positions_m = world.positions_m()

@@ -128,4 +128,5 @@ class Trial:
             mean_delivery_delay_s=delivered.mean_delay_s if delivered and delivered.count else None,
             max_delivery_delay_s=delivered.max_delay_s if delivered and delivered.count else None,
             victims_dead=status.victims.count("dead"),
+            egress=last.egress,
         )

@@ -12,9 +12,11 @@ from typing import Any, Generic, NamedTuple, TypeVar
 import numpy as np
 
 from robotteamsim.errors import RecordingError
+from robotteamsim.mission.egress import Egress
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.topics import Topic
+from robotteamsim.recording.topics.mission import EGRESS, read_egress
 from robotteamsim.recording.topics.radio import NETWORK_STATE, VOICE_MAP
 from robotteamsim.recording.topics.robots import SCAN
 from robotteamsim.recording.topics.world import DOORS, FIRE, PEOPLE, SMOKE, TEMPERATURE
@@ -67,6 +69,7 @@ class BagLayers:
     smoke: Timeline[OccupancyGrid]
     temperatures: Timeline[FieldMap]
     scans: dict[str, Timeline[Scan]]
+    egress: Timeline[Egress]
 
 
 def read_layers(paths: Sequence[Path], scanned: Sequence[str]) -> BagLayers:
@@ -100,6 +103,7 @@ def read_layers(paths: Sequence[Path], scanned: Sequence[str]) -> BagLayers:
         fire=lines[FIRE.name],
         smoke=lines[SMOKE.name],
         temperatures=lines[TEMPERATURE.name],
+        egress=lines[EGRESS.name],
         scans={name: lines[topic] for name, topic in scan_topics.items()},
     )
 
@@ -158,6 +162,7 @@ _OF_TEAM: dict[Topic, Callable[[Any], Any]] = {
     NETWORK_STATE: _links,
     DOORS: _openings,
     PEOPLE: lambda message: enclosed_of(message.people),
+    EGRESS: read_egress,
     VOICE_MAP: lambda message: _field_map(message, "levels", _MOST_DB),
     FIRE: _grid,
     SMOKE: _grid,

@@ -9,6 +9,7 @@ import msgspec
 import numpy as np
 
 from robotteamsim.interface import OUTSIDE
+from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.events import AnyEvent
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.simulation import Simulation, StepRecord
@@ -39,6 +40,20 @@ class VictimShape(msgspec.Struct, frozen=True):
     gait: Gait = "lies"
 
 
+class ShownEgress(msgspec.Struct, frozen=True):
+    """How people leave, as of a frame; times are of the mission's clock, or from ignition, as in `Egress` [s].
+
+    out:       how many people are safe, by exit.
+    exposures: of each victim, the doses by gas and by heat, and how far they see [m]; empty before a fire.
+    """
+
+    ignition_s: float | None
+    aset_s: float | None
+    rset_s: float | None
+    out: dict[str, int]
+    exposures: tuple[tuple[float, float, float], ...]
+
+
 class ShownEvent(msgspec.Struct, frozen=True):
     """An event with the time of the frame in which it is shown [s]."""
 
@@ -59,6 +74,7 @@ class Frame(msgspec.Struct, frozen=True):
     explored, target: whether each area is explored; the area to explore now, -1 for none.
     endangered: how often a link became endangered so far.
     scans_m: ranges of each robot's laser; empty in frames without scans.
+    egress:  None without fire and without exits.
     """
 
     time_s: float
@@ -75,6 +91,7 @@ class Frame(msgspec.Struct, frozen=True):
     noise_db: float = 0.0
     endangered: int = 0
     scans_m: tuple[list[float], ...] = ()
+    egress: ShownEgress | None = None
 
 
 def frame_of(
@@ -109,7 +126,17 @@ def frame_of(
         noise_db=mission.noise_db,
         endangered=status.endangered_links,
         scans_m=tuple(scans),
+        egress=shown_egress(mission.egress),
     )
+
+
+def shown_egress(egress: Egress | None) -> ShownEgress | None:
+    """Return the egress of a mission as shown."""
+    if egress is None:
+        return None
+    exposures = tuple((person.gas, person.heat, person.visibility_m) for person in egress.people)
+    is_lit = egress.ignition_s is not None
+    return ShownEgress(egress.ignition_s, egress.aset_s, egress.rset_s, egress.num_out, exposures if is_lit else ())
 
 
 def victim_shape(

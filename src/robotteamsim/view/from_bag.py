@@ -16,8 +16,19 @@ from robotteamsim.recording.topics.radio import VOICE_MAP
 from robotteamsim.recording.topics.world import FIRE, SMOKE
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.setup import resolve
 from robotteamsim.view.bag_layers import BagLayers, Timeline, read_layers
-from robotteamsim.view.frame import Frame, Link, Pose, fallen_of, gait_of, links_of, shown_events, victim_shape
+from robotteamsim.view.frame import (
+    Frame,
+    Link,
+    Pose,
+    fallen_of,
+    gait_of,
+    links_of,
+    shown_egress,
+    shown_events,
+    victim_shape,
+)
 from robotteamsim.view.layers import SMOKE_S, field_layer, fire_layer, keep_map, smoke_layer
 from robotteamsim.view.recorder import FRAME_S, MOST_SCANNED, SCAN_S, Recording
 from robotteamsim.view.scene import Scene, scene_of_run
@@ -75,7 +86,8 @@ def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenari
     """Return a frame each `FRAME_S` and one at the end, of the last values up to each of them."""
     statuses = Timeline((status.stamp_ns, status) for status in run.statuses)
     victims = Timeline(run.victims)
-    gaits = {victim.name: gait_of(victim) for victim in scenario.mission.victims} if scenario else {}
+    known = resolve(scenario).scenario.mission.victims if scenario else ()
+    gaits = {victim.name: gait_of(victim) for victim in known}
     excluded = [_timeline(robot.excluded) for robot in run.robots]
     fallen_ns = _fallen_ns(run)
     doors = DoorStates.at_start(scenario.plan) if scenario else {}
@@ -108,6 +120,7 @@ def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenari
                 noise_db=status.noise_db,
                 endangered=status.endangered_links,
                 scans_m=tuple(scan.ranges_m if scan else [] for scan in scans) if any(scans) else (),
+                egress=shown_egress(layers.egress.at(stamp_ns, None)),
             )
         )
     return frames

@@ -13,8 +13,8 @@ from robotteamsim import _core
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.building import Building, Doors
 from robotteamsim.scenario.fire import BLOCK_M, Block
+from robotteamsim.scenario.people import People as PeopleSection
 from robotteamsim.scenario.plan import FREE
-from robotteamsim.scenario.rescue import PeopleTuning
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.victims import Victim
@@ -242,7 +242,7 @@ class _Grid:
         return start is not None and self._core.is_line_free(start, place)
 
 
-def crowd_parameters(tuning: PeopleTuning) -> _core.world.CrowdParameters:
+def crowd_parameters(tuning: PeopleSection) -> _core.world.CrowdParameters:
     """Return the parameters of the model for the C++ library."""
     return _core.world.CrowdParameters(
         time_gap_s=tuning.time_gap_s,

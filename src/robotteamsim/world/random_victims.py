@@ -52,9 +52,14 @@ def with_random_victims(scenario: Scenario, building: Building) -> Scenario:
     return scenario.model_copy(update={"mission": mission})
 
 
-def reachable_cells_m(building: Building, reach_m: float, starts: tuple[Point, ...]) -> np.ndarray:
-    """Return the centres of all cells that a body of this radius can reach from any start, shape (n, 2), row by row."""
-    occupancy = building.grid(CELL_M)
+def reachable_cells_m(
+    building: Building, reach_m: float, starts: tuple[Point, ...], through_doors: bool = False
+) -> np.ndarray:
+    """Return the centres of all cells that a body of this radius can reach from any start, shape (n, 2), row by row.
+
+    Args: through_doors: False: doors are as at the start; True: as if all were open.
+    """
+    occupancy = building.grid_without_doors(CELL_M) if through_doors else building.grid(CELL_M)
     grid = _core.plan.PlanningGrid(occupancy.cells != FREE, occupancy.origin_m, CELL_M, reach_m + MARGIN_M)
     reached = np.zeros(occupancy.cells.shape, dtype=bool)
     for start in starts:

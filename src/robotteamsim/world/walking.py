@@ -13,7 +13,7 @@ from robotteamsim.rng import stream
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.victims import Victim, Wander
+from robotteamsim.scenario.victims import Region, Victim
 from robotteamsim.world.clearance import Solids
 
 MAX_DRAWS = 1000
@@ -83,7 +83,7 @@ def _along(victim: Victim) -> Iterator[Point]:
     return itertools.cycle(victim.path) if victim.loop else iter(victim.path)
 
 
-def _random_places(plan: FloorPlan, start: Point, region: Wander, generator: np.random.Generator) -> Iterator[Point]:
+def _random_places(plan: FloorPlan, start: Point, region: Region, generator: np.random.Generator) -> Iterator[Point]:
     """Yield places in a region, each in a straight line from the one before that no wall and no block crosses."""
     solids = Solids(plan, doors=False)
     low, high = region.box()

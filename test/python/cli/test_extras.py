@@ -12,7 +12,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
 
-OF_EXTRAS = ("PIL", "cv2", "dask", "distributed", "imageio_ffmpeg", "jinja2", "matplotlib", "mujoco")
+OF_EXTRAS = ("PIL", "cv2", "dask", "distributed", "ezdxf", "imageio_ffmpeg", "jinja2", "matplotlib", "mujoco")
 OF_EXTRAS += ("pandas", "scipy", "statsmodels", "tornado")
 
 CORE_ONLY = f"""
@@ -69,6 +69,7 @@ def test_command_needs_no_extra(folder: Path, words: tuple[str, ...]) -> None:
         (("run", "garage_sar", "--set", "run.world=mujoco"), "mujoco"),
         (("plan", "export-mujoco", "garage_sar", "--out", "mujoco"), "mujoco"),
         (("plan", "import", str(ROOT / "maps" / "garage" / "map.yaml"), "--out", "plan.yaml"), "images"),
+        (("plan", "import", "house.dxf", "--layer", "WALLS"), "dxf"),
     ],
 )
 def test_missing_package_of_an_extra_is_one_line_with_the_command_to_install_it(

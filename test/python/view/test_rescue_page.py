@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from playwright.sync_api import Browser
+from playwright.sync_api import Browser, Page
 from rosbags.rosbag1 import Reader, Writer
 from shown_page import opened, seek, served, shown, taken
 
@@ -94,6 +94,14 @@ class _Truth:
         pass
 
 
+def _rows(page: Page, section: str) -> list[list[str]]:
+    """Return the texts of the cells of a section's table, row by row."""
+    found: list[list[str]] = page.eval_on_selector_all(
+        f"{section} tr", "all => all.map((one) => [...one.cells].map((c) => c.textContent))"
+    )
+    return found
+
+
 def _last(values: list[tuple[float, Any]], time_s: float) -> Any:
     return [value for since_s, value in values if since_s <= time_s + 1e-9][-1]
 
@@ -160,17 +168,38 @@ def test_click_on_a_victim_shows_their_states_with_times(
             seek(page, 30.0)
             if page.is_visible("#victim"):
                 break
-        rows = page.eval_on_selector_all(
-            "#victim tr", "all => all.map((one) => [...one.cells].map((c) => c.textContent))"
-        )
+        rows = _rows(page, "#victim")
         begins: list[tuple[str, float]] = []
         for time_s, states in truth.states:
             if time_s <= 30.0 and (not begins or begins[-1][0] != states[3]):
                 begins.append((states[3], time_s))
         assert str(page.text_content("#victim h2")) == "tom"
-        assert [state for state, _ in rows[:-1]] == [state for state, _ in begins]
-        for (_, text), (_, time_s) in zip(rows[:-1], begins, strict=True):
+        found, exposure = rows[: len(begins)], dict(rows[len(begins) :])
+        assert [state for state, _ in found] == [state for state, _ in begins]
+        for (_, text), (_, time_s) in zip(found, begins, strict=True):
             assert float(text.removesuffix(" s")) == pytest.approx(time_s, abs=0.25)
+        frame = [frame for frame in recording.frames if frame.time_s <= 30.0 + 1e-9][-1]
+        assert frame.egress is not None
+        gas, heat, visibility_m = frame.egress.exposures[3]
+        assert [exposure["FED by gas"], exposure["FED by heat"]] == [f"{gas:.2f}", f"{heat:.2f}"]
+        assert float(exposure["visibility"].removesuffix(" m")) == pytest.approx(visibility_m, abs=0.11)
+
+
+def test_panel_counts_people_out_by_exit_and_shows_egress_times(
+    browser: Browser, mission: tuple[Recording, _Truth, Path], tmp_path: Path
+) -> None:
+    recording, _, _ = mission
+    with shown(browser, tmp_path, [recording]) as page:
+        for time_s in (5.0, recording.frames[-1].time_s):
+            seek(page, time_s)
+            frame = [frame for frame in recording.frames if frame.time_s <= time_s + 1e-9][-1]
+            assert frame.egress is not None
+            rows = dict(_rows(page, "#egress"))
+            assert rows["out: gate"] == str(frame.egress.out["gate"])
+            assert (rows["out: gate"] == "0") == (time_s == 5.0)
+            rset_s = frame.egress.rset_s
+            assert rows["RSET"] == ("not reached" if rset_s is None else f"{rset_s:.1f} s")
+            assert "fire began" in rows
 
 
 def test_a_bag_shows_the_same_fire_and_smoke(mission: tuple[Recording, _Truth, Path]) -> None:

@@ -8,7 +8,9 @@ import pytest
 
 from robotteamsim.recording import BagWriter
 from robotteamsim.scenario.loading import from_mapping
+from robotteamsim.scenario.people import People, PeopleGroup
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.victims import Region
 from robotteamsim.simulation import Simulation
 from robotteamsim.view.frame import Frame
 from robotteamsim.view.from_bag import recording_of_bag
@@ -85,3 +87,17 @@ def test_recordings_and_bags_show_collapsed_and_enclosed_people(scenario: Scenar
         assert (True, "walks") in eve
         assert (True, "flees") not in eve
         assert (False, "flees") in eve
+
+
+def test_people_of_a_group_flee_in_a_recording_and_in_a_bag(scenario: Scenario, tmp_path: Path) -> None:
+    group = PeopleGroup(name="guest", count=2, region=Region(center=(26.0, 3.0), radius_m=2.0))
+    mission = scenario.mission.model_copy(update={"victims": (), "time_limit_s": 6.0})
+    guests = scenario.model_copy(update={"mission": mission, "people": People(groups=(group,))})
+    simulation = Simulation(guests)
+    recorder = FrameRecorder(simulation)
+    simulation.run([recorder, BagWriter(tmp_path / "guests.bag")])
+    for frames in (recorder.recording.frames, recording_of_bag([tmp_path / "guests.bag"], guests).frames):
+        assert [(victim.name, victim.state) for victim in frames[-1].victims] == [
+            ("guest_1", "fleeing"),
+            ("guest_2", "fleeing"),
+        ]

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from robotteamsim import _core
-from robotteamsim.scenario.rescue import PeopleTuning
+from robotteamsim.scenario.people import People
 from robotteamsim.world.people import crowd_parameters
 
-TUNING = PeopleTuning()
+TUNING = People()
 NOBODY = np.zeros((0, 3))
 
 
@@ -135,7 +135,7 @@ def test_flow_through_a_door_of_one_metre_is_within_the_published_range_and_nobo
 )
 def test_flow_through_a_door_agrees_with_that_of_jupedsim(radius_m, time_gap_s, theirs, monkeypatch):
     # JuPedSim 1.4.2, the same room, people and parameters: bench/jupedsim_door.py.
-    tuning = PeopleTuning(radius_m=radius_m, time_gap_s=time_gap_s)
+    tuning = People(radius_m=radius_m, time_gap_s=time_gap_s)
     monkeypatch.setitem(globals(), "TUNING", tuning)
     assert door_flow(1.0)[0] == pytest.approx(theirs, rel=0.12)
 

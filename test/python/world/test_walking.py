@@ -11,11 +11,11 @@ from two_rooms import two_rooms
 
 from robotteamsim.scenario.plan import solids
 from robotteamsim.scenario.sections import Mission, Run, Victim
-from robotteamsim.scenario.victims import Wander
+from robotteamsim.scenario.victims import Region
 from robotteamsim.world.walking import Walk, Walkers
 
 PLAN = two_rooms(closed=True)
-EVERYWHERE = Wander(polygon=((0.0, 0.0), (12.0, 0.0), (12.0, 6.0), (0.0, 6.0)))
+EVERYWHERE = Region(polygon=((0.0, 0.0), (12.0, 0.0), (12.0, 6.0), (0.0, 6.0)))
 
 
 def ann(**keys: object) -> Victim:
@@ -61,7 +61,7 @@ def test_position_depends_on_time_and_seed_but_not_on_what_was_asked_before():
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "region",
-    [EVERYWHERE, Wander(center=(3.0, 2.0), radius_m=2.5), Wander(polygon=((0.5, 0.5), (3.0, 0.5), (0.5, 3.0)))],
+    [EVERYWHERE, Region(center=(3.0, 2.0), radius_m=2.5), Region(polygon=((0.5, 0.5), (3.0, 0.5), (0.5, 3.0)))],
 )
 def test_random_walk_stays_in_its_region_crosses_no_wall_and_keeps_its_speed(region):
     steps = [0.1 * i for i in range(6000)]

@@ -111,7 +111,7 @@ def search_samples(
                 end_s=np.array([outcome.time_s for outcome in own]),
                 bound_s=np.array([bounds[building, robots, outcome.seed].time_s for outcome in own]),
                 networks=_networks(own),
-                num_victims=scenario.mission.random_victims + len(scenario.mission.victims),
+                num_victims=scenario.num_victims,
                 num_areas=len(scenario.mission.areas),
                 limit_s=scenario.mission.time_limit_s,
                 step_s=scenario.run.step_s,

@@ -15,6 +15,7 @@ from markupsafe import Markup
 from robotteamsim import palette
 from robotteamsim.analysis.report import figures, maps
 from robotteamsim.analysis.report.contrasts import MAX_PAIRS, Contrast, compared_pairs, contrasts, overall
+from robotteamsim.analysis.report.egress import draw_people_out, egress_table, exit_table, has_ways_out
 from robotteamsim.analysis.report.pictures import Picture, picture
 from robotteamsim.analysis.report.rank_tests import PERMUTATIONS
 from robotteamsim.analysis.report.samples import Campaign, Cell, Panel, Sample, panels_of, pooled
@@ -118,6 +119,7 @@ def make_report(
     campaign = pooled(stored, places)
     panels, between = panels_of(campaign), contrasts(campaign, each_pair=each_pair)
     tables = campaign_tables(panels, between, overall(campaign))
+    tables += tuple(table for table in (egress_table(panels), exit_table(panels)) if table.rows)
     pictures = list(campaign_pictures(campaign, panels))
     opening, notes = compared_settings(between), campaign_notes(campaign, missions)
     if not each_pair and (count := len(compared_pairs(campaign))) > MAX_PAIRS:
@@ -193,6 +195,14 @@ def campaign_pictures(campaign: Campaign, panels: Sequence[Panel]) -> Iterator[P
     num_victims = max(sample.num_victims for sample in samples)
     if num_victims > 0:
         yield _counts_picture(panels, "victims", "Victims saved", lambda sample: sample.victims_saved, num_victims)
+    if has_ways_out(panels):
+        yield picture(
+            "people_out",
+            "People out over time",
+            "Mean number of people who are safe, at an exit or at the command centre. The band contains 95 % of the "
+            "missions.",
+            draw_people_out(panels),
+        )
     yield picture(
         "times",
         "Mission durations",

@@ -14,6 +14,7 @@ from robotteamsim.campaign import Outcome, StoredCampaign, decode_paths
 from robotteamsim.campaign.design import cell_name, settings_difference
 from robotteamsim.campaign.summary import num_different
 from robotteamsim.errors import CampaignError, ScenarioError
+from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.status import COMPLETED
 from robotteamsim.palette import OURS
 from robotteamsim.recording.network_log import NetworkTotals
@@ -33,7 +34,7 @@ class Sample:
     distance_m: driven by all robots; NaN where unknown.
     numbers:    of the trials: trials of equal number form a pair in a paired campaign.
     limit_s:    time limit of the mission.
-    networks:   of the missions; fewer if some are in stores of an earlier version.
+    networks, egress: of the missions; fewer if some are in stores of an earlier version, or have none.
     saved_s:    of each mission, the times at which victims were saved, ascending; () if they are unknown.
     """
 
@@ -49,6 +50,7 @@ class Sample:
     limit_s: float
     networks: tuple[NetworkTotals, ...] = ()
     saved_s: tuple[tuple[float, ...], ...] = ()
+    egress: tuple[Egress, ...] = ()
 
     def __len__(self) -> int:
         return len(self.time_s)
@@ -275,4 +277,5 @@ def _sample(outcomes: Sequence[Outcome], limit_s: float) -> Sample:
         limit_s=limit_s,
         networks=tuple(network for outcome in outcomes if (network := outcome.network) is not None),
         saved_s=() if None in saved_s else tuple(times_s for times_s in saved_s if times_s is not None),
+        egress=tuple(egress for outcome in outcomes if (egress := outcome.egress) is not None),
     )

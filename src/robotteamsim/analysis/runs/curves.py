@@ -24,6 +24,8 @@ def curves(run: RecordedRun) -> list[Curve]:
     found: list[Curve] = []
     if run.statuses:
         found.append(draw_progress)
+    if run.egress is not None and run.egress.has_ways_out:
+        found.append(draw_people_out)
     if run.network is not None:
         found += [draw_links, draw_hops, draw_fiedler]
     if run.robots:
@@ -63,6 +65,18 @@ def draw_progress(axes: Axes, run: RecordedRun) -> None:
         axes.step(times_s, saved, where="post", label="victims saved", **dashed)
     _whole(axes, max(len(last.explored), len(last.victims), 1))
     _finish(axes, "mission")
+
+
+def draw_people_out(axes: Axes, run: RecordedRun) -> None:
+    """People who are safe, by exit."""
+    assert run.egress is not None
+    end_s = float(run.time_s(np.array(run.end_ns)))
+    for index, name in enumerate(run.egress.num_out):
+        out_s = sorted(person.out_s for person in run.egress.people if person.out_s is not None and person.exit == name)
+        times_s, counts = [0.0, *out_s, end_s], [*range(len(out_s) + 1), len(out_s)]
+        axes.step(times_s, counts, where="post", color=palette.robot_colour(index), linewidth=1.8, label=name)
+    _whole(axes, max(run.egress.num_out.values(), default=1) or 1)
+    _finish(axes, "people out")
 
 
 def draw_links(axes: Axes, run: RecordedRun) -> None:

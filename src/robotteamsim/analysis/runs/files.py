@@ -6,6 +6,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
+from msgspec.structs import astuple
+
 from robotteamsim.analysis.runs.recorded_run import RecordedEvent, RecordedRun
 from robotteamsim.analysis.runs.totals import (
     MissionTotals,
@@ -18,6 +20,7 @@ from robotteamsim.analysis.runs.totals import (
     max_hops,
 )
 from robotteamsim.interface import SwarmContext
+from robotteamsim.mission.egress import ExitEgress, PersonEgress
 from robotteamsim.mission.status import VictimState
 from robotteamsim.recording.files import atomically, prepare_folder
 from robotteamsim.wording import safe_cell
@@ -33,7 +36,9 @@ def document(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> di
     """Return the totals and events of all bags as plain values for JSON; null for values that a bag lacks."""
     return {
         "bags": [
-            dataclasses.asdict(totals) | {"events": [event.row() for _, event in run.events]}
+            dataclasses.asdict(totals)
+            | {"egress": None if totals.egress is None else totals.egress.values()}
+            | {"events": [event.row() for _, event in run.events]}
             for run, totals in zip(runs, all_totals, strict=True)
         ]
     }
@@ -59,6 +64,14 @@ def write_tables(folder: Path, runs: Sequence[RecordedRun], all_totals: Sequence
         "victims": (
             ("bag", "victim", "located_by", "position_error_m", *(f"{state}_s" for state in _VICTIM_STATES)),
             (row for run in runs for row in _victim_rows(run)),
+        ),
+        "people": (
+            ("bag", *PersonEgress.__struct_fields__),
+            ((run.name, *part) for run in runs if run.egress for part in map(astuple, run.egress.people)),
+        ),
+        "exits": (
+            ("bag", *ExitEgress.__struct_fields__, "people_out"),
+            (row for run in runs for row in _exit_rows(run)),
         ),
         "progress": (
             ("bag", "time_s", "mission_time_s", "state", *_COUNTS),
@@ -136,6 +149,13 @@ def _victim_rows(run: RecordedRun) -> Iterator[Row]:
         error_m = None if error_m is None else round(error_m, 2)
         times_s = [first[kind].time_s if (kind := f"victim_{state}") in first else None for state in _VICTIM_STATES]
         yield run.name, name, by, error_m, *times_s
+
+
+def _exit_rows(run: RecordedRun) -> Iterator[Row]:
+    if run.egress is not None:
+        num_out = run.egress.num_out
+        for way_out in run.egress.exits:
+            yield run.name, *astuple(way_out), num_out[way_out.name]
 
 
 def _progress_rows(run: RecordedRun) -> Iterator[Row]:

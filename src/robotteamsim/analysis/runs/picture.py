@@ -16,10 +16,12 @@ from robotteamsim.analysis.runs.plan_panel import (
     draw_areas,
     draw_collisions,
     draw_floor,
+    draw_hazards,
     draw_paths,
     draw_victims,
     drawn_robots,
     extent_m,
+    hazard_entries,
     is_on_map,
     mark,
     robot_entries,
@@ -33,7 +35,7 @@ from robotteamsim.scenario import FloorPlan
 
 _SLIDE_INCHES = (13.3, 7.0)
 _MAX_OMITTED = 5
-_LEGEND_COLUMNS = 8
+_LEGEND_COLUMNS = 7
 
 
 def draw_runs(runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals], plan: FloorPlan | None = None) -> Figure:
@@ -118,6 +120,7 @@ def _share(row: Sequence[Axes]) -> None:
 def _draw_plan(axes: Axes, run: RecordedRun, plan: FloorPlan | None) -> None:
     draw_floor(axes, run, plan)
     if is_on_map(run):
+        draw_hazards(axes, run)
         draw_areas(axes, run.areas, run.statuses[-1].explored if run.statuses else ())
         if run.victims:
             draw_victims(axes, run.victims[-1][1])
@@ -133,7 +136,7 @@ def _add_legend(
     if any(run.robots for run in runs):
         handles.append(mark("o", palette.PAPER, "start", edge=palette.SOFT_INK))
         handles.append(mark("o", palette.SOFT_INK, "end"))
-    handles += [*victim_entries(states_at_end(runs)), *area_entries(runs)]
+    handles += [*victim_entries(states_at_end(runs)), *area_entries(runs), *hazard_entries(runs)]
     if any(totals.collisions for totals in all_totals):
         handles.append(mark("*", palette.COLLISION, "collision"))
     legend = figure.legend(
@@ -155,8 +158,10 @@ def _omitted(all_totals: Sequence[RunTotals]) -> list[str]:
 
 def _entries_with_totals(run: RecordedRun, totals: RunTotals) -> list[Line2D]:
     entries = robot_entries(run)
-    for (index, _), entry in zip(drawn_robots(run)[:MAX_NAMED_ROBOTS], entries, strict=True):
+    for (index, robot_of_run), entry in zip(drawn_robots(run)[:MAX_NAMED_ROBOTS], entries, strict=True):
         robot = totals.robots[index]
+        if robot_of_run.role == "command_centre":
+            continue
         speed = "" if robot.mean_speed_mps is None else f", {robot.mean_speed_mps:.2f} m/s"
-        entry.set_label(f"{robot.name}: {robot.distance_m:.0f} m{speed}")
+        entry.set_label(f"{entry.get_label()}: {robot.distance_m:.0f} m{speed}")
     return entries

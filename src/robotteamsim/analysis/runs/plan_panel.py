@@ -14,11 +14,24 @@ from robotteamsim import palette
 from robotteamsim.analysis.plan_picture import VICTIM_SHAPES, draw_floor_plan
 from robotteamsim.analysis.runs.recorded_run import RecordedArea, RecordedRobot, RecordedRun, RecordedVictim
 from robotteamsim.analysis.runs.totals import endangered_links, onsets
+from robotteamsim.recording.topics.world import BURNING_VALUE, BURNT_OUT_VALUE
 from robotteamsim.scenario import FloorPlan
 from robotteamsim.scenario.plan import OCCUPIED, UNKNOWN, OccupancyGrid
 
-MAX_NAMED_ROBOTS = 10
+MAX_NAMED_ROBOTS = 14
 
+_FIREFIGHTER_DASHES = (0, (4.0, 1.6))
+_FIREFIGHTER_STYLE: dict[str, Any] = {"marker": "^", "markersize": 9, "markeredgecolor": palette.HELMET}
+_FIREFIGHTER_STYLE |= {"markeredgewidth": 1.8}
+_CENTRE_STYLE: dict[str, Any] = {"color": palette.PAPER, "marker": "s", "markersize": 9, "linestyle": ""}
+_CENTRE_STYLE |= {"markeredgecolor": palette.INK, "markeredgewidth": 1.8}
+_DENSEST_SMOKE = 0.75
+"""Opacity where one sees nothing."""
+_FIRE = (
+    ("burnt out", BURNT_OUT_VALUE, palette.CHAR, 0.55),
+    ("burning", BURNING_VALUE, palette.FLAME, 0.85),
+)
+"""Label, value of cells, colour and opacity."""
 _MARGIN = 0.03
 _MIN_SIZE_M = 4.0
 
@@ -102,10 +115,41 @@ def _draw_grid(axes: Axes, grid: OccupancyGrid) -> None:
     colours = (1.0 - levels) * to_rgb(palette.FLOOR) + levels * to_rgb(palette.SOLIDS["wall"])
     colours[np.uint8(UNKNOWN & 0xFF)] = to_rgb(palette.UNSEEN)
     image = np.round(255.0 * colours).astype(np.uint8)[grid.cells.view(np.uint8)]
-    (x, y), (rows, columns) = grid.origin_m, grid.cells.shape
-    extent = (x, x + columns * grid.resolution_m, y, y + rows * grid.resolution_m)
     # Where cells are smaller than pixels, colours are averaged and not classes, so thin walls do not vanish.
-    axes.imshow(image, origin="lower", extent=extent, interpolation="antialiased", zorder=0)
+    axes.imshow(image, origin="lower", extent=_extent(grid), interpolation="antialiased", zorder=0)
+
+
+def _extent(grid: OccupancyGrid) -> tuple[float, float, float, float]:
+    """Return min x, max x, min y, max y [m]."""
+    (x, y), (rows, columns) = grid.origin_m, grid.cells.shape
+    return x, x + columns * grid.resolution_m, y, y + rows * grid.resolution_m
+
+
+def draw_hazards(axes: Axes, run: RecordedRun) -> None:
+    """Draw the last smoke and fire of a run over the floor."""
+    if run.smoke is not None:
+        cells = run.smoke.cells.clip(0, 100)
+        _draw_cells(axes, run.smoke, palette.SMOKE, _DENSEST_SMOKE * cells / 100.0)
+    if run.fire is not None:
+        for _, value, colour, alpha in _FIRE:
+            _draw_cells(axes, run.fire, colour, np.where(run.fire.cells == value, alpha, 0.0))
+
+
+def _draw_cells(axes: Axes, grid: OccupancyGrid, colour: str, alpha: np.ndarray) -> None:
+    image = np.zeros((*grid.cells.shape, 4))
+    image[..., :3], image[..., 3] = to_rgb(colour), alpha
+    axes.imshow(image, origin="lower", extent=_extent(grid), interpolation="nearest", zorder=1)
+
+
+def hazard_entries(runs: Sequence[RecordedRun]) -> list[Line2D]:
+    """Return the entries of smoke and fire that are drawn."""
+    entries = []
+    if any(run.smoke is not None and run.smoke.cells.max() > 0 for run in runs):
+        entries.append(mark("s", palette.SMOKE, "smoke", alpha=_DENSEST_SMOKE))
+    for label, value, colour, alpha in _FIRE:
+        if any(run.fire is not None and (run.fire.cells == value).any() for run in runs):
+            entries.append(mark("s", colour, label, alpha=alpha))
+    return entries
 
 
 def draw_areas(axes: Axes, areas: tuple[RecordedArea, ...], explored: tuple[bool, ...]) -> list[Circle]:
@@ -140,15 +184,32 @@ def draw_victims(axes: Axes, victims: tuple[RecordedVictim, ...]) -> None:
 
 
 def draw_paths(axes: Axes, run: RecordedRun) -> None:
-    """Draw every path, with a ring at its start and a dot at its end, and both at each absence of the robot."""
+    """Draw every path, with a ring at its start and a dot at its end, and both at each absence of the robot.
+
+    Firefighters have dashed paths that end in a red triangle; a command centre is a square.
+    """
     for index, robot in drawn_robots(run):
         colour, places = colour_of(index, robot), robot.track.poses[:, :2]
         begins = np.array([0, *robot.track.breaks])
         ends = np.array([*robot.track.breaks, len(places)]) - 1
         halo = [withStroke(linewidth=3.4, foreground=palette.PAPER, alpha=0.7)]
-        axes.plot(*robot.track.line(0, len(places)).T, color=colour, linewidth=1.9, zorder=4, path_effects=halo)
+        if robot.role == "command_centre":
+            axes.plot(*places[-1], **_CENTRE_STYLE, zorder=8)
+            continue
+        is_person = robot.role == "firefighter"
+        axes.plot(
+            *robot.track.line(0, len(places)).T,
+            color=colour,
+            linewidth=1.9,
+            linestyle=_FIREFIGHTER_DASHES if is_person else "-",
+            zorder=4,
+            path_effects=halo,
+        )
         axes.plot(*places[begins].T, "o", color=palette.PAPER, markeredgecolor=colour, markersize=5, zorder=5)
-        axes.plot(*places[ends].T, "o", color=colour, markeredgecolor=palette.PAPER, markersize=8, zorder=8)
+        if is_person:
+            axes.plot(*places[ends].T, color=colour, **_FIREFIGHTER_STYLE, zorder=8)
+        else:
+            axes.plot(*places[ends].T, "o", color=colour, markeredgecolor=palette.PAPER, markersize=8, zorder=8)
 
 
 def draw_collisions(axes: Axes, run: RecordedRun) -> None:
@@ -161,8 +222,19 @@ def draw_collisions(axes: Axes, run: RecordedRun) -> None:
 
 
 def robot_entries(run: RecordedRun) -> list[Line2D]:
-    """Return one line for each of the first ten drawn robots."""
-    return [line(colour_of(index, robot), robot.name) for index, robot in drawn_robots(run)[:MAX_NAMED_ROBOTS]]
+    """Return one line for each of the first drawn members of the team."""
+    return [_entry(index, robot) for index, robot in drawn_robots(run)[:MAX_NAMED_ROBOTS]]
+
+
+def _entry(index: int, robot: RecordedRobot) -> Line2D:
+    if robot.role == "command_centre":
+        return Line2D([], [], label="command centre", **_CENTRE_STYLE)
+    colour = colour_of(index, robot)
+    if robot.role == "firefighter":
+        entry = line(colour, f"firefighter {robot.robot_id}")
+        entry.set(linestyle=_FIREFIGHTER_DASHES, **_FIREFIGHTER_STYLE)
+        return entry
+    return line(colour, robot.name)
 
 
 def victim_entries(states: set[str]) -> list[Line2D]:

@@ -25,10 +25,14 @@ from robotteamsim.analysis.runs.recorded_run import (
 from robotteamsim.analysis.runs.tracks import Absence
 from robotteamsim.errors import RecordingError
 from robotteamsim.interface import SwarmContext
+from robotteamsim.mission.egress import Egress, ExitEgress, PersonEgress
 from robotteamsim.mission.status import DeliveredDiscoveries
 from robotteamsim.network.compact import hops_among, row_bytes, unpacked
 from robotteamsim.recording.bag_reader import BagReader
+from robotteamsim.recording.topics.mission import EGRESS, read_egress
+from robotteamsim.recording.topics.world import FIRE, ROBOTS, ROLES, SMOKE
 from robotteamsim.scenario.plan import OccupancyGrid
+from robotteamsim.scenario.scenario import Role
 
 TRUTH, ODOM = "base_pose_ground_truth", "odom"
 STATE, LINKS = "/network/state", "/network/links"
@@ -41,6 +45,7 @@ _TEAM_TYPES = {
     "/mission/events": "robotteamsim/MissionEvent",
     "/mission/victims": "robotteamsim/Victims",
     "/mission/areas": "robotteamsim/Areas",
+    **{topic.name: topic.type_name for topic in (EGRESS, ROBOTS, FIRE, SMOKE)},
 }
 _ROBOT_TYPES = {
     TRUTH: "nav_msgs/Odometry",
@@ -51,7 +56,9 @@ _ROBOT_TYPES = {
 _TF_TYPES = {"/tf": "tf2_msgs/TFMessage", "/tf_static": "tf2_msgs/TFMessage"}
 
 _LEAVES_OR_COMES = ("robot_removed", "robot_failed_by_heat", "firefighter_collapsed", "robot_spawned")
-_TIMELESS = ("/map", "/mission/areas")
+_TIMELESS = ("/map", "/mission/areas", ROBOTS.name)
+_AT_END = (EGRESS.name, FIRE.name, SMOKE.name)
+"""Of which only the last one up to the end of the mission counts."""
 
 _MAX_DISORDER_NS = 10**9
 """Messages may overtake each other by less than this; stamps that go back further belong to a second run."""
@@ -102,15 +109,19 @@ def _read(bag: BagReader, name: str) -> RecordedRun:
     types = _types_to_read(bag.topics)
     unread = {topic for topic in types if not bag.is_known(topic)}
     samples: dict[str, list[tuple[int, Any]]] = defaultdict(list)
-    transforms = tracks.Transforms()
+    transforms, ended_ns = tracks.Transforms(), math.inf
     for topic, stamp_ns, message in bag.messages(set(types) - unread):
         if topic in _TF_TYPES:
             transforms.add(message, is_static=topic == "/tf_static")
             continue
-        if topic in _TIMELESS:
+        if topic in _AT_END and stamp_ns > ended_ns:
+            continue
+        if topic in (*_TIMELESS, *_AT_END):
             samples[topic].clear()  # Only the last one counts, and maps are large.
         try:
             samples[topic].append((stamp_ns, _CONVERTERS[types[topic]](stamp_ns, message)))
+            if topic == "/mission/status" and message.state == "ended":
+                ended_ns = min(ended_ns, stamp_ns)
         except AttributeError:  # This version of the type lacks an attribute.
             unread.add(topic)
         except ValueError as error:
@@ -176,11 +187,19 @@ def _run(
         victims=tuple(samples.get("/mission/victims", [])),
         areas=samples["/mission/areas"][-1][1] if "/mission/areas" in samples else (),
         network=network,
-        grid=samples["/map"][-1][1] if "/map" in samples else None,
+        grid=_last(samples, "/map"),
         start_ns=started.stamp_ns - round(started.time_s * 1e9) if started else first_ns,
         end_ns=end_ns,
         unread=unread,
+        egress=_last(samples, EGRESS.name),
+        fire=_last(samples, FIRE.name),
+        smoke=_last(samples, SMOKE.name),
     )
+
+
+def _last(samples: Samples, topic: str) -> Any:
+    """Return the last value of a topic; None if there is none."""
+    return samples[topic][-1][1] if samples.get(topic) else None
 
 
 def _until_end(samples: Samples) -> Samples:
@@ -219,7 +238,9 @@ def _robot(namespace: str, samples: Samples, transforms: tracks.Transforms) -> R
         return None
     contact, statuses = samples.get(f"{namespace}/contact"), samples.get(f"{namespace}/controller/status", [])
     excluded = _flags([(stamp_ns, status.excluded) for stamp_ns, status in statuses])
-    return RecordedRobot(name, robot_id, track, _flags(contact), excluded, _context(statuses))
+    roles = _last(samples, ROBOTS.name) or ()
+    role: Role = roles[robot_id] if robot_id is not None and robot_id < len(roles) else "robot"
+    return RecordedRobot(name, robot_id, track, _flags(contact), excluded, _context(statuses), role)
 
 
 def _absences(events: list[tuple[int, RecordedEvent]]) -> tuple[Absence, ...]:
@@ -329,6 +350,26 @@ def _areas(stamp_ns: int, message: Any) -> tuple[RecordedArea, ...]:
     )
 
 
+def _roles(stamp_ns: int, message: Any) -> tuple[Role, ...]:
+    """Return the role of each member of the team; older bags have none. Raises: ValueError: an unknown role."""
+    numbers = list(getattr(message, "roles", ()))
+    if any(number >= len(ROLES) for number in numbers):
+        raise ValueError(f"role {max(numbers)}; expected at most {len(ROLES) - 1}")
+    return tuple(ROLES[number] for number in numbers)
+
+
+def _egress(stamp_ns: int, message: Any) -> Egress:
+    egress = read_egress(message)
+    parts: tuple[PersonEgress | ExitEgress, ...] = (*egress.people, *egress.exits)
+    for part in parts:
+        _finite("dose", max(part.gas, part.heat), _MOST_S)
+        _finite("visibility", part.visibility_m, _MOST_M)
+    times_s = [egress.ignition_s, *(part.untenable_s for part in parts), *(person.out_s for person in egress.people)]
+    for time_s in times_s:
+        _finite("time", time_s or 0.0, _MOST_S)
+    return egress
+
+
 def _grid(stamp_ns: int, message: Any) -> OccupancyGrid | None:
     """Return the map, or None if it is rotated, empty or incomplete."""
     info, origin = message.info, message.info.origin
@@ -361,4 +402,6 @@ _CONVERTERS: dict[str, Callable[[int, Any], Any]] = {
     "robotteamsim/MissionEvent": _event,
     "robotteamsim/Victims": _victims,
     "robotteamsim/Areas": _areas,
+    EGRESS.type_name: _egress,
+    ROBOTS.type_name: _roles,
 }

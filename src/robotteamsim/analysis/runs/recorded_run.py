@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 
 from robotteamsim.analysis.runs.tracks import Track
+from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.status import SAVED, DeliveredDiscoveries
 from robotteamsim.scenario.plan import OccupancyGrid
+from robotteamsim.scenario.scenario import Role
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -37,6 +39,7 @@ class RecordedRobot:
     name:     its namespace without slashes, or "robot" if it has none.
     robot_id: the number in robot_<number>; None for other names.
     context:  None without adaptation.
+    role:     in the team; "robot" also in older bags, which have no roles.
     """
 
     name: str
@@ -45,6 +48,7 @@ class RecordedRobot:
     contact: Flags | None
     excluded: Flags | None
     context: RecordedContext | None = None
+    role: Role = "robot"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -141,6 +145,7 @@ class RecordedRun:
     start_ns:  stamp of time 0: the start of the mission, or the first message if there is no mission.
     end_ns:    stamp of the last message of the run.
     unread:    topics whose type, or version of the type, is unknown.
+    egress, fire, smoke: the last ones; None if the bag lacks them. Grids as in /fire/grid and /smoke/grid.
     """
 
     name: str
@@ -154,6 +159,9 @@ class RecordedRun:
     start_ns: int
     end_ns: int
     unread: tuple[str, ...]
+    egress: Egress | None = None
+    fire: OccupancyGrid | None = None
+    smoke: OccupancyGrid | None = None
 
     def time_s(self, stamps_ns: np.ndarray) -> np.ndarray:
         """Return the times of stamps, counted from the start [s]."""

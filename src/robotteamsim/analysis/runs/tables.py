@@ -12,12 +12,14 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from robotteamsim.hazards.field import FARTHEST_SIGHT_M
 from robotteamsim.mission.status import END_TEXTS
 from robotteamsim.wording import column_groups, counted, printable
 
 if TYPE_CHECKING:
     from robotteamsim.analysis.runs.recorded_run import RecordedRun
     from robotteamsim.analysis.runs.totals import MissionTotals, NetworkTotals, RobotTotals, RunTotals
+    from robotteamsim.mission.egress import Egress
     from robotteamsim.mission.events import AnyEvent
     from robotteamsim.recording.idleness import Idleness
     from robotteamsim.simulation import Result
@@ -25,7 +27,18 @@ if TYPE_CHECKING:
 MAX_EVENTS = 60
 """Above this number of events, endangered links are only counted; mission.json lists them."""
 
+MAX_PEOPLE = 40
+"""Most people in the table of doses."""
+
+_LEAST_DOSE = 0.005
+"""Smaller doses are shown as 0."""
+
 _STYLES = {
+    "ignition": "red",
+    "door_burnt": "red",
+    "visibility_lost": "red",
+    "exit_untenable": "red",
+    "victim_collapsed": "red",
     "victim_saved": "green",
     "area_explored": "cyan",
     "discovery_delivered": "blue",
@@ -84,7 +97,9 @@ def print_totals(
     console: Console, result: Result, written: Sequence[Path | None], idleness: Idleness | None = None
 ) -> None:
     """Print the totals of a mission, its hash and the written files."""
-    console.print(_totals_table([*_result_rows(result), *_idleness_rows(idleness)]))
+    console.print(_totals_table([*_result_rows(result), *egress_rows(result.egress), *_idleness_rows(idleness)]))
+    if result.egress is not None and result.egress.ignition_s is not None:
+        console.print(_people_table(result.egress))
     console.print(_text(f"  trajectories {result.trajectory_hash}"), soft_wrap=True)
     for path in filter(None, written):
         console.print(_text(f"  written      {path}"), soft_wrap=True)
@@ -114,8 +129,11 @@ def print_run(console: Console, run: RecordedRun, totals: RunTotals) -> None:
         console.print(_text(totals.title, "bold"))
     rows = [("recorded", f"{totals.duration_s:.1f} s")]
     rows += _mission_rows(totals.mission) if totals.mission else []
+    rows += egress_rows(totals.egress)
     rows += _network_rows(totals.network, totals.mission is None) if totals.network else []
     console.print(_totals_table(rows))
+    if totals.egress is not None and totals.egress.ignition_s is not None:
+        console.print(_people_table(totals.egress))
     if totals.robots:
         cells = [_robot_cells(robot) for robot in totals.robots]
         for table in _fitting_tables(_ROBOT_COLUMNS, cells, None, console.width):
@@ -277,6 +295,63 @@ def _delivery_rows(mission: Result | MissionTotals) -> list[tuple[str, str]]:
         return []
     delay = "" if mean_s is None else f", after {mean_s:.1f} s on average, {max_s:.1f} s at most"
     return [("reached base", f"{'1 discovery' if count == 1 else f'{count} discoveries'}{delay}")]
+
+
+def egress_rows(egress: Egress | None) -> list[tuple[str, str]]:
+    """Return the rows of names and values on fire, people and exits."""
+    if egress is None:
+        return []
+    rows = [] if egress.ignition_s is None else [("fire begins", f"{egress.ignition_s:.1f} s")]
+    if egress.has_ways_out:
+        out = ", ".join(f"{name} {count}" for name, count in egress.num_out.items())
+        rows.append(("people out", f"{sum(egress.num_out.values())} of {len(egress.people)}: {out}"))
+        rows += _safe_egress_rows(egress)
+    return rows
+
+
+def _safe_egress_rows(egress: Egress) -> list[tuple[str, str]]:
+    """Return required and available safe egress time, and when exits became untenable."""
+    evacuees = egress.evacuees
+    num_out, total = sum(person.out_s is not None for person in evacuees), len(evacuees)
+    who = f"{total} people who flee" if any(person.flees for person in evacuees) else f"{total} people"
+    since = "" if egress.ignition_s is None else " after ignition"
+    known = egress.rset_s is not None
+    rows = [("RSET", f"{egress.rset_s:.1f} s{since}: {who}" if known else f"not reached: {num_out} of {who} are safe")]
+    if egress.ignition_s is None:
+        return rows
+    if egress.aset_s is None:
+        rows.append(("ASET", "not reached: nobody met untenable conditions"))
+    else:
+        rows.append(("ASET", f"{egress.aset_s:.1f} s{since}: untenable for {egress.num_untenable} of {total}"))
+    times_s = [(way.name, way.untenable_s) for way in egress.exits if way.untenable_s is not None]
+    closed = ", ".join(f"{name} {time_s - egress.begin_s:.1f} s{since}" for name, time_s in times_s)
+    return [*rows, ("untenable exits", closed or "none")]
+
+
+def _people_table(egress: Egress) -> Table:
+    """Return the doses of those who met smoke or heat, or are not safe, the largest first, and when they were safe."""
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), caption_justify="left")
+    table.add_column("person", overflow="fold", max_width=_MAX_NAME_WIDTH)
+    for name in ("FED\ngas", "FED\nheat", "least\nsight [m]", "untenable\n[s]", "safe\n[s]"):
+        table.add_column(Text(name), justify="right", no_wrap=True)
+    table.add_column("by")
+    harmed = [
+        person
+        for person in egress.people
+        if person.out_s is None or person.dose >= _LEAST_DOSE or person.least_visibility_m < FARTHEST_SIGHT_M
+    ]
+    for person in sorted(harmed, key=lambda person: -person.dose)[:MAX_PEOPLE]:
+        table.add_row(
+            Text(printable(person.name)),
+            *(f"{person.gas:.2f}", f"{person.heat:.2f}", f"{person.least_visibility_m:.1f}"),
+            *(_number(person.untenable_s, ".1f"), _number(person.out_s, ".1f")),
+            Text(printable(person.exit or _UNKNOWN)),
+        )
+    captions = [f"and {len(harmed) - MAX_PEOPLE} with smaller doses"] if len(harmed) > MAX_PEOPLE else []
+    if len(harmed) < len(egress.people):
+        captions.append(f"and {len(egress.people) - len(harmed)} who met neither smoke nor heat and are safe")
+    table.caption = "; ".join(captions) or None
+    return table
 
 
 def _idleness_rows(idleness: Idleness | None) -> list[tuple[str, str]]:

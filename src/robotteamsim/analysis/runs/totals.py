@@ -7,6 +7,7 @@ import numpy as np
 from robotteamsim.analysis.runs.reading import TRUTH
 from robotteamsim.analysis.runs.recorded_run import Flags, RecordedContext, RecordedNetwork, RecordedRobot, RecordedRun
 from robotteamsim.interface import SwarmContext
+from robotteamsim.mission.egress import Egress
 from robotteamsim.network import newly_endangered
 from robotteamsim.simulation.trial import TrajectoryHash
 
@@ -82,6 +83,7 @@ class RunTotals:
     duration_s:      from the first message of the run to the last.
     trajectory_hash: hash of the true poses, equal to that of `Result`; only for missions in which all robots have poses
                      at the same stamps.
+    egress:          how people left; None without fire and without exits.
     omitted:         what could not be computed, and the missing topic.
     """
 
@@ -92,6 +94,7 @@ class RunTotals:
     network: NetworkTotals | None
     trajectory_hash: str | None
     omitted: tuple[str, ...]
+    egress: Egress | None = None
 
     @property
     def title(self) -> str:
@@ -125,6 +128,7 @@ def run_totals(run: RecordedRun) -> RunTotals:
         network=None if run.network is None else _network(run.network),
         trajectory_hash=_trajectory_hash(run),
         omitted=_omitted(run),
+        egress=run.egress,
     )
 
 

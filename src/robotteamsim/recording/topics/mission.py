@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from robotteamsim.interface import Assistance, Discovery, Task
 from robotteamsim.message_parts import MAP_FRAME, Make, header, point
+from robotteamsim.mission.egress import Egress, ExitEgress, PersonEgress
 from robotteamsim.mission.events import Event, VictimLocated
 from robotteamsim.mission.status import DeliveredDiscoveries, MissionStatus, VictimState
 from robotteamsim.recording.topics.base import Topic, When, read_point
@@ -121,6 +123,42 @@ def areas(make: Make, time_ns: int, all_areas: Sequence[Area], status: MissionSt
     )
 
 
+def egress(make: Make, time_ns: int, state: Egress) -> Any:
+    """robotteamsim/Egress."""
+    return make(
+        "robotteamsim/Egress",
+        header=header(make, time_ns, MAP_FRAME),
+        ignition_s=_or_nan(state.ignition_s),
+        people=[_part(make, "robotteamsim/PersonEgress", person) for person in state.people],
+        exits=[_part(make, "robotteamsim/ExitEgress", way_out) for way_out in state.exits],
+    )
+
+
+def _part(make: Make, type_name: str, part: PersonEgress | ExitEgress) -> Any:
+    return make(type_name, **{key: _or_nan(value) for key, value in msgspec.structs.asdict(part).items()})
+
+
+def _or_nan(value: Any) -> Any:
+    return math.nan if value is None else value
+
+
+def read_egress(message: Any) -> Egress:
+    """Return the egress of a message."""
+    return Egress(
+        ignition_s=_or_none(message.ignition_s),
+        people=tuple(_read_part(PersonEgress, person) for person in message.people),
+        exits=tuple(_read_part(ExitEgress, way_out) for way_out in message.exits),
+    )
+
+
+def _read_part(kind: Any, message: Any) -> Any:
+    return kind(**{key: _or_none(getattr(message, key)) for key in kind.__struct_fields__})
+
+
+def _or_none(value: Any) -> Any:
+    return None if isinstance(value, float) and math.isnan(value) else value
+
+
 MISSION_STATUS = Topic(
     "/mission/status",
     "robotteamsim/MissionStatus",
@@ -129,6 +167,16 @@ MISSION_STATUS = Topic(
     mission_status,
     latched=True,
     read=lambda message, setup, _: read_task(message, setup.scenario.team_size),
+)
+EGRESS = Topic(
+    "/mission/egress",
+    "robotteamsim/Egress",
+    When.CHANGE,
+    lambda _, record: None if record.egress is None else (record.egress,),
+    egress,
+    latched=True,
+    version=lambda record: record.egress,
+    is_in=lambda scenario: scenario.has_egress,
 )
 MISSION_TOPICS = (
     MISSION_STATUS,
@@ -149,6 +197,7 @@ MISSION_TOPICS = (
         latched=True,
         version=lambda record: (record.victims, record.mission.victims),
     ),
+    EGRESS,
     Topic(
         "/mission/areas",
         "robotteamsim/Areas",

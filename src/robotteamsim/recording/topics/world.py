@@ -16,12 +16,15 @@ from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.topics.base import Topic, When, field_map, occupancy_grid
 from robotteamsim.scenario.map_image import published_map
 from robotteamsim.scenario.plan import OccupancyGrid
+from robotteamsim.scenario.scenario import Role
 from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.people import PersonState
 
 MISHAPS: tuple[Mishap | None, ...] = (None, "tipped_over", "left_world")
 """Each value of `mishaps` in robotteamsim/Robots."""
+ROLES: tuple[Role, ...] = ("robot", "firefighter", "command_centre")
+"""Each value of `roles` in robotteamsim/Robots."""
 BURNING_VALUE, BURNT_OUT_VALUE = 100, 50
 """Values of cells in /fire/grid; others are 0."""
 
@@ -75,10 +78,11 @@ def robots(
     mishaps: Mapping[int, Mishap] = MappingProxyType({}),
     failed: Collection[int] = (),
     loads: Mapping[int, str] = MappingProxyType({}),
+    roles: Sequence[Role] = (),
 ) -> Any:
     """robotteamsim/Robots.
 
-    Args: present: bool, shape (n,).  mishaps, loads: by id.
+    Args: present: bool, shape (n,).  mishaps, loads: by id.  roles: in id order.
     """
     numbers = [MISHAPS.index(mishaps.get(robot_id)) for robot_id in range(len(arrivals))] if mishaps else []
     return make(
@@ -88,6 +92,7 @@ def robots(
         mishaps=np.array(numbers, dtype=np.uint8),
         arrivals=np.array(arrivals, dtype=np.uint32),
         failed_by_heat=np.array([robot_id in failed for robot_id in range(len(arrivals))], dtype=np.uint8),
+        roles=np.array([ROLES.index(role) for role in roles], dtype=np.uint8),
         loads=[loads.get(robot_id, "") for robot_id in range(len(arrivals))] if loads else [],
     )
 
@@ -168,7 +173,10 @@ ROBOTS = Topic(
     "/world/robots",
     "robotteamsim/Robots",
     When.STEP,
-    lambda _, record: (record.present, record.arrivals, record.mishaps, record.failed, record.loads),
+    lambda source, record: (
+        *(record.present, record.arrivals, record.mishaps, record.failed, record.loads),
+        source.setup.scenario.roles,
+    ),
     robots,
     latched=True,
     version=lambda record: record.team_version,

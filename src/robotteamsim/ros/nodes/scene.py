@@ -222,6 +222,7 @@ class Scene:
     """Publishes markers when something has changed."""
 
     def __init__(self, scenario: Scenario, wall_height_m: float) -> None:
+        scenario = resolve(scenario).scenario  # with the people whom the seed draws
         plan, size = scenario.plan, unit(scenario.plan.bounds)
         text_z_m = wall_height_m + TEXT_ABOVE_WALLS_M * size
         victims = VictimPictures(scenario, text_z_m)

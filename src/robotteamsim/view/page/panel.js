@@ -41,6 +41,21 @@ function summarised(events) {
   return shown;
 }
 
+const seconds = (time) => (time === null ? "not reached" : `${time.toFixed(1)} s`);
+
+/** Rows [name, value] on fire, exits and doses in a frame. */
+function egressRows({ egress }) {
+  const { ignition_s, aset_s, rset_s, out, exposures } = egress;
+  const rows = ignition_s === null ? [] : [["fire began", seconds(ignition_s)]];
+  for (const [name, count] of Object.entries(out)) rows.push([`out: ${name}`, String(count)]);
+  if (Object.keys(out).length) {
+    if (ignition_s !== null) rows.push(["ASET", seconds(aset_s)]);
+    rows.push(["RSET", seconds(rset_s)]);
+  }
+  if (exposures.length) rows.push(["largest FED", Math.max(...exposures.flatMap(([gas, heat]) => [gas, heat])).toFixed(2)]);
+  return rows;
+}
+
 export class Panel {
   constructor(onSeek, colours) {
     this.onSeek = onSeek;
@@ -124,6 +139,17 @@ export class Panel {
     this.curves.mark(time);
     this._showRobot(views.find((view) => view.selected !== null));
     this._showVictim(views.find((view) => view.selectedVictim !== null), start);
+    this._showEgress(views);
+  }
+
+  /** Show how many people are out by each exit, and available against required safe egress time. */
+  _showEgress(views) {
+    const section = element("egress"), shown = views.filter(({ frame }) => frame.egress);
+    section.hidden = !shown.length;
+    const rows = shown.flatMap(({ frame }) => egressRows(frame)), text = JSON.stringify(rows);
+    if (section.dataset.rows === text) return;
+    section.dataset.rows = text;
+    section.replaceChildren(make("h2", "People and fire"), table(rows));
   }
 
   _showRobot(view) {
@@ -153,6 +179,11 @@ export class Panel {
     const rows = history.map(([state, time]) => [state, `${(time - start).toFixed(1)} s`]);
     const [x, y] = victim.position_m;
     rows.push(["position", `${x.toFixed(2)}, ${y.toFixed(2)} m`]);
+    const exposure = view.frame.egress?.exposures[view.frame.victims.indexOf(victim)];
+    if (exposure) {
+      const [gas, heat, visibility] = exposure;
+      rows.push(["FED by gas", gas.toFixed(2)], ["FED by heat", heat.toFixed(2)], ["visibility", `${visibility.toFixed(1)} m`]);
+    }
     section.replaceChildren(make("h2", victim.name), table(rows));
   }
 }

@@ -12,6 +12,7 @@ const EVENT_COLOURS = {
   victim_reported: "victims.reported", victim_reached: "victims.reached", victim_carried: "victims.carried",
   victim_collapsed: "victims.collapsed", victim_dead: "victims.dead", victim_heard: "victims.heard", area_explored: "areas.explored",
   link_endangered: "links.endangered", robot_excluded: "excluded", end: "curves.links",
+  ignition: "fire.burning", door_burnt: "fire.burning", visibility_lost: "smoke", exit_untenable: "fire.hot",
 };
 
 export class Player {

@@ -1,0 +1,63 @@
+"""Draws what an import took for what: walls, doors, ink that is no wall, and parts of the floor without a door."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from robotteamsim import palette
+from robotteamsim.analysis.plan_picture import draw_plan
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.map_image import MapImage
+from robotteamsim.world.floor_parts import FloorPart
+
+_INK_ALPHA = 0.9
+
+
+def draw_import(
+    plan: FloorPlan, parts: Sequence[FloorPart], image: MapImage | None = None, left_out: np.ndarray | None = None
+) -> Figure:
+    """Return the floor plan, over the image if it comes from one.
+
+    Args: parts: of the floor, the largest first.  left_out: ink that is no wall, bool, row 0 at the lowest y.
+    """
+    figure = draw_plan(plan)
+    axes = figure.axes[0]
+    handles = [_square(palette.SOLIDS["wall"], "wall"), _square(palette.SOLIDS["block"], "block")]
+    if image is not None and left_out is not None:
+        ink = image.dark >= image.settings.free_thresh
+        _draw_cells(axes, image, left_out, palette.WAITING)
+        _draw_cells(axes, image, ink & ~left_out, palette.SKY_BLUE)
+        handles.append(_square(palette.SKY_BLUE, "ink of walls next to their straight sides"))
+        handles.append(_square(palette.WAITING, "ink that is no wall"))
+    if plan.doors:
+        handles.append(Line2D([], [], color=palette.DOORS["normal"], linewidth=2.4, label="door"))
+        for door in plan.doors:
+            x, y = (0.5 * np.add(door.start, door.end)).tolist()
+            name = door.name.removeprefix("door_")
+            axes.text(x, y, name, color=palette.DOORS["normal"], ha="center", va="center", weight="bold", zorder=7)
+    for part in parts[1:]:
+        style = {"boxstyle": "round", "facecolor": palette.HEARD, "edgecolor": palette.INK}
+        text = f"no door\n{part.area_m2:.1f} m\N{SUPERSCRIPT TWO}"
+        axes.text(*part.place, text, ha="center", va="center", fontsize=8, bbox=style, zorder=8)
+    figure.legend(handles=handles, loc="outside lower center", ncols=5, frameon=False, fontsize=9)
+    return figure
+
+
+def _draw_cells(axes: Axes, image: MapImage, cells: np.ndarray, colour: str) -> None:
+    """Draw cells of the image below the walls of the plan."""
+    pixels = np.zeros((*cells.shape, 4))
+    pixels[cells] = (*to_rgb(colour), _INK_ALPHA)
+    (x, y, _), cell_m = image.settings.origin, image.settings.resolution
+    rows, columns = cells.shape
+    extent = (x, x + columns * cell_m, y, y + rows * cell_m)
+    limits = axes.get_xlim(), axes.get_ylim()
+    axes.imshow(pixels, origin="lower", extent=extent, interpolation="nearest", zorder=2)
+    axes.set(xlim=limits[0], ylim=limits[1])
+
+
+def _square(colour: str, label: str) -> Line2D:
+    return Line2D([], [], color=colour, marker="s", linestyle="", markersize=8, label=label)

@@ -1,0 +1,87 @@
+"""Separates walls from what else a drawing shows: text, dimension lines, door arcs; finds the gaps between walls.
+
+OpenCV is imported where it is used, because it belongs to an extra.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+_MOST_OPEN = 0.7
+"""Least share of the cells beside a gap that are not solid."""
+
+_LEAST_JAMB = 0.6
+"""Least share of the cells at either end of a gap that are solid."""
+
+
+class Gap(NamedTuple):
+    """A gap in a wall along an axis, in cells: its lower left corner, width and depth; `along_x`: the wall's axis."""
+
+    column: int
+    row: int
+    columns: int
+    rows: int
+    along_x: bool
+
+
+def thin_strokes(ink: np.ndarray, thinnest_cells: int) -> np.ndarray:
+    """Return which cells of ink belong to strokes that are thinner than a width in cells, bool, same shape.
+
+    A cell belongs to a wall if it is within that width of a place where a square of that width fits into the ink: ends
+    and corners of walls stay, and what a thin line that meets a wall leaves is no longer than that.
+    """
+    import cv2
+
+    if thinnest_cells <= 1:
+        return np.zeros(ink.shape, dtype=bool)
+    window = np.ones((thinnest_cells, thinnest_cells), np.uint8)
+    core = cv2.morphologyEx(ink.astype(np.uint8), cv2.MORPH_OPEN, window)
+    near = cv2.dilate(core, np.ones((thinnest_cells | 1, thinnest_cells | 1), np.uint8)).astype(bool)
+    thin: np.ndarray = ink & ~near
+    return thin
+
+
+def small_groups(ink: np.ndarray, smallest_cells: int) -> np.ndarray:
+    """Return which cells of ink belong to connected groups that are smaller than that in width and height: letters."""
+    import cv2
+
+    _, labels, statistics, _ = cv2.connectedComponentsWithStats(ink.astype(np.uint8), connectivity=8)
+    size = statistics[:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]].max(axis=1)
+    small: np.ndarray = ink & (size < smallest_cells)[labels]
+    return small
+
+
+def gaps(solid: np.ndarray, least_cells: float, most_cells: float, deepest_cells: float) -> list[Gap]:
+    """Return the gaps in walls along the axes, from the lowest row up.
+
+    A gap is a rectangle that is not solid between two solid ends, open on its other sides, and no deeper than a wall.
+
+    Args: solid: bool, row 0 at the lowest y.  least_cells, most_cells: limits of its width.  deepest_cells: of a wall.
+    """
+    found = _gaps_along_x(solid, least_cells, most_cells, deepest_cells)
+    turned = _gaps_along_x(solid.T, least_cells, most_cells, deepest_cells)
+    upright = [Gap(gap.row, gap.column, gap.rows, gap.columns, along_x=False) for gap in turned]
+    return sorted([*found, *upright], key=lambda gap: (gap.row, gap.column))
+
+
+def _gaps_along_x(solid: np.ndarray, least_cells: float, most_cells: float, deepest_cells: float) -> list[Gap]:
+    import cv2
+
+    cells = np.ascontiguousarray(solid, dtype=np.uint8)
+    closed = cv2.morphologyEx(cells, cv2.MORPH_CLOSE, np.ones((1, int(most_cells) + 1), np.uint8))
+    filled = (closed > cells).astype(np.uint8)
+    _, _, statistics, _ = cv2.connectedComponentsWithStats(filled, connectivity=4)
+    rows, columns = solid.shape
+    found = []
+    for column, row, width, depth, _ in statistics[1:].tolist():
+        right, top = column + width, row + depth
+        fits = least_cells <= width <= most_cells and depth <= deepest_cells
+        if not fits or column == 0 or row == 0 or right == columns or top == rows:
+            continue
+        jambs = min(solid[row:top, column - 1].mean(), solid[row:top, right].mean())
+        beside = max(solid[row - 1, column:right].mean(), solid[top, column:right].mean())
+        if jambs >= _LEAST_JAMB and beside <= 1.0 - _MOST_OPEN:
+            found.append(Gap(column, row, width, depth, along_x=True))
+    return found

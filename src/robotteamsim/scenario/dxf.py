@@ -1,0 +1,146 @@
+"""Drawings of CAD programs (DXF) as floor plans: each straight line of the chosen layers is a wall.
+
+The package ezdxf is imported where it is used, because it belongs to an extra.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections import Counter
+from collections.abc import Collection, Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.base import MAX_NAME_CHARACTERS
+from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
+from robotteamsim.scenario.problems import checked
+from robotteamsim.scenario.yaml_text import is_file
+from robotteamsim.wording import counted, printable
+
+if TYPE_CHECKING:
+    from ezdxf.document import Drawing
+
+MARGIN_M = 1.0
+"""Free floor around the walls."""
+
+SHORTEST_M = 0.01
+"""Shorter lines are left out."""
+
+FLAT_M = 0.01
+"""Curves become straight lines that are at most this far from them."""
+
+MOST_WALLS = 100_000
+
+_LINES = frozenset(("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE"))
+_NO_PARTS = frozenset(("DIMENSION", "ARC_DIMENSION", "LARGE_RADIAL_DIMENSION", "LEADER", "MULTILEADER", "HATCH"))
+"""Are not taken apart: dimension lines and hatches are no walls."""
+
+
+class DxfRules(NamedTuple):
+    """What of a drawing is a wall.
+
+    layers:           whose lines are walls.
+    metres_per_unit:  of the drawing; None: as the file says.
+    wall_thickness_m: of each line.
+    """
+
+    layers: Collection[str]
+    metres_per_unit: float | None = None
+    wall_thickness_m: float = 0.1
+
+
+def import_dxf(path: Path, rules: DxfRules) -> FloorPlan:
+    """Return the floor plan of a drawing, whose walls begin MARGIN_M from the lower left corner, [0, 0].
+
+    Lines, polylines and curves of the layers are walls, those in blocks included; text, dimension lines and hatches are
+    not. Part of a block on layer 0 has the layer of the block.
+
+    Raises: ScenarioError: one line with file and what was expected, such as the layers of the drawing.
+    """
+    drawing = _read(path)
+    scale = rules.metres_per_unit or _metres_per_unit(path, drawing)
+    found = list(_lines(drawing, FLAT_M / scale))
+    layers = Counter(layer for layer, _ in found)
+    unknown = [layer for layer in rules.layers if layer not in layers]
+    if unknown or not rules.layers:
+        known = ", ".join(f"{printable(name)} ({counted(count, 'line')})" for name, count in sorted(layers.items()))
+        which = (
+            f"layer '{printable(unknown[0])}' has no lines" if unknown else "choose the layers of walls with --layer"
+        )
+        raise ScenarioError(f"{path}: {which}; found {known or 'no lines'}")
+    lines = np.array([line for layer, line in found if layer in rules.layers]) * scale
+    lines = lines[np.hypot(*(lines[:, 1] - lines[:, 0]).T) >= SHORTEST_M]
+    if not 0 < len(lines) <= MOST_WALLS:
+        raise ScenarioError(f"{path}: {len(lines)} lines of at least {SHORTEST_M:g} m; expected 1 to {MOST_WALLS}")
+    if not np.isfinite(lines).all():
+        raise ScenarioError(f"{path}: coordinates that are not finite")
+    lines = (lines - lines.min(axis=(0, 1)) + MARGIN_M).round(6)
+    return _plan(path, lines, rules.wall_thickness_m)
+
+
+def _plan(path: Path, lines: np.ndarray, thickness_m: float) -> FloorPlan:
+    """Return a plan with a wall along each line [m]; equal lines count once."""
+    corner = (lines.max(axis=(0, 1)) + MARGIN_M).round(6).tolist()
+    bounds = checked(Bounds, {"min": [0.0, 0.0], "max": corner}, place=f"{path}: bounds.")
+    ends = dict.fromkeys((min(one, other), max(one, other)) for one, other in map(_ends, lines.tolist()))
+    walls = [
+        checked(
+            Wall,
+            {"name": f"wall_{number}", "from": one, "to": other, "thickness_m": thickness_m},
+            place=f"{path}: walls.",
+        )
+        for number, (one, other) in enumerate(ends, 1)
+    ]
+    return FloorPlan(name=printable(path.stem)[:MAX_NAME_CHARACTERS], bounds=bounds, walls=tuple(walls))
+
+
+def _ends(line: list[list[float]]) -> tuple[tuple[float, float], tuple[float, float]]:
+    (x0, y0), (x1, y1) = line
+    return (x0, y0), (x1, y1)
+
+
+def _read(path: Path) -> Drawing:
+    """Return a drawing. Raises: ScenarioError: it cannot be read."""
+    import ezdxf
+
+    if not is_file(path):
+        raise ScenarioError(f"{path}: there is no such file")
+    try:
+        return ezdxf.readfile(path)
+    except (OSError, ValueError, ezdxf.DXFError) as error:
+        reason = " ".join(str(error).split()) or type(error).__name__
+        raise ScenarioError(f"{path}: cannot be read as DXF: {printable(reason)}") from None
+
+
+def _metres_per_unit(path: Path, drawing: Drawing) -> float:
+    """Return the scale that a file names. Raises: ScenarioError: it names none."""
+    from ezdxf.enums import InsertUnits
+    from ezdxf.units import conversion_factor
+
+    try:
+        unit = InsertUnits(drawing.units)
+    except ValueError:
+        unit = InsertUnits.Unitless
+    if unit == InsertUnits.Unitless:
+        text = f"names no known unit ($INSUNITS {drawing.units}); give its scale with --metres-per-unit"
+        raise ScenarioError(f"{path}: {text}")
+    return conversion_factor(unit, InsertUnits.Meters)
+
+
+def _lines(drawing: Drawing, flat: float) -> Iterator[tuple[str, np.ndarray]]:
+    """Yield the layer and the ends of each straight line, float64, shape (2, 2), in the units of the drawing."""
+    from ezdxf import disassemble
+
+    for entity in drawing.modelspace():
+        if entity.dxftype() in _NO_PARTS:
+            continue
+        for part in disassemble.recursive_decompose([entity]):
+            if part.dxftype() not in _LINES:
+                continue
+            layer = entity.dxf.layer if part.dxf.layer == "0" else part.dxf.layer
+            points = [(point.x, point.y) for point in disassemble.make_primitive(part, flat).vertices()]
+            for one, other in itertools.pairwise(points):
+                yield str(layer), np.array([one, other])

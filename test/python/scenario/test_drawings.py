@@ -1,0 +1,148 @@
+"""Drawings as floor plans: their scale, what is no wall, gaps that become doors, and rooms without one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import cv2
+import numpy as np
+import pytest
+
+from robotteamsim.cli import main
+from robotteamsim.scenario import load_floor_plan
+from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.plan import FREE, occupancy_grid
+from robotteamsim.world.floor_parts import floor_parts, parts_without
+
+CELL_M = 0.02
+SIZE_M = (14.0, 9.0)
+WALLS = (
+    *(((1, 1), (12, 1)), ((1, 8), (12, 8)), ((1, 1), (1, 8)), ((12, 1), (12, 3.5)), ((12, 4.5), (12, 8))),
+    *(((1, 4.5), (3, 4.5)), ((3.9, 4.5), (12, 4.5)), ((6, 1), (6, 2.5)), ((6, 3.4), (6, 6))),
+    *(((6, 6.9), (6, 8)), ((9, 4.5), (9, 8))),
+)
+"""Two rooms above and two below, and a store at the right above without a door; all 0.2 m thick."""
+DOORS = [(6.0, 2.95), (12.0, 4.0), (3.45, 4.5), (6.0, 6.45)]
+"""Middles of the gaps of 0.7, 0.8, 0.7 and 0.7 m between the faces of walls."""
+
+
+def pixel(x: float, y: float) -> tuple[int, int]:
+    return round(x / CELL_M), round((SIZE_M[1] - y) / CELL_M)
+
+
+def drawing(texts: bool) -> np.ndarray:
+    """Draw the walls; texts: and letters, a dimension line, and the arc of a door."""
+    image = np.full((round(SIZE_M[1] / CELL_M), round(SIZE_M[0] / CELL_M)), 255, np.uint8)
+    for (x0, y0), (x1, y1) in WALLS:
+        (left, top), (right, bottom) = pixel(x0 - 0.1, y1 + 0.1), pixel(x1 + 0.1, y0 - 0.1)
+        cv2.rectangle(image, (left, top), (right - 1, bottom - 1), 0, -1)
+    if texts:
+        cv2.line(image, pixel(1, 0.4), pixel(12, 0.4), 0, 1)
+        cv2.ellipse(image, pixel(3.1, 4.4), (35, 35), 0, 0, 90, 0, 2)
+        for text, place, size in (("11.00", (6, 0.45), 0.6), ("LIVING", (2.5, 2.5), 1.2), ("STORE", (9.6, 6.5), 1.2)):
+            cv2.putText(image, text, pixel(*place), cv2.FONT_HERSHEY_SIMPLEX, size, 0, round(2.5 * size))
+    return image
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    cv2.imwrite("clean.png", drawing(texts=False))
+    cv2.imwrite("house.png", drawing(texts=True))
+    return tmp_path
+
+
+def imported(*arguments: str) -> FloorPlan:
+    Path("plan.yaml").unlink(missing_ok=True)
+    assert main(["plan", "import", *arguments]) == 0
+    return load_floor_plan("plan.yaml")
+
+
+def free_cells(plan: FloorPlan) -> np.ndarray:
+    cells: np.ndarray = occupancy_grid(plan.model_copy(update={"doors": ()}), 0.05).cells == FREE
+    return cells
+
+
+@pytest.mark.parametrize("scale", [("--metres-per-pixel", "0.02"), ("--measured", "50,400,600,400,11")])
+def test_scale_is_a_number_or_a_measured_line(folder, scale):
+    plan = imported("clean.png", *scale)
+    assert (plan.bounds.min, plan.bounds.max) == ((0.0, 0.0), SIZE_M)
+
+
+def test_text_dimension_lines_and_arcs_are_no_walls(folder, capsys):
+    clean = free_cells(imported("clean.png", "--metres-per-pixel", "0.02"))
+    everything = free_cells(imported("house.png", "--metres-per-pixel", "0.02"))
+    assert np.count_nonzero(everything != clean) > 500
+    rules = ("--thinnest-wall", "0.1", "--smallest-wall", "0.6")
+    walls = free_cells(imported("house.png", "--metres-per-pixel", "0.02", *rules))
+    # What remains of an arc where it meets a wall is as long as the thinnest wall.
+    assert np.count_nonzero(walls != clean) <= 8
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_gaps_become_doors_on_request(folder, capsys, turned):
+    if turned:
+        cv2.imwrite("clean.png", np.rot90(drawing(texts=False), -1))
+    assert imported("clean.png", "--metres-per-pixel", "0.02").doors == ()
+    plan = imported("clean.png", "--metres-per-pixel", "0.02", "--doors")
+    middles = sorted((0.5 * np.add(door.start, door.end)).tolist() for door in plan.doors)
+    expected = sorted([y, SIZE_M[0] - x] if turned else [x, y] for x, y in DOORS)
+    np.testing.assert_allclose(middles, expected, atol=0.03)
+    assert not any(door.closed for door in plan.doors)
+    assert "4 doors" in capsys.readouterr().out.splitlines()[-1]
+    assert len(imported("clean.png", "--metres-per-pixel", "0.02", "--doors", "0.75,1").doors) == 1
+
+
+def test_rooms_without_a_door_are_reported_by_import_and_check(folder, capsys):
+    plan = imported("clean.png", "--metres-per-pixel", "0.02", "--doors")
+    _, store = floor_parts(plan, 0.2)
+    # The centre of a disc of 0.2 m has 2.4 x 2.9 m in a room of 2.8 x 3.3 m.
+    assert store.area_m2 == pytest.approx(2.4 * 2.9, rel=0.1)
+    assert store.place == pytest.approx((10.5, 6.25), abs=0.1)
+    assert parts_without(plan, 0.2, [(10.0, 6.0), (2.0, 2.0)]) == ()
+    warning = capsys.readouterr().err
+    assert warning.startswith("robotteamsim: warning: no door leads from the largest part of the floor to ")
+    robots = "robots: {count: 1, start: [2.0, 2.0, 0.0]}"
+    Path("house.yaml").write_text(f"name: house\nplan: plan.yaml\n{robots}\n", encoding="utf-8")
+    assert main(["scenario", "check", "house.yaml"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("house.yaml: valid: ")
+    assert lines[1].startswith("house.yaml: no robot can get to ")
+    assert lines[1].endswith(" m2 around [10.45, 6.25], not even through doors")
+    assert len(lines) == 2
+
+
+def test_picture_shows_what_was_taken_for_what(folder):
+    rules = ("--thinnest-wall", "0.1", "--smallest-wall", "0.6", "--doors", "--png", "import.png")
+    imported("house.png", "--metres-per-pixel", "0.02", *rules)
+    picture = cv2.imread("import.png")
+    blue, green, red = (picture[..., channel].astype(int) for channel in range(3))
+    # Vermilion, for ink that is no wall, and yellow, for the store.
+    assert np.count_nonzero((red > 180) & (green < 130) & (blue < 60)) > 500
+    assert np.count_nonzero((red > 220) & (green > 200) & (blue < 100)) > 500
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["clean.png"], "clean.png: give its scale with --metres-per-pixel or --measured, or import its yaml"),
+        (["map.yaml", "--metres-per-pixel", "0.1"], "map.yaml has the resolution"),
+        (["clean.png", "--measured", "1,2,3,4"], "'1,2,3,4' is not X1,Y1,X2,Y2,M"),
+        (["clean.png", "--measured", "1,2,1,2,4"], "expected two pixels apart from each other"),
+        (
+            ["clean.png", "--metres-per-pixel", "0.02", "--doors", "2,1"],
+            "expected widths above 0, the smaller one first",
+        ),
+        (["clean.png", "--metres-per-pixel", "90"], "clean.png: resolution: 90"),
+        (["none.png", "--metres-per-pixel", "0.1"], "none.png"),
+        (["clean.png", "--metres-per-pixel", "0.02", "--png", "clean.png"], "would overwrite the map or the plan"),
+    ],
+)
+def test_invalid_options_are_one_line(folder, capsys, arguments, message):
+    Path("map.yaml").write_text("image: clean.png\nresolution: 0.1\norigin: [0, 0, 0]\n", encoding="utf-8")
+    with pytest.raises(SystemExit) as ended:
+        raise SystemExit(main(["plan", "import", *arguments, "--out", "new.yaml"]))
+    assert ended.value.code == 2
+    line = capsys.readouterr().err.strip().splitlines()[-1]
+    assert message in line
+    assert not Path("new.yaml").exists()
