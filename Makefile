@@ -74,6 +74,10 @@ $(VENV)/.ready: $(VENV)/.run setup/requirements.lock
 	$(call step,PyPI packages for all commands and tests,pypi) $(PIP_INSTALL) --requirement setup/requirements.lock
 	@touch $@
 
+$(VENV)/.wheel: $(VENV)/.run setup/requirements-wheel.lock
+	$(call step,PyPI packages for the wheel,pypi-wheel) $(PIP_INSTALL) --requirement setup/requirements-wheel.lock
+	@touch $@
+
 compile: $(DEBIAN)-build $(VENV)/.run
 	$(call step,$(call number,5/5)building,build) setup/compile.sh $(BUILD) $(PYTHON) $(JOBS) no
 
@@ -94,7 +98,7 @@ garage_sar: build ## run the garage mission with roslaunch, and rviz if there is
 run: build ## run the garage mission headless
 	@$(VENV)/bin/robotteamsim run garage_sar $(ARGS)
 
-test: lint test_cpp test_python test_ros ## run every test: linters, GoogleTest, pytest, rostest
+test: lint test_cpp test_python test_ros ## linters, GoogleTest, pytest, rostest; not tidy, fuzz, sanitize, faults, garbage, gazebo
 
 check: build_tests ## run the linters of Python and the fast tests, in about a minute: for every save
 	@$(PYTHON) -m ruff check --quiet .
@@ -186,9 +190,9 @@ gazebo: build_tests ## run the garage mission in Gazebo, in a Debian 11 that is 
 	$(call step,building the plugins of Gazebo,build_gazebo) $(GAZEBO_RUN) gazebo/build.sh $(BUILD)/gazebo $(JOBS)
 	@$(ENV) GAZEBO_CHROOT=$(GAZEBO_CHROOT) $(PYTHON) -m pytest test/gazebo -s $(ARGS)
 
-wheel: $(DEBIAN)-build $(VENV)/.ready ## build dist/*.whl, which includes Box2D and needs no compiler
+wheel: $(DEBIAN)-build $(VENV)/.wheel ## build dist/*.whl for Python 3.11 and newer, which includes Box2D and needs no compiler
 	@rm -rf dist && mkdir -p dist/raw
-	@$(PYTHON) -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir dist/raw .
+	$(call step,building the wheel,wheel) $(PYTHON) -m pip wheel --verbose --no-deps --no-build-isolation --wheel-dir dist/raw .
 	@PATH="$(CURDIR)/$(VENV)/bin:$$PATH" $(PYTHON) -m auditwheel repair --wheel-dir dist dist/raw/*.whl
 	@rm -rf dist/raw && ls dist/*.whl
 
@@ -222,7 +226,7 @@ man: build_tests ## show the man page, build/robotteamsim.1
 	@man $(BUILD)/robotteamsim.1
 
 lock: ## write the locks in setup/ again: the versions of the requirements, what they need, and all hashes
-	@for name in requirements-run requirements; do \
+	@for name in requirements-run requirements-wheel requirements; do \
 		$(PYTHON) -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras --no-header --no-annotate \
 			--no-emit-index-url --no-emit-find-links --no-emit-trusted-host \
 			--output-file setup/$$name.lock setup/$$name.txt || exit 1; done

@@ -14,6 +14,4 @@ if [ "$tests" = yes ] && ! grep -q '^CATKIN_ENABLE_TESTING:[A-Z]*=ON' "$build/CM
 fi
 cmake --build "$build" -j"$jobs"
 echo "$PWD/$build/devel/lib/python3/dist-packages" > "$("$python" -c 'import site; print(site.getsitepackages()[0])')/robotteamsim.pth"
-program=$(dirname "$python")/robotteamsim
-printf '#!%s\nimport sys\n\nfrom robotteamsim.cli import main\n\nif __name__ == "__main__":\n    sys.exit(main())\n' "$PWD/$python" > "$program"
-chmod +x "$program"
+ln -sf "$PWD/$build/devel/bin/robotteamsim" "$(dirname "$python")/robotteamsim"

@@ -10,6 +10,7 @@ progress() { # percent of the packages or files that the log contains, if it sho
   awk '/newly installed/ { for (i = 2; i <= NF; ++i) if ($i == "newly") all = 3 * $(i - 1) }
        all && /^(Get:|Unpacking |Setting up )/ { percent = 100 * ++done / all }
        /^\[ *[0-9]+%\]/ { split($0, part, /[[%]/); percent = part[2] }
+       /^ *\[[0-9]+\/[0-9]+\] / { split($1, part, /[^0-9]/); percent = 100 * part[2] / part[3] }  # ninja, for a wheel
        END { if (percent != "") printf("%d %%, ", (percent > 100) ? 100 : percent) }' "$log" 2> /dev/null
 }
 

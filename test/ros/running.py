@@ -49,6 +49,15 @@ def free_port() -> int:
         return probe.getsockname()[1]
 
 
+def reserved_port() -> socket.socket:
+    """Return a socket that keeps a free port for a server of ROS that is started later."""
+    reservation = socket.socket()
+    # Two sockets with this option, which servers of ROS have, can share a port, if both asked for its number.
+    reservation.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    reservation.bind(("localhost", 0))
+    return reservation
+
+
 def wait_for_port(port: int) -> None:
     """Wait until somebody listens on a port."""
     deadline_s = time.monotonic() + TIMEOUT_S
@@ -64,14 +73,14 @@ class Program:
     """A program that runs, and the lines that it has written so far."""
 
     def __init__(self, command: Sequence[str], folder: Path, port: int | None = None) -> None:
-        env = environment(folder, port)
-        self.port = int(env["ROS_MASTER_URI"].rpartition(":")[2])
+        self._reservation = reserved_port()
+        self.port = port or self._reservation.getsockname()[1]
         if command[: len(ROSLAUNCH)] in (ROSLAUNCH, ROSCORE):
             command = (*command[: len(ROSLAUNCH)], "-p", str(self.port), *command[len(ROSLAUNCH) :])
         self.process = subprocess.Popen(
             command,
             cwd=folder,
-            env=env,
+            env=environment(folder, self.port),
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -119,6 +128,7 @@ class Program:
                 with contextlib.suppress(ProcessLookupError):
                     os.kill(pid, signal.SIGKILL)
         self.process.wait(GRACE_S)
+        self._reservation.close()
         self._reader.join(GRACE_S)
         assert self.process.stdout is not None
         self.process.stdout.close()

@@ -17,7 +17,11 @@ def _pins(name: str) -> dict[str, str]:
     return {re.sub("[._-]+", "-", pin[1]).lower(): pin[2] for pin in found if pin}
 
 
-@pytest.mark.parametrize("names", [("requirements-run",), ("requirements-run", "requirements")])
+NAMES = ("requirements-run", "requirements-wheel", "requirements")
+"""Each includes the one before it."""
+
+
+@pytest.mark.parametrize("names", [NAMES[:1], NAMES[:2], NAMES])
 def test_lock_has_the_versions_of_the_requirements_and_hashes_of_all(names):
     lock = f"{names[-1]}.lock"
     wanted = {name: pin for file in names for name, pin in _pins(f"{file}.txt").items()}

@@ -42,6 +42,20 @@ def test_failed_step_shows_the_end_of_its_log_and_names_it(tmp_path):
     assert "\n75\n" not in done.stderr
 
 
+def test_wheel_does_not_install_what_tests_and_all_commands_need():
+    plan = subprocess.run(("make", "-n", "wheel"), cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    assert "requirements.lock" not in plan
+    assert "debian-test" not in plan
+    assert "step.sh \"building the wheel\"" in plan
+
+
+def test_help_of_make_test_names_the_checks_that_it_leaves_out():
+    lines = subprocess.run(("make", "help"), cwd=ROOT, capture_output=True, text=True, check=True).stdout.splitlines()
+    (about_test,) = (line for line in lines if line.split()[:2] == ["make", "test"])
+    for target in ("tidy", "fuzz", "sanitize", "faults", "garbage", "gazebo"):
+        assert target in about_test.partition("not ")[2]
+
+
 def test_hook_sets_the_package_path_where_ros_environment_is_missing(tmp_path):
     (tmp_path / ".catkin").write_text("/home/me/a;/home/me/b", encoding="utf-8")
     assert package_path(tmp_path, "") == "/home/me/a:/home/me/b:/usr/share"
@@ -58,6 +72,7 @@ def test_hook_of_an_installation_adds_its_share_folder(tmp_path):
 
 
 @pytest.mark.slow
-def test_long_step_shows_its_progress(tmp_path):
-    done = step(tmp_path, "echo '[ 50%] Building'; sleep 11")
+@pytest.mark.parametrize("line", ["[ 50%] Building", "  [10/20] Building"])
+def test_long_step_shows_its_progress(tmp_path, line):
+    done = step(tmp_path, f"echo '{line}'; sleep 11")
     assert re.search(r"^--   \[2/5\] a step: 50 %, 1\d s$", done.stdout, re.MULTILINE)
