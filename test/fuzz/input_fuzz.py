@@ -213,7 +213,7 @@ class MissionTarget:
     def _run_twice(self, data: bytes) -> None:
         scenario = from_mapping(json.loads(data), "random")
         first, second = (Simulation(scenario).run([NoFaults()]) for _ in range(2))
-        assert first == second
+        assert first.trajectory_hash == second.trajectory_hash
 
 
 class NoFaults(Observer):

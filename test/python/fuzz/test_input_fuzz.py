@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import random
 import runpy
+import sys
 from pathlib import Path
 
 import pytest
 
-FUZZ = runpy.run_path(str(Path(__file__).parents[2] / "fuzz" / "input_fuzz.py"))
+_FOLDER = Path(__file__).parents[2] / "fuzz"
+sys.path.insert(0, str(_FOLDER))
+FUZZ = runpy.run_path(str(_FOLDER / "input_fuzz.py"))
 
 
 @pytest.mark.parametrize(
