@@ -46,7 +46,7 @@ def test_wheel_does_not_install_what_tests_and_all_commands_need():
     plan = subprocess.run(("make", "-n", "wheel"), cwd=ROOT, capture_output=True, text=True, check=True).stdout
     assert "requirements.lock" not in plan
     assert "debian-test" not in plan
-    assert "step.sh \"building the wheel\"" in plan
+    assert 'step.sh "building the wheel"' in plan
 
 
 def test_help_of_make_test_names_the_checks_that_it_leaves_out():
