@@ -17,6 +17,7 @@ from robotteamsim.cli import (
     campaign_command,
     completion_command,
     field_command,
+    new_command,
     plan_command,
     report_command,
     run_command,
@@ -50,6 +51,7 @@ examples:
   robotteamsim analyse mission.bag                   summary of any bag: headless, ROS or real robots
   robotteamsim scenario show garage_sar              every key and its value
   robotteamsim field voice garage_sar --png voice.png
+  robotteamsim new scenario my_house                 files to start from
   robotteamsim plan import map.yaml --out plan.yaml  a map_server image as walls
   robotteamsim plan import-stage office.world        a Stage world as a scenario
 
@@ -88,7 +90,7 @@ def _without_warnings(hidden: bool) -> Iterator[None]:
 
 
 def _run(words: list[str]) -> int:
-    if words[:1] == ["help"]:
+    if words[:1] == ["help"] or not words:
         words = [*words[1:], "--help"]
     options = make_parser().parse_args(words)
     status = options.command(options)
@@ -146,6 +148,7 @@ def make_parser() -> argparse.ArgumentParser:
         scenario_command,
         plan_command,
         field_command,
+        new_command,
     ):
         command.add_to(commands)
     completion_command.add_to(commands, make_parser)

@@ -3,6 +3,7 @@
 import argparse
 import json
 import sys
+from itertools import takewhile
 from typing import Any
 
 from ruamel.yaml.error import YAMLError
@@ -13,6 +14,7 @@ from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of
 from robotteamsim.cli.run_command import add_code_option, add_set_option, check_code
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.recording.files import write_atomically
+from robotteamsim.scenario.shipped import shipped_scenario
 from robotteamsim.scenario.upgrade import upgraded
 from robotteamsim.scenario.yaml_text import read_mapping, read_text
 from robotteamsim.setup import Setup, resolve
@@ -55,7 +57,7 @@ def add_to(commands: Any) -> None:
     schema.add_argument("file", nargs="?", type=path_of, metavar="FILE", help="write to this file instead")
     schema.set_defaults(command=run_schema)
 
-    shipped = actions.add_parser("list", help="print the names of the shipped scenarios")
+    shipped = actions.add_parser("list", help="print the shipped scenarios, each with a line about it")
     shipped.set_defaults(command=run_list)
 
 
@@ -144,6 +146,10 @@ def run_schema(options: argparse.Namespace) -> None:
 
 
 def run_list(options: argparse.Namespace) -> None:
-    """Print the shipped scenarios' names."""
-    for name in scenario.scenario_names():
-        print(name)
+    """Print the shipped scenarios' names, each with the first sentence of its file's comment."""
+    names = scenario.scenario_names()
+    width = max(map(len, names), default=0)
+    for name in names:
+        text = read_text(shipped_scenario(name), name)
+        comment = " ".join(line[1:].strip() for line in takewhile(lambda line: line.startswith("#"), text.splitlines()))
+        print(f"{name:{width}}  {comment.partition('. ')[0].removesuffix('.')}")

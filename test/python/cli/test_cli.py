@@ -152,7 +152,6 @@ def test_broken_pipe_is_silent(arguments):
         ("rnu", "no such command 'rnu'; did you mean 'run'? (see `robotteamsim --help`)"),
         ("scenario zzz", "no such command 'zzz'; expected one of check, show, render, upgrade, schema, list"),
         ("completion fsh", "shell: 'fsh' is not valid; expected one of bash, zsh, fish, tcsh"),
-        ("", "the following arguments are required: COMMAND"),
         ("run", "the following arguments are required: SCENARIO (see `robotteamsim run --help`)"),
         ("run garage_sar --seed x", "argument --seed: 'x' is not a whole number"),
         ("run garage_sar --noise nan", "argument --noise: 'nan' is not a number"),
@@ -335,9 +334,18 @@ def test_schema_is_printed_or_written(capsys, tmp_path):
     assert json.loads((tmp_path / "schema.json").read_text()) == printed
 
 
-def test_list_names_the_shipped_scenarios(capsys):
+def test_list_has_a_line_about_each_shipped_scenario(capsys):
     assert main(["scenario", "list"]) == 0
-    assert "garage_sar" in capsys.readouterr().out.split()
+    lines = [line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines()]
+    assert [name for name, _ in lines] == scenario.scenario_names()
+    about = dict(lines)["garage_sar"]
+    assert about == "Three robots search a basement garage: five areas in order, four victims who call for help"
+
+
+def test_program_alone_prints_its_help(capsys):
+    with pytest.raises(SystemExit, match=r"^0$"):
+        main([])
+    assert capsys.readouterr().out.startswith("usage: robotteamsim")
 
 
 def test_imported_map_is_a_plan_to_run_in(capsys, refusal, monkeypatch, tmp_path):

@@ -1,0 +1,73 @@
+"""`robotteamsim new`: write a scenario, a controller or a package of a controller to start from."""
+
+import argparse
+import keyword
+import re
+import sys
+from pathlib import Path
+from typing import Any
+
+from robotteamsim.cli.parser import UsageError
+from robotteamsim.recording.files import make_folder, write_atomically
+from robotteamsim.scenario.controllers import ALGORITHMS
+from robotteamsim.scenario.shipped import share_roots
+
+_EPILOG = """\
+examples:
+  robotteamsim new scenario house          house.yaml and house_plan.yaml
+  robotteamsim new controller wanderer     wanderer.py with the class Wanderer
+  robotteamsim new package wanderer        wanderer/ with pyproject.toml and wanderer.py, for pip install"""
+
+_FILES = {
+    "scenario": ("scenario/my_scenario.yaml", "scenario/my_scenario_plan.yaml"),
+    "controller": ("controller/my_controller.py",),
+    "package": ("controller/pyproject.toml", "controller/my_controller.py"),
+}
+_NEXT = {
+    "scenario": "robotteamsim run {name}.yaml",
+    "controller": "PYTHONPATH=$PWD:$PYTHONPATH robotteamsim run tutorial_arena --set control.algorithm={name}:{title}",
+    "package": "pip install ./{name} && robotteamsim run tutorial_arena --set control.algorithm={name}",
+}
+
+
+def add_to(commands: Any) -> None:
+    """Add the command to the parser."""
+    parser = commands.add_parser(
+        "new", help="write a scenario, controller or package to start from", description=__doc__, epilog=_EPILOG
+    )
+    parser.add_argument("kind", choices=tuple(_FILES), help="scenario, controller or package")
+    parser.add_argument("name", metavar="NAME", help="lower-case letters, digits and _, such as my_house")
+    parser.set_defaults(command=run)
+
+
+def run(options: argparse.Namespace) -> None:
+    """Write a template in the current folder. Raises: UsageError: the name is invalid, or a file exists."""
+    name = options.name
+    if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
+        raise UsageError(f"NAME: '{name}' is not valid; expected lower-case letters, digits and _, such as my_house")
+    taken = {*keyword.kwlist, *sys.stdlib_module_names, *ALGORITHMS, "robotteamsim"}
+    if options.kind != "scenario" and name in taken:
+        raise UsageError(f"NAME: '{name}' is the name of something else in Python or robotteamsim; expected a new name")
+    title = "".join(word.capitalize() for word in name.split("_"))
+    folder = Path(name) if options.kind == "package" else Path()
+    texts = {folder / _renamed(Path(file).name, name, title): _template(file) for file in _FILES[options.kind]}
+    for path in (Path(name) if options.kind == "package" else path for path in texts):
+        if path.exists() or path.is_symlink():
+            raise UsageError(f"{path}: exists already; expected a new name")
+    make_folder(folder)
+    for path, text in texts.items():
+        write_atomically(path, _renamed(text, name, title))
+        print(path)
+    print(f"next: {_NEXT[options.kind].format(name=name, title=title)}")
+
+
+def _template(file: str) -> str:
+    (first, *_) = (root for root in share_roots() if (root / "templates" / file).is_file())
+    return (first / "templates" / file).read_text(encoding="utf-8")
+
+
+def _renamed(text: str, name: str, title: str) -> str:
+    """Return a template's text with the user's names in place of its own."""
+    text = text.replace('name = "my-controller"', f'name = "{name.replace("_", "-")}"').replace("mine = ", f"{name} = ")
+    text = re.sub("my_(scenario|controller)", name, text)
+    return text.replace("MyController", title)

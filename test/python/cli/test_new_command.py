@@ -1,0 +1,70 @@
+"""`robotteamsim new` writes files that work as they are."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from robotteamsim.cli import main
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation
+
+
+@pytest.fixture(autouse=True)
+def _in_an_empty_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.mark.slow
+def test_new_scenario_is_a_mission_that_ends_well(capsys):
+    assert main(["new", "scenario", "house"]) == 0
+    assert capsys.readouterr().out.splitlines() == [
+        "house.yaml",
+        "house_plan.yaml",
+        "next: robotteamsim run house.yaml",
+    ]
+    loaded = load("house.yaml")
+    assert (loaded.name, loaded.plan.name) == ("house", "house")
+    result = Simulation(loaded).run()
+    assert (result.end, result.areas_explored, result.victims_saved) == ("areas_explored", 2, 1)
+
+
+def test_new_controller_runs(capsys, monkeypatch, tmp_path):
+    assert main(["new", "controller", "wall_walker_of_test"]) == 0
+    assert "control.algorithm=wall_walker_of_test:WallWalkerOfTest" in capsys.readouterr().out
+    monkeypatch.syspath_prepend(tmp_path)
+    overrides = ["control.algorithm=wall_walker_of_test:WallWalkerOfTest", "mission.time_limit_s=2"]
+    simulation = Simulation(load("tutorial_arena", overrides))
+    assert not any(decision.fault for decision in simulation.step().decisions)
+    sys.modules.pop("wall_walker_of_test")
+
+
+def test_new_package_registers_its_controller_by_name():
+    assert main(["new", "package", "wall_walker"]) == 0
+    project = tomllib.loads(Path("wall_walker/pyproject.toml").read_text())["project"]
+    assert project["name"] == "wall-walker"
+    assert project["entry-points"]["robotteamsim.controllers"] == {"wall_walker": "wall_walker:WallWalker"}
+    assert os.listdir() == ["wall_walker"]
+    assert sorted(os.listdir("wall_walker")) == ["pyproject.toml", "wall_walker.py"]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "line"),
+    [
+        (
+            ("scenario", "../x"),
+            "NAME: '../x' is not valid; expected lower-case letters, digits and _, such as my_house",
+        ),
+        (("controller", "json"), "NAME: 'json' is the name of something else in Python or robotteamsim"),
+        (("package", "rdpso"), "NAME: 'rdpso' is the name of something else in Python or robotteamsim"),
+        (("scenario", "there"), "there_plan.yaml: exists already; expected a new name"),
+    ],
+)
+def test_wrong_name_is_rejected_and_nothing_is_written(refusal, arguments, line):
+    Path("there_plan.yaml").touch()
+    assert refusal("new", *arguments).startswith(line)
+    assert os.listdir() == ["there_plan.yaml"]
