@@ -1,7 +1,7 @@
 """The packages that only some commands need: `pip install` brings them as extras, and their absence is one line."""
 
 _EXTRA_OF_PACKAGE = {
-    "PIL": "report",
+    "PIL": "images",
     "cv2": "images",
     "dask": "campaign",
     "distributed": "campaign",

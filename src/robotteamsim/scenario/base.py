@@ -42,7 +42,7 @@ Many = Annotated[tuple[Item, ...], BeforeValidator(_as_tuple)]
 """An immutable sequence that YAML writes as a list: Many[Wall]."""
 
 
-SMALLEST = 1e-6
+SMALLEST = 1e-9
 """Smallest value of a key that must be above 0, in any unit: quotients of such numbers stay finite in C++."""
 
 MAX_NAME_CHARACTERS = 100

@@ -20,10 +20,11 @@ TEXT = st.text(
 ) | st.sampled_from(["1e6", "on", "null", "2001-01-01", "~", "- a", "a: b", "#", "0x1", "1_0", " ", "'"])
 NUMBER = st.floats(-1e6, 1e6, allow_nan=False)
 POINT = st.tuples(st.floats(0.0, 100.0), st.floats(0.0, 100.0))
-POSE = st.tuples(st.floats(0.0, 100.0), st.floats(0.0, 100.0), NUMBER)
+POSE = st.tuples(st.floats(0.0, 100.0), st.floats(0.0, 100.0), st.floats(-1e3, 1e3))
 MOTION = st.sampled_from([{}, {"motion": "swing", "angle_rad": -1.0}, {"motion": "slide", "time_s": 3.0}])
 DOOR_KIND = st.sampled_from(["normal", "fireproof"])
 MEMORY = st.sampled_from(["published", "grunwald_letnikov"])
+LOSS_DB = st.floats(-200.0, 200.0)
 TENTHS = st.integers(0, 1000).map(lambda tenths: tenths / 10)
 
 
@@ -64,7 +65,7 @@ def scenarios(draw: st.DrawFn) -> Scenario:
         plan=draw(plans()),
         robots=draw(team | robots.map(tuple)),
         radio=Radio(materials=draw(st.dictionaries(TEXT, TENTHS, max_size=2)) | {"brick": 6.0}),
-        voice=Voice(noise_db=draw(st.floats(0.0, 80.0)), constant_db=tuple(sorted(draw(st.tuples(NUMBER, NUMBER))))),
+        voice=Voice(noise_db=draw(st.floats(0.0, 80.0)), constant_db=tuple(sorted(draw(st.tuples(LOSS_DB, LOSS_DB))))),
         control=RdpsoControl(alpha=draw(st.floats(0.0, 1.0)), memory=draw(MEMORY)),
         mission=Mission(areas=draw(areas), victims=draw(victims), autostart=draw(st.booleans())),
         run=Run(seed=draw(st.integers(0, 2**53))),

@@ -21,9 +21,8 @@ def mission(*out_s: float | None, untenable_s: float | None = None) -> Egress:
 def panel(*missions: Egress) -> Panel:
     nothing = np.zeros(len(missions), dtype=int)
     times_s = np.full(len(missions), 100.0)
-    sample = Sample(
-        times_s, nothing > 0, nothing, nothing, nothing, times_s, np.arange(len(missions)), 2, 0, 100.0, (), missions
-    )
+    numbers = np.arange(len(missions))
+    sample = Sample(times_s, nothing > 0, nothing, nothing, nothing, times_s, numbers, 2, 0, 100.0, egress=missions)
     return Panel("one", (Series("", sample, "#000000"),))
 
 
