@@ -20,7 +20,7 @@ from robotteamsim.scenario import load
 from robotteamsim.simulation import Result, Simulation
 
 CSV = Path(__file__).resolve().parent / "results" / "additions.csv"
-FIRST_SEED = 1001
+FIRST_SEED = 3001
 ADDITIONS = {
     "gated communication": ("control.communication.gated", "true", "false"),
     "ruled-out places": ("control.rule_out_places", "true", "false"),
