@@ -37,7 +37,8 @@ def test_campaign_ends_with_a_row_per_cell_and_the_file_of_its_trials(capsys, tm
     assert rows[:2] == [["10.0", "2"], ["20.0", "2"]]
     assert captured.out.endswith(f"\nwritten {tmp_path}/c/trials.csv\n")
     *progress, end = captured.err.splitlines()
-    assert progress == ["garage_sar: 4 trials", "4 of 4 trials, 0 s left"]
+    # On a busy machine there are more lines between the two.
+    assert (progress[0], progress[-1]) == ("garage_sar: 4 trials", "4 of 4 trials, 0 s left")
     minutes = sum(outcome.time_s for outcome in read_store(tmp_path / "c").outcomes) / 60.0
     assert end.startswith(f"4 trials, {minutes:.1f} min of missions, in ")
     assert len((tmp_path / "c" / "trials.csv").read_text().splitlines()) == 5
