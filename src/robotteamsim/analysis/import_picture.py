@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.transforms import Affine2D
 
 from robotteamsim import palette
 from robotteamsim.analysis.plan_picture import draw_plan
@@ -51,11 +52,12 @@ def _draw_cells(axes: Axes, image: MapImage, cells: np.ndarray, colour: str) -> 
     """Draw cells of the image below the walls of the plan."""
     pixels = np.zeros((*cells.shape, 4))
     pixels[cells] = (*to_rgb(colour), _INK_ALPHA)
-    (x, y, _), cell_m = image.settings.origin, image.settings.resolution
+    (x, y, yaw), cell_m = image.settings.origin, image.settings.resolution
     rows, columns = cells.shape
     extent = (x, x + columns * cell_m, y, y + rows * cell_m)
     limits = axes.get_xlim(), axes.get_ylim()
-    axes.imshow(pixels, origin="lower", extent=extent, interpolation="nearest", zorder=2)
+    turned = Affine2D().rotate_around(x, y, yaw) + axes.transData
+    axes.imshow(pixels, origin="lower", extent=extent, interpolation="nearest", zorder=2, transform=turned)
     axes.set(xlim=limits[0], ylim=limits[1])
 
 

@@ -8,8 +8,6 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from robotteamsim import scenario
 from robotteamsim.cli.output import add_png_option, save
 from robotteamsim.cli.parser import PLAN_HELP, SCENARIO_HELP, UsageError, number, path_of, positive_number
@@ -18,8 +16,15 @@ from robotteamsim.recording.files import atomically, prepare_folder, write_atomi
 from robotteamsim.scenario.door_places import without_misplaced_doors
 from robotteamsim.scenario.dxf import DxfRules, import_dxf
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.map_image import DrawingRules, MapImage, left_out, read_drawing, read_map, with_doors
-from robotteamsim.scenario.map_image import import_image as import_image_by_rules
+from robotteamsim.scenario.map_image import (
+    DrawingRules,
+    MapImage,
+    import_image,
+    left_out,
+    read_drawing,
+    read_map,
+    with_doors,
+)
 from robotteamsim.scenario.yaml_text import write
 from robotteamsim.setup import resolve
 from robotteamsim.wording import counted
@@ -88,7 +93,7 @@ def add_to(commands: Any) -> None:
     image.add_argument(
         "--out", type=path_of, metavar="FILE", help="the floor plan to write; default plan.yaml, if that does not exist"
     )
-    image.set_defaults(command=import_image)
+    image.set_defaults(command=import_plan)
 
     stage = actions.add_parser(
         "import-stage", help="convert a Stage world to a scenario", description=_STAGE_TEXT, epilog=_STAGE_EXAMPLES
@@ -158,7 +163,7 @@ def _add_drawing_options(parser: argparse.ArgumentParser) -> None:
         metavar="LOW,HIGH",
         help=f"gaps of these widths [m] in walls along the axes become open doors; default {_DOOR_WIDTHS_TEXT}",
     )
-    parser.add_argument("--png", type=path_of, metavar="FILE", help="draw what was taken for what")
+    add_png_option(parser, "draw what was taken for what", required=False)
     parser.add_argument(
         "--layer",
         action="append",
@@ -200,8 +205,8 @@ def _widths(text: str) -> tuple[float, float]:
     return low, high
 
 
-def _import_image(options: argparse.Namespace) -> tuple[FloorPlan, MapImage, np.ndarray]:
-    """Return the plan of an image, the image, and its ink that is no wall.
+def _read_image(options: argparse.Namespace) -> tuple[MapImage, DrawingRules]:
+    """Return an image, and what of it is a wall.
 
     Raises: UsageError: no scale, or two, or options of DXF. ScenarioError: it cannot be read.
     """
@@ -214,8 +219,7 @@ def _import_image(options: argparse.Namespace) -> tuple[FloorPlan, MapImage, np.
     if not is_yaml and scale is None:
         raise UsageError(f"{options.map}: give its scale with --metres-per-pixel or --measured, or import its yaml")
     rules = DrawingRules(options.thinnest_wall, options.smallest_wall, options.doors)
-    image = read_map(options.map) if is_yaml else read_drawing(options.map, scale)
-    return import_image_by_rules(image, options.map, rules), image, left_out(image, rules)
+    return read_map(options.map) if is_yaml else read_drawing(options.map, scale), rules
 
 
 def _dxf_options(options: argparse.Namespace) -> dict[str, object]:
@@ -242,7 +246,7 @@ def _import_dxf(options: argparse.Namespace) -> FloorPlan:
     return plan if options.doors is None else with_doors(plan, options.doors)
 
 
-def import_image(options: argparse.Namespace) -> None:
+def import_plan(options: argparse.Namespace) -> None:
     """Import an image or a DXF file."""
     out = options.out or Path("plan.yaml")
     if options.out is None and out.exists():
@@ -251,12 +255,13 @@ def import_image(options: argparse.Namespace) -> None:
         raise UsageError(f"--out {out}: would overwrite the map")
     if options.png and os.path.realpath(options.png) in (os.path.realpath(options.map), os.path.realpath(out)):
         raise UsageError(f"--png {options.png}: would overwrite the map or the plan")
-    image, no_wall = None, None
+    image, rules = None, DrawingRules()
     if options.map.suffix.lower() == ".dxf":
-        plan = _import_dxf(options)
+        found = _import_dxf(options)
     else:
-        plan, image, no_wall = _import_image(options)
-    plan = without_misplaced_doors(plan)
+        image, rules = _read_image(options)
+        found = import_image(image, options.map, rules)
+    plan = without_misplaced_doors(found)
     parts = floor_parts(plan, _ROBOT_M)
     with atomically(out) as part:
         scenario.write_floor_plan(plan, part)
@@ -265,7 +270,10 @@ def import_image(options: argparse.Namespace) -> None:
     if options.png:
         from robotteamsim.analysis.import_picture import draw_import
 
+        no_wall = None if image is None else left_out(image, rules)
         save(draw_import(plan, parts, image, no_wall), options.png)
+    if num_left_out := len(found.doors) - len(plan.doors):
+        _warn([f"{counted(num_left_out, 'gap')} found next to which a leaf cannot turn: left open, without a door"])
     _warn(f"no door leads from the largest part of the floor to {part_text(part)}" for part in parts[1:])
 
 

@@ -49,20 +49,21 @@ def read_image(path: Path) -> np.ndarray:
             with open_regular(path) as file, Image.open(file, formats=FORMATS) as image:
                 if image.width * image.height > MAX_PIXELS:
                     raise Image.DecompressionBombError
-                pixels = _pixels(image)
+                pixels, file_format = _pixels(image), image.format
         except (Image.DecompressionBombError, Image.DecompressionBombWarning):
             raise ValueError(f"has more than {MAX_PIXELS // 10**6} million pixels") from None
         except Exception:  # Pillow has no error class for damaged files: SyntaxError, KeyError, struct.error and others
             raise ValueError("cannot be read as an image") from None
     if pixels.dtype == np.uint8:
         return pixels
-    if pixels.dtype.kind == "f" or not 0 <= pixels.min() <= pixels.max() <= _MOST_IN_16_BITS:
+    is_wider = pixels.dtype.kind == "f" or (pixels.dtype == np.int32 and file_format not in ("PNG", "PPM"))
+    if is_wider or not 0 <= pixels.min() <= pixels.max() <= _MOST_IN_16_BITS:
         raise ValueError(f"has {pixels.dtype} pixels; expected 8 or 16 bits")
     return (pixels // 256).astype(np.uint8)
 
 
 def _pixels(image: Any) -> np.ndarray:
-    """Return the pixels of a Pillow image, palettes replaced by their colours."""
+    """Return the pixels of a Pillow image, palettes replaced by their colours; 16 bits of PNG and PPM may be int32."""
     mode = image.mode
     if mode == "1":
         mode = "L"

@@ -5,11 +5,13 @@ OpenCV is imported where it is used, because it belongs to an extra.
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
 
-_MOST_OPEN = 0.7
+_LEAST_OPEN = 0.7
 """Least share of the cells beside a gap that are not solid."""
 
 _LEAST_JAMB = 0.6
@@ -47,6 +49,8 @@ def small_groups(ink: np.ndarray, smallest_cells: int) -> np.ndarray:
     """Return which cells of ink belong to connected groups that are smaller than that in width and height: letters."""
     import cv2
 
+    if smallest_cells <= 1:
+        return np.zeros(ink.shape, dtype=bool)
     _, labels, statistics, _ = cv2.connectedComponentsWithStats(ink.astype(np.uint8), connectivity=8)
     size = statistics[:, [cv2.CC_STAT_WIDTH, cv2.CC_STAT_HEIGHT]].max(axis=1)
     small: np.ndarray = ink & (size < smallest_cells)[labels]
@@ -57,6 +61,7 @@ def gaps(solid: np.ndarray, least_cells: float, most_cells: float, deepest_cells
     """Return the gaps in walls along the axes, from the lowest row up.
 
     A gap is a rectangle that is not solid between two solid ends, open on its other sides, and no deeper than a wall.
+    Each width is searched by itself: wider ones would also fill the corridor that a narrow gap leads to.
 
     Args: solid: bool, row 0 at the lowest y.  least_cells, most_cells: limits of its width.  deepest_cells: of a wall.
     """
@@ -67,21 +72,26 @@ def gaps(solid: np.ndarray, least_cells: float, most_cells: float, deepest_cells
 
 
 def _gaps_along_x(solid: np.ndarray, least_cells: float, most_cells: float, deepest_cells: float) -> list[Gap]:
+    cells = np.ascontiguousarray(solid, dtype=np.uint8)
+    found: dict[Gap, None] = {}
+    for width in range(math.ceil(least_cells), math.floor(most_cells) + 1):
+        found |= dict.fromkeys(_gaps_of_width(cells, width, deepest_cells))
+    return list(found)
+
+
+def _gaps_of_width(cells: np.ndarray, width_cells: int, deepest_cells: float) -> Iterator[Gap]:
+    """Yield the gaps along x of one width. Args: cells: which are solid, uint8."""
     import cv2
 
-    cells = np.ascontiguousarray(solid, dtype=np.uint8)
-    closed = cv2.morphologyEx(cells, cv2.MORPH_CLOSE, np.ones((1, int(most_cells) + 1), np.uint8))
+    closed = cv2.morphologyEx(cells, cv2.MORPH_CLOSE, np.ones((1, width_cells + 1), np.uint8))
     filled = (closed > cells).astype(np.uint8)
     _, _, statistics, _ = cv2.connectedComponentsWithStats(filled, connectivity=4)
-    rows, columns = solid.shape
-    found = []
+    rows, columns = cells.shape
     for column, row, width, depth, _ in statistics[1:].tolist():
         right, top = column + width, row + depth
-        fits = least_cells <= width <= most_cells and depth <= deepest_cells
-        if not fits or column == 0 or row == 0 or right == columns or top == rows:
+        if width != width_cells or depth > deepest_cells or column == 0 or row == 0 or right == columns or top == rows:
             continue
-        jambs = min(solid[row:top, column - 1].mean(), solid[row:top, right].mean())
-        beside = max(solid[row - 1, column:right].mean(), solid[top, column:right].mean())
-        if jambs >= _LEAST_JAMB and beside <= 1.0 - _MOST_OPEN:
-            found.append(Gap(column, row, width, depth, along_x=True))
-    return found
+        jambs = min(cells[row:top, column - 1].mean(), cells[row:top, right].mean())
+        beside = max(cells[row - 1, column:right].mean(), cells[top, column:right].mean())
+        if jambs >= _LEAST_JAMB and beside <= 1.0 - _LEAST_OPEN:
+            yield Gap(column, row, width, depth, along_x=True)

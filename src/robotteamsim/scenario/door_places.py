@@ -31,6 +31,7 @@ def misplaced_doors(plan: FloorPlan) -> list[tuple[int, str]]:
     """
     static = [solid for solid in solids(plan) if solid.kind != "door"]
     shapes = np.array([solid.polygon for solid in static], dtype=object)
+    union = shapely.union_all(shapes)
     around = shapely.box(*plan.bounds.min, *plan.bounds.max).exterior
     wrong = []
     for index, door in enumerate(plan.doors):
@@ -38,7 +39,7 @@ def misplaced_doors(plan: FloorPlan) -> list[tuple[int, str]]:
         lengths_m = shapely.length(shapely.intersection(shapes, leaf))
         hinges = shapely.MultiPoint([door.start, door.end])
         nearest_m = min([shapely.distance(around, hinges), *shapely.distance(shapes, hinges)])
-        if shapely.length(shapely.intersection(shapely.union_all(shapes), leaf)) > MOST_IN_SOLIDS * leaf.length:
+        if shapely.length(shapely.intersection(union, leaf)) > MOST_IN_SOLIDS * leaf.length:
             solid = static[int(np.argmax(lengths_m))]
             wrong.append((index, f"{_text(door)} lies in {solid.kind} '{solid.name}'; expected a gap"))
         elif nearest_m > REACH_M:

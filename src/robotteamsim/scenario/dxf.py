@@ -34,6 +34,9 @@ FLAT_M = 0.01
 
 MOST_WALLS = 100_000
 
+MOST_LINES = 200_000
+"""Of all layers together; blocks may repeat lines without an end."""
+
 _LINES = frozenset(("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE"))
 _NO_PARTS = frozenset(("DIMENSION", "ARC_DIMENSION", "LARGE_RADIAL_DIMENSION", "LEADER", "MULTILEADER", "HATCH"))
 """Are not taken apart: dimension lines and hatches are no walls."""
@@ -62,7 +65,7 @@ def import_dxf(path: Path, rules: DxfRules) -> FloorPlan:
     """
     drawing = _read(path)
     scale = rules.metres_per_unit or _metres_per_unit(path, drawing)
-    found = list(_lines(drawing, FLAT_M / scale))
+    found = _found(path, drawing, FLAT_M / scale)
     layers = Counter(layer for layer, _ in found)
     unknown = [layer for layer in rules.layers if layer not in layers]
     if unknown or not rules.layers:
@@ -110,9 +113,13 @@ def _read(path: Path) -> Drawing:
         raise ScenarioError(f"{path}: there is no such file")
     try:
         return ezdxf.readfile(path)
-    except (OSError, ValueError, ezdxf.DXFError) as error:
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise ScenarioError(f"{path}: cannot be read as DXF: {printable(reason)}") from None
+    except Exception as error:  # damaged files cause IndexError, KeyError, StopIteration and others
+        raise _unreadable(path, error) from None
+
+
+def _unreadable(path: Path, error: Exception) -> ScenarioError:
+    reason = " ".join(str(error).split()) or type(error).__name__
+    return ScenarioError(f"{path}: cannot be read as DXF: {printable(reason)}")
 
 
 def _metres_per_unit(path: Path, drawing: Drawing) -> float:
@@ -128,6 +135,17 @@ def _metres_per_unit(path: Path, drawing: Drawing) -> float:
         text = f"names no known unit ($INSUNITS {drawing.units}); give its scale with --metres-per-unit"
         raise ScenarioError(f"{path}: {text}")
     return conversion_factor(unit, InsertUnits.Meters)
+
+
+def _found(path: Path, drawing: Drawing, flat: float) -> list[tuple[str, np.ndarray]]:
+    """Return what `_lines` yields. Raises: ScenarioError: it cannot be read, or there are too many."""
+    try:
+        found = list(itertools.islice(_lines(drawing, flat), MOST_LINES + 1))
+    except Exception as error:  # a block that contains itself, and what the file says wrongly
+        raise _unreadable(path, error) from None
+    if len(found) > MOST_LINES:
+        raise ScenarioError(f"{path}: more than {MOST_LINES} lines")
+    return found
 
 
 def _lines(drawing: Drawing, flat: float) -> Iterator[tuple[str, np.ndarray]]:

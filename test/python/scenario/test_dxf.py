@@ -94,12 +94,16 @@ def test_file_without_units_needs_a_scale(drawing, capsys):
     assert line.endswith("names no known unit ($INSUNITS 0); give its scale with --metres-per-unit")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
         (["text.dxf", "--layer", "WALLS"], "text.dxf: cannot be read as DXF: "),
         (["none.dxf", "--layer", "WALLS"], "none.dxf: there is no such file"),
         (["cut.dxf", "--layer", "WALLS"], "cut.dxf: cannot be read as DXF: "),
+        (["header.dxf", "--layer", "WALLS"], "header.dxf: cannot be read as DXF: "),
+        (["within_itself.dxf", "--layer", "WALLS"], "within_itself.dxf: cannot be read as DXF: "),
+        (["many.dxf", "--layer", "WALLS"], "many.dxf: more than 200000 lines"),
         (["room.dxf", "--layer", "WALLS", "--metres-per-pixel", "0.1"], "--metres-per-pixel: only for images"),
         (["room.dxf", "--layer", "WALLS", "--wall-thickness", "2"], "thickness_m: 2.0 is above 0.8"),
         (["room.dxf", "--layer", "WALLS", "--metres-per-unit", "1e6"], "room.dxf: bounds.max: "),
@@ -110,5 +114,13 @@ def test_what_cannot_be_imported_is_one_line(drawing, capsys, arguments, message
     Path("text.dxf").write_text("walls\n", encoding="utf-8")
     whole = Path("room.dxf").read_text(encoding="utf-8")
     Path("cut.dxf").write_text(whole[: len(whole) // 2], encoding="utf-8")
+    Path("header.dxf").write_text("  0\nSECTION\n  2\nHEADER\n  9\n$INSUNITS\n", encoding="utf-8")
+    document = ezdxf.readfile("room.dxf")
+    document.blocks.get("PILLAR").add_blockref("PILLAR", (0, 0))
+    document.saveas("within_itself.dxf")
+    document = ezdxf.readfile("room.dxf")
+    copies = {"column_count": 30_000, "row_count": 30_000, "column_spacing": 1, "row_spacing": 1}
+    document.modelspace().add_blockref("PILLAR", (0, 0), dxfattribs=copies)
+    document.saveas("many.dxf")
     assert message in failed(capsys, *arguments)
     assert not Path("plan.yaml").exists()
