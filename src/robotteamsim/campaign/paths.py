@@ -59,8 +59,11 @@ def decode_paths(data: bytes) -> np.ndarray:
         size = samples * robots * 8
         if not 0 < size <= _MOST_DEFLATED * len(data):
             raise ValueError(f"{len(data)} bytes cannot have {samples} positions of {robots} robots")
-        differences = np.frombuffer(zlib.decompressobj().decompress(data[_HEADER.size :], size), dtype="<i4")
-        differences = differences.reshape(samples, robots, 2)
+        inflating = zlib.decompressobj()
+        inflated = inflating.decompress(data[_HEADER.size :], size + 1)
+        if not inflating.eof or len(inflated) != size:
+            raise ValueError(f"they are not {samples} positions of {robots} robots")
+        differences = np.frombuffer(inflated, dtype="<i4").reshape(samples, robots, 2)
     except (struct.error, zlib.error, ValueError) as error:
         raise CampaignError(f"stored paths cannot be read: {error}") from None
     return np.asarray(np.cumsum(differences, axis=0, dtype=np.int64) * _UNIT_M)

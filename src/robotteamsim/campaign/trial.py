@@ -51,6 +51,7 @@ class Details(msgspec.Struct, frozen=True):
     victims: dict[str, VictimTimes] | None = None
     network: NetworkTotals | None = None
     idleness: Idleness | None = None
+    egress: Egress | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,8 +120,7 @@ class Outcome:
     @property
     def egress(self) -> Egress | None:
         """How people left; None if the trial failed, or has no fire and no exits, or is of an earlier version."""
-        found = json.loads(self.details or "{}").get("egress")
-        return None if found is None else msgspec.convert(found, Egress)
+        return self.known_details.egress
 
 
 def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:

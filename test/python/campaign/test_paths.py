@@ -54,6 +54,8 @@ def test_encoded_paths_are_differences_in_centimetres():
         struct.pack("<II", 0, 3) + zlib.compress(b""),
         struct.pack("<II", 2**32 - 1, 2**32 - 1) + zlib.compress(b""),
         struct.pack("<II", 2, 1) + zlib.compress(bytes(8)),
+        struct.pack("<II", 1, 1) + zlib.compress(bytes(16)),
+        struct.pack("<II", 1, 1) + zlib.compress(bytes(8))[:-4],
     ],
 )
 def test_bytes_that_do_not_encode_paths_are_rejected(data):

@@ -153,6 +153,10 @@ def test_other_databases_and_files_under_the_stores_name_are_rejected(short_desi
         ("UPDATE trial SET time_s = 9e999", "trial 1 of cell 0: Expected `float` <= 1000000000000.0 - at `$.time_s`"),
         ("UPDATE trial SET time_s = NULL", "trial 1 of cell 0: time_s is missing"),
         ("UPDATE trial SET cell = 7", "trial: there is no cell 7"),
+        (
+            'UPDATE trial SET details = \'{"egress": {"people": 7}}\'',
+            "trial 1 of cell 0: Expected `array`, got `int` - at `$.egress.people`",
+        ),
         ("UPDATE trial SET details = '[]'", "trial 1 of cell 0: Expected `object`, got `array`"),
         ("UPDATE campaign SET value = 'x' WHERE name = 'format'", "invalid literal for int() with base 10: 'x'"),
         ("UPDATE campaign SET value = '{}' WHERE name = 'versions'", "versions: robotteamsim is missing"),

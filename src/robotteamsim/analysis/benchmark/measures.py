@@ -125,10 +125,9 @@ def _networks(outcomes: Sequence[Outcome]) -> tuple[NetworkTotals, ...]:
 
 
 def last_saved_s(outcome: Outcome) -> float:
-    """Return when the last victim was saved [s]; infinity if not all were."""
-    times_s = [victim.saved_s for victim in (outcome.known_details.victims or {}).values()]
-    saved_s = [time_s for time_s in times_s if time_s is not None]
-    return max(saved_s) if saved_s and len(saved_s) == len(times_s) else math.inf
+    """Return when the last victim was saved or safe [s]; infinity if not all were."""
+    saved_s = outcome.saved_s or ()
+    return saved_s[-1] if saved_s and len(saved_s) == outcome.num_victims else math.inf
 
 
 @dataclass(frozen=True, slots=True, eq=False)
