@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from matplotlib.figure import Figure
 
+from robotteamsim.analysis.plain_figure import PlainFigure
 from robotteamsim.analysis.report.figures import DPI, WIDTH_INCHES, styled
 from robotteamsim.palette import OURS, PAPER
 from study.comparison import MARGIN, Comparison
@@ -22,7 +23,7 @@ def draw_ratios(comparisons: Sequence[Comparison]) -> Figure:
     Ratios without an interval, of single missions, are omitted.
     """
     comparisons = [comparison for comparison in comparisons if math.isfinite(comparison.mean.interval.high)]
-    figure = Figure(figsize=(WIDTH_INCHES, 1.3 + 0.55 * len(comparisons)), dpi=DPI, layout="constrained")
+    figure = PlainFigure(figsize=(WIDTH_INCHES, 1.3 + 0.55 * len(comparisons)), dpi=DPI, layout="constrained")
     axes = figure.subplots()
     axes.axvspan(1.0 - MARGIN, 1.0 + MARGIN, color=REPRODUCED, alpha=0.13, linewidth=0)
     axes.axvline(1.0, color=REPRODUCED, linewidth=1.0)

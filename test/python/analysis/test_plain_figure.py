@@ -2,10 +2,13 @@ from __future__ import annotations
 
 import io
 
+import numpy as np
 import pytest
 
 from robotteamsim.analysis.plain_figure import PlainFigure
 from robotteamsim.analysis.plan_picture import draw_plan
+from robotteamsim.analysis.report.figures import draw_saved, draw_survival
+from robotteamsim.analysis.report.samples import Panel, Sample, Series
 from robotteamsim.scenario import load_floor_plan
 
 
@@ -25,3 +28,11 @@ def test_name_with_dollars_is_drawn_as_text(name):
 def test_plan_whose_names_have_dollars_is_drawn():
     plan = load_floor_plan("tutorial_arena").model_copy(update={"name": "$\\frac{$"})
     draw_plan(plan).savefig(io.BytesIO(), format="png")
+
+
+def test_setting_whose_name_has_dollars_is_drawn():
+    ones = np.ones(2)
+    sample = Sample(ones, ones > 0, ones, ones, ones, ones, ones, 1, 0, 9.0, saved_s=((1.0,), (2.0,)))
+    panel = Panel("$x_{ b $c", (Series("$x_{ b $c", sample, "#000000"),))
+    for draw in (draw_saved, draw_survival):
+        draw([panel]).savefig(io.BytesIO(), format="png")

@@ -161,12 +161,12 @@ def draw_survival(panels: Sequence[Panel]) -> Figure:
 
 @styled
 def draw_saved(panels: Sequence[Panel]) -> Figure:
-    """Draw the mean number of victims saved so far, by time, with pointwise 95 % bootstrap intervals.
+    """Draw the mean number of victims saved, or safe, so far, by time, with pointwise 95 % bootstrap intervals.
 
     Args: panels: at least one of their series has the times.
     """
     courses = [(name, each.missions) for panel in panels for name, each in panel.named() if each.missions.saved_s]
-    figure = Figure(figsize=(WIDTH_INCHES, 4.6), dpi=DPI, layout="constrained")
+    figure = PlainFigure(figsize=(WIDTH_INCHES, 4.6), dpi=DPI, layout="constrained")
     axes = figure.subplots()
     until_s = max(float(missions.time_s.max()) for _, missions in courses)
     dashes = itertools.cycle(("-", "--", "-.", ":"))

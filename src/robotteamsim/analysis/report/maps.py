@@ -21,9 +21,8 @@ from robotteamsim.analysis.plan_picture import draw_floor_plan
 from robotteamsim.analysis.report.figures import DPI, styled
 from robotteamsim.analysis.report.samples import Cell
 from robotteamsim.propagation import FieldMap
-from robotteamsim.scenario.building import building_of
 from robotteamsim.scenario.victims import Victim
-from robotteamsim.world.random_victims import with_random_victims
+from robotteamsim.setup import resolve
 
 MAX_MAPS = 9
 """Most maps in a figure."""
@@ -136,11 +135,11 @@ def _draw_heat(axes: Axes, cell: Cell, field: FieldMap, norm: PowerNorm) -> Axes
 
 
 def _victims(cell: Cell, mission: int) -> tuple[Victim, ...]:
-    """Return the victims of one of a cell's missions, also those at random places."""
+    """Return the victims of one of a cell's missions, also those at random places and of groups."""
     assert cell.scenario is not None
     run = cell.scenario.run.model_copy(update={"seed": cell.seeds[mission]})
     seeded = cell.scenario.model_copy(update={"run": run})
-    return with_random_victims(seeded, building_of(seeded.plan)).mission.victims
+    return resolve(seeded).scenario.mission.victims
 
 
 def _bounds(cell: Cell) -> tuple[tuple[float, float], tuple[float, float]]:

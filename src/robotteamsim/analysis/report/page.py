@@ -15,7 +15,7 @@ from markupsafe import Markup
 from robotteamsim import palette
 from robotteamsim.analysis.report import figures, maps
 from robotteamsim.analysis.report.contrasts import MAX_PAIRS, Contrast, compared_pairs, contrasts, overall
-from robotteamsim.analysis.report.egress import draw_people_out, egress_table, exit_table, has_ways_out
+from robotteamsim.analysis.report.egress import egress_table, exit_table
 from robotteamsim.analysis.report.pictures import Picture, picture
 from robotteamsim.analysis.report.rank_tests import PERMUTATIONS
 from robotteamsim.analysis.report.samples import Campaign, Cell, Panel, Sample, panels_of, pooled
@@ -195,14 +195,6 @@ def campaign_pictures(campaign: Campaign, panels: Sequence[Panel]) -> Iterator[P
     num_victims = max(sample.num_victims for sample in samples)
     if num_victims > 0:
         yield _counts_picture(panels, "victims", "Victims saved", lambda sample: sample.victims_saved, num_victims)
-    if has_ways_out(panels):
-        yield picture(
-            "people_out",
-            "People out over time",
-            "Mean number of people who are safe, at an exit or at the command centre. The band contains 95 % of the "
-            "missions.",
-            draw_people_out(panels),
-        )
     yield picture(
         "times",
         "Mission durations",
@@ -221,8 +213,8 @@ def campaign_pictures(campaign: Campaign, panels: Sequence[Panel]) -> Iterator[P
         yield picture(
             "saved",
             "Victims saved over time",
-            "Mean number of victims saved so far, with pointwise 95 % bootstrap intervals. The dotted line is the "
-            f"number of victims.{_shown(panels, figures.MAX_COURSES)}",
+            "Mean number of victims saved, or safe, so far, with pointwise 95 % bootstrap intervals. The dotted line "
+            f"is the number of victims.{_shown(panels, figures.MAX_COURSES)}",
             figures.draw_saved(panels),
         )
     num_areas = max(sample.num_areas for sample in samples)
