@@ -3,7 +3,7 @@
 import argparse
 import keyword
 import re
-import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
@@ -45,10 +45,11 @@ def run(options: argparse.Namespace) -> None:
     name = options.name
     if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
         raise UsageError(f"NAME: '{name}' is not valid; expected lower-case letters, digits and _, such as my_house")
-    taken = {*keyword.kwlist, *sys.stdlib_module_names, *ALGORITHMS, "robotteamsim"}
-    if options.kind != "scenario" and name in taken:
-        raise UsageError(f"NAME: '{name}' is the name of something else in Python or robotteamsim; expected a new name")
     title = "".join(word.capitalize() for word in name.split("_"))
+    if options.kind != "scenario" and (
+        keyword.iskeyword(name) or keyword.iskeyword(title) or name in ALGORITHMS or find_spec(name) is not None
+    ):
+        raise UsageError(f"NAME: '{name}' is the name of something else in Python or robotteamsim; expected a new name")
     folder = Path(name) if options.kind == "package" else Path()
     texts = {folder / _renamed(Path(file).name, name, title): _template(file) for file in _FILES[options.kind]}
     for path in (Path(name) if options.kind == "package" else path for path in texts):
@@ -68,6 +69,6 @@ def _template(file: str) -> str:
 
 def _renamed(text: str, name: str, title: str) -> str:
     """Return a template's text with the user's names in place of its own."""
-    text = text.replace('name = "my-controller"', f'name = "{name.replace("_", "-")}"').replace("mine = ", f"{name} = ")
-    text = re.sub("my_(scenario|controller)", name, text)
-    return text.replace("MyController", title)
+    own = {"my-controller": name.replace("_", "-"), "MyController": title}
+    names = r"my-controller|MyController|my_(?:scenario|controller)|^mine(?= = )"
+    return re.sub(names, lambda found: own.get(found[0], name), text, flags=re.MULTILINE)

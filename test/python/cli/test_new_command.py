@@ -43,13 +43,17 @@ def test_new_controller_runs(capsys, monkeypatch, tmp_path):
     sys.modules.pop("wall_walker_of_test")
 
 
-def test_new_package_registers_its_controller_by_name():
-    assert main(["new", "package", "wall_walker"]) == 0
-    project = tomllib.loads(Path("wall_walker/pyproject.toml").read_text())["project"]
-    assert project["name"] == "wall-walker"
-    assert project["entry-points"]["robotteamsim.controllers"] == {"wall_walker": "wall_walker:WallWalker"}
-    assert os.listdir() == ["wall_walker"]
-    assert sorted(os.listdir("wall_walker")) == ["pyproject.toml", "wall_walker.py"]
+@pytest.mark.parametrize(
+    ("name", "title"), [("wall_walker", "WallWalker"), ("my_controller_of_test", "MyControllerOfTest")]
+)
+def test_new_package_registers_its_controller_by_name(name, title):
+    assert main(["new", "package", name]) == 0
+    project = tomllib.loads(Path(name, "pyproject.toml").read_text())["project"]
+    assert project["name"] == name.replace("_", "-")
+    assert project["entry-points"]["robotteamsim.controllers"] == {name: f"{name}:{title}"}
+    assert os.listdir() == [name]
+    assert sorted(os.listdir(name)) == sorted(["pyproject.toml", f"{name}.py"])
+    assert f"class {title}" in Path(name, f"{name}.py").read_text()
 
 
 @pytest.mark.parametrize(
@@ -60,6 +64,8 @@ def test_new_package_registers_its_controller_by_name():
             "NAME: '../x' is not valid; expected lower-case letters, digits and _, such as my_house",
         ),
         (("controller", "json"), "NAME: 'json' is the name of something else in Python or robotteamsim"),
+        (("controller", "numpy"), "NAME: 'numpy' is the name of something else in Python or robotteamsim"),
+        (("controller", "none"), "NAME: 'none' is the name of something else in Python or robotteamsim"),
         (("package", "rdpso"), "NAME: 'rdpso' is the name of something else in Python or robotteamsim"),
         (("scenario", "there"), "there_plan.yaml: exists already; expected a new name"),
     ],
