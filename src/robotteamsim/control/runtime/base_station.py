@@ -10,26 +10,32 @@ from robotteamsim.scenario.scenario import Scenario
 
 
 def with_base(controller: Controller, robot_id: int, scenario: Scenario) -> Controller:
-    """Return the controller of a robot in a scenario that has a base.
+    """Return the controller of a robot in a scenario that has a base, with what it lacks of the deliveries.
 
-    A class with a true `announces_victims` controls the base and announces victims itself; only areas are announced
-    for it. With all other classes the base stands still, and areas and victims are announced for the robots. With
-    firefighters, the base is the command centre, whose controller sends orders, and all victims are announced.
+    A class with a true `announces_victims` announces victims itself; only areas are announced for it. For all other
+    classes, and with firefighters, areas and victims are announced.
+
+    Args: controller: of the base, see `controls_base`; or of a robot.
     """
-    has_firefighters = scenario.firefighters is not None
-    if has_firefighters and robot_id == scenario.base:
-        return Acknowledger(controller, robot_id)
-    announces_victims = bool(getattr(controller, "announces_victims", False)) and not has_firefighters
+    announces_victims = scenario.firefighters is None and announces(controller)
     if announces_victims and not scenario.mission.areas:
         return controller
     if robot_id == scenario.base:
-        return Acknowledger(controller if announces_victims else StandingBase(), robot_id)
+        return Acknowledger(controller, robot_id)
     return Announcer(controller, robot_id, scenario, ("area",) if announces_victims else ("area", "victim"))
 
 
 def controls_base(controller: object, scenario: Scenario) -> bool:
-    """Whether a controller, or a class of controllers, also controls the base, which otherwise stands still."""
-    return scenario.firefighters is not None or bool(getattr(controller, "announces_victims", False))
+    """Whether a class of controllers also controls the base, which otherwise stands still.
+
+    With firefighters, the base is the command centre, whose controller sends orders.
+    """
+    return scenario.firefighters is not None or announces(controller)
+
+
+def announces(controller: object) -> bool:
+    """Whether a controller, or a class of controllers, announces victims itself."""
+    return bool(getattr(controller, "announces_victims", False))
 
 
 class StandingBase:
