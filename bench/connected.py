@@ -118,7 +118,7 @@ def main() -> None:
     """Run missions, or print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--missions", type=int, default=0, help="of each cell")
-    parser.add_argument("--first-seed", type=int, default=9001)
+    parser.add_argument("--first-seed", type=int, default=9101)
     parser.add_argument("--building", default="garage", help="as in `robotteamsim benchmark search`")
     parser.add_argument("--noise", type=float, nargs="+", default=[10.0, 20.0, 30.0])
     parser.add_argument("--robots", type=int, nargs="+", default=[3, 5, 8])

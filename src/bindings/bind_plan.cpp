@@ -87,9 +87,8 @@ void BindPlan(nb::module_&& m) {
             return grid.LeastReachable(distances.data(), distances.size(), start, radius_m);
           },
           "distances_m"_a, "start_m"_a, "radius_m"_a,
-          "Return the cell with the least value of a distance map, and the value, of those that can be reached within "
-          "a "
-          "disc around the start; None if there is none.")
+          "Return the cell with the least value of a distance map, and the value, of those that can be reached "
+          "within a disc around the start; None if there is none.")
       .def("nearest_reachable", &PlanningGrid::NearestReachable, "start_m"_a, "goal_m"_a, "radius_m"_a,
            "Return, of the same cells, the one nearest to the goal; None if the start is blocked.")
       .def("reachable_towards", &PlanningGrid::ReachableTowards, "start_m"_a, "goal_m"_a,

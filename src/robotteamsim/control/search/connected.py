@@ -43,7 +43,7 @@ _STEP_M = 1.0
 """Within this distance a place beside the robot is judged [m]."""
 
 _PATIENCE_S = 5.0
-"""A robot that is held for longer relies on links that are only likely, until it has driven for as long [s]."""
+"""A robot that is held for longer relies on links that are only likely, until it was not held for as long [s]."""
 
 _MOST_LOST = 0.25
 """A link that loses a larger share of the messages is not relied on: positions would be too old."""
