@@ -56,7 +56,14 @@ void BindPlan(nb::module_&& m) {
            "Whether a straight line crosses only free cells.")
       .def(
           "distance_map",
-          [](const PlanningGrid& grid, const base::Point& goal) { return OfCells(grid, grid.DistanceMap(goal)); },
+          [](const PlanningGrid& grid, const base::Point& goal) {
+            std::vector<float> distances;
+            {
+              const nb::gil_scoped_release others_run;  // such as progress: in a large building, it takes half a minute
+              distances = grid.DistanceMap(goal);
+            }
+            return OfCells(grid, std::move(distances));
+          },
           "goal_m"_a,
           "Return the length of the shortest path between each cell and a free goal, float32 [m]; inf without one.")
       .def(

@@ -7,7 +7,9 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-from robotteamsim.cli.parser import COMPLETE_SCENARIOS, UsageError
+from robotteamsim.cli.parser import COMPLETE_KEYS, COMPLETE_SCENARIOS, UsageError
+from robotteamsim.scenario.problems import paths
+from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.shipped import scenario_names
 
 SHELLS = ("bash", "zsh", "fish", "tcsh")
@@ -35,6 +37,8 @@ def run(make_parser: Callable[[], argparse.ArgumentParser], options: argparse.Na
     except ModuleNotFoundError:
         raise UsageError("completion needs the package shtab: pip install shtab") from None
     names = " ".join(scenario_names())
+    keys = " ".join(f"{key}=" for key in sorted({*paths(Scenario)}))
     scenarios = f'{COMPLETE_SCENARIOS["bash"]}() {{ compgen -W "{names}" -- "$1"; _shtab_compgen_files "$1"; }}\n'
-    preamble: Any = {"bash": scenarios}
+    settings = f'{COMPLETE_KEYS["bash"]}() {{ compgen -W "{keys}" -- "$1"; }}\n'
+    preamble: Any = {"bash": scenarios + settings}
     print(shtab.complete(make_parser(), options.shell, preamble=preamble))

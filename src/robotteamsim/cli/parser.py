@@ -16,6 +16,7 @@ from robotteamsim.scenario.shipped import map_names, scenario_names
 SCENARIO_HELP = f"a file, or a shipped scenario: {', '.join(scenario_names())}"
 COMPLETE_FILES = {"bash": "_shtab_compgen_files", "zsh": "_files", "tcsh": "f"}
 COMPLETE_SCENARIOS = {"bash": "_robotteamsim_scenarios", "zsh": "_files", "tcsh": "f"}
+COMPLETE_KEYS = {"bash": "_robotteamsim_keys"}
 """What shells complete, as shtab names it."""
 PICTURES = (".png", ".pdf", ".svg")
 """Kinds of pictures that commands write."""
@@ -42,6 +43,8 @@ class Parser(argparse.ArgumentParser):
             action.complete = COMPLETE_SCENARIOS  # type: ignore[attr-defined]  # read by shtab
         elif settings.get("type") in (path_of, picture_of):
             action.complete = COMPLETE_FILES  # type: ignore[attr-defined]
+        elif "--set" in names:
+            action.complete = COMPLETE_KEYS  # type: ignore[attr-defined]
         return action
 
     def _one_of(self, choices: Sequence[str], name: str, text: str) -> str:

@@ -3,9 +3,18 @@
 from __future__ import annotations
 
 import time
+from contextlib import AbstractContextManager
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+    TimeRemainingColumn,
+)
 
 from robotteamsim.campaign import Outcome
 from robotteamsim.setup import Setup
@@ -15,18 +24,30 @@ _REFRESH_S = 0.1
 _LINE_EVERY_S = 10.0
 
 
+def preparing(console: Console, name: str) -> AbstractContextManager[object]:
+    """Return a context that shows for how long a mission has been prepared; does nothing without a terminal."""
+    columns = SpinnerColumn(), TextColumn("[bold]{task.description}"), TextColumn("preparing"), TimeElapsedColumn()
+    progress = Progress(*columns, console=console, disable=not console.is_terminal, transient=True)
+    progress.add_task(name, total=None)
+    return progress
+
+
 class ProgressBar:
-    """Shows mission time, areas, victims and speed while a mission runs; does nothing without a terminal."""
+    """Shows mission time, areas, victims and speed while a mission runs; does nothing without a terminal.
+
+    The elapsed time also advances during a long step, such as one that plans in a large building.
+    """
 
     def __init__(self, console: Console) -> None:
         self._progress = Progress(
+            SpinnerColumn(),
             TextColumn("[bold]{task.description}"),
             BarColumn(),
             TextColumn("{task.fields[note]}"),
+            TimeElapsedColumn(),
             console=console,
             disable=not console.is_terminal,
             transient=True,
-            auto_refresh=False,
         )
 
     def begin(self, setup: Setup) -> None:
@@ -48,7 +69,7 @@ class ProgressBar:
             f"{status.time_s:5.0f} s  areas {status.areas_explored}/{len(status.explored)}  "
             f"victims {status.victims_saved}/{len(status.victims)}  {speed:.0f} x real time"
         )
-        self._progress.update(self._task, completed=status.time_s, note=note, refresh=True)
+        self._progress.update(self._task, completed=status.time_s, note=note)
 
     def end(self, result: Result) -> None:
         """Remove the bar."""

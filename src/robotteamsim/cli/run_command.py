@@ -13,7 +13,7 @@ from robotteamsim.analysis.runs.tables import print_result
 from robotteamsim.cli.interrupt import InterruptBetweenSteps
 from robotteamsim.cli.output import OutputConsole
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, number, path_of, whole_number
-from robotteamsim.cli.progress import ProgressBar
+from robotteamsim.cli.progress import ProgressBar, preparing
 from robotteamsim.control import foreign_code
 from robotteamsim.errors import ScenarioError
 from robotteamsim.recording import BagWriter, McapWriter, ResultWriter, TumWriter, result_summary
@@ -100,7 +100,9 @@ def run(options: argparse.Namespace) -> None:
     _check_files(options)
     loaded = load_scenario(options, options.scenario)
     check_code(options, loaded)
-    simulation = Simulation(loaded)
+    console = Console(stderr=True, quiet=options.quiet)
+    with preparing(console, loaded.name):
+        simulation = Simulation(loaded)
     _check_controllers(simulation)
     events = EventList()
     idleness = IdlenessLog()
@@ -108,7 +110,7 @@ def run(options: argparse.Namespace) -> None:
     if options.html:
         observers.append(PageWriter(options.html, simulation))
     if not options.quiet:
-        observers.append(ProgressBar(Console(stderr=True)))
+        observers.append(ProgressBar(console))
     observers.append(InterruptBetweenSteps())
     result = simulation.run(observers)
     if options.json:

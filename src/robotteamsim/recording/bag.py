@@ -1,8 +1,10 @@
 """Topics and messages of a headless run: those of a ROS run."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any, NamedTuple
 
+from robotteamsim.errors import RecordingError
 from robotteamsim.message_parts import Make, robot_name
 from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS, Changes, Source
 from robotteamsim.recording.topics.world import CLOCK, clock
@@ -13,6 +15,10 @@ _OF_TEAM = tuple(topic for topic in TEAM_TOPICS if topic is not CLOCK)
 _OF_ROBOT = tuple(topic for topic in ROBOT_TOPICS if topic.in_bags)
 
 
+MOST_ROBOTS = 1000
+"""In a file with these topics: rosbags compares each new topic with all before, which would take minutes."""
+
+
 class BagTopic(NamedTuple):
     """A topic of the bag."""
 
@@ -21,10 +27,18 @@ class BagTopic(NamedTuple):
     latched: bool
 
 
+def check_number(path: Path, setup: Setup) -> None:
+    """Raises: RecordingError: the team has too many topics for a file."""
+    if len(setup.robots) > MOST_ROBOTS:
+        text = f"{len(setup.robots)} robots have too many topics for one file; expected at most {MOST_ROBOTS}"
+        raise RecordingError(f"{path}: {text} (robots.count)")
+
+
 class BagMessages:
     """The messages of a trial, step by step."""
 
     def __init__(self, setup: Setup, make: Make) -> None:
+        """Prepare the messages. Raises: ScenarioError: /map would have too many cells."""
         self._scenario, self._robots = setup.scenario, setup.robots
         self._step_ns = round(setup.scenario.run.step_s * 1e9)
         self._source = Source(setup)

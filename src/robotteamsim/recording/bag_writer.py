@@ -9,7 +9,7 @@ from typing import Any
 from rosbags.rosbag1 import Writer
 
 from robotteamsim.errors import RecordingError
-from robotteamsim.recording.bag import BagMessages, BagTopic
+from robotteamsim.recording.bag import BagMessages, BagTopic, check_number
 from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.recording.files import cannot_write, check_replaceable, make_folder, remove_empty
 from robotteamsim.setup import Setup
@@ -67,11 +67,12 @@ class BagWriter:
         self._within_step = False
 
     def begin(self, setup: Setup) -> None:
-        """Open the bag. Raises: RecordingError: it cannot be written."""
+        """Open the bag. Raises: RecordingError: it cannot be written. ScenarioError: /map would be too large."""
         self._steps, self._within_step = 0, False
         self._make = BagTypes()
         self._contents = BagMessages(setup, self._make)
         try:
+            check_number(self._path, setup)
             check_replaceable(self._path)
             self._created = make_folder(self._path.parent)
             self._active.unlink(missing_ok=True)

@@ -21,8 +21,12 @@ from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.shipped import is_bare_name, shipped_map_name, shipped_plan, shipped_scenario
 from robotteamsim.scenario.yaml_text import check_depth, is_file, read_mapping, shown, write
+from robotteamsim.wording import counted
 
 _logger = logging.getLogger(__name__)
+
+MOST_LINES = 10
+"""Of a file's mistakes, so that one that many elements share does not hide where it begins."""
 
 M = TypeVar("M", bound=Model)
 
@@ -183,8 +187,10 @@ def _validated(model: type[M], data: Any, origin: Origin) -> M:
         to_blame = Origin(origin.place, (*origin.set_keys, *_blamed(problem.key, data, origin.set_keys)))
         lines.append(to_blame.line(str(problem), problem.key))
     raised = ScenarioError(lines[0])
-    for line in lines[1:]:
+    for line in lines[1:MOST_LINES]:
         raised.add_note(line)
+    if len(lines) > MOST_LINES:
+        raised.add_note(f"{origin.place}: {counted(len(lines) - MOST_LINES, 'more mistake')}")
     raise raised
 
 

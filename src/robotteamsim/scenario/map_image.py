@@ -27,15 +27,12 @@ from robotteamsim.map_import.strokes import gaps, small_groups, thin_strokes
 from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, SMALLEST, Model, PlanarPose, Point, wrong
 from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.image_walls import MAX_WALL_THICKNESS_M, MIN_PIECE_M2, in_metres, walls_and_blocks
-from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN, Grid, OccupancyGrid, occupancy_grid
+from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN, Grid, OccupancyGrid, occupancy_grid, too_many_cells
 from robotteamsim.scenario.plan_cache import cached_plan
 from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown, write
 from robotteamsim.wording import printable
-
-RESOLUTION_M = 0.05
-"""Of the map of a plan that is not an image."""
 
 DOOR_CELL_M = 0.02
 """Cells in which gaps between walls are searched, if the plan is not too large."""
@@ -273,23 +270,37 @@ def _doors(solid: np.ndarray, grid: Grid, widths_m: tuple[float, float]) -> tupl
 
 
 def published_map(scenario: Scenario) -> OccupancyGrid:
-    """Return the grid that map_server publishes if the plan is a map_server yaml, else the plan in cells of 5 cm.
+    """Return the grid that map_server publishes if the plan is a map_server yaml, else the plan as a drawing.
 
-    A plan with changed keys is not the image any more, so it is drawn. So is one whose origin has a yaw, because amcl
-    and other subscribers of a map ignore the yaw.
+    A plan with changed keys is not the image any more, so it is drawn, in cells of `run.map_resolution_m`. So is one
+    whose origin has a yaw, because amcl and other subscribers of a map ignore the yaw.
 
     Raises: ScenarioError: the yaml or its image cannot be read any more.
     """
-    if scenario.plan_file is not None:
-        path = Path(scenario.plan_file)
-        if "image" in read_mapping(path, scenario.plan_file, "a floor plan"):
-            image = read_map(path)
-            if image.settings.origin[2] == 0.0:
-                return image.occupancy_grid()
-    return occupancy_grid(scenario.plan, RESOLUTION_M)
+    image = _published_image(scenario)
+    return occupancy_grid(scenario.plan, scenario.run.map_resolution_m) if image is None else image.occupancy_grid()
 
 
-def export_map(plan: FloorPlan, folder: str | os.PathLike[str], resolution_m: float = RESOLUTION_M) -> None:
+def check_published_map(scenario: Scenario) -> None:
+    """Raises: ScenarioError: `published_map` would have too many cells; the yaml or its image cannot be read."""
+    problem = too_many_cells(scenario.plan, scenario.run.map_resolution_m)
+    if problem and _published_image(scenario) is None:
+        key = "run.map_resolution_m"
+        raise ScenarioError(scenario.origin.line(f"{key}: {problem}", key))
+
+
+def _published_image(scenario: Scenario) -> MapImage | None:
+    """Return the image that is published as it is; None: the plan is drawn."""
+    if scenario.plan_file is None:
+        return None
+    path = Path(scenario.plan_file)
+    if "image" not in read_mapping(path, scenario.plan_file, "a floor plan"):
+        return None
+    image = read_map(path)
+    return image if image.settings.origin[2] == 0.0 else None
+
+
+def export_map(plan: FloorPlan, folder: str | os.PathLike[str], resolution_m: float = 0.05) -> None:
     """Write `map.yaml` and `map.pgm` into a folder: free cells white, occupied black, closed doors as walls.
 
     Raises: OSError: the folder cannot be written.

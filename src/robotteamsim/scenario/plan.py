@@ -18,6 +18,9 @@ FREE = 0
 OCCUPIED = 100
 UNKNOWN = -1
 
+MOST_CELLS = 100_000_000
+"""Of one map: 1 km x 1 km in cells of 10 cm."""
+
 _RIGHT_ANGLE = 1e-6
 """Largest cosine of an angle that counts as a right one."""
 
@@ -161,6 +164,16 @@ def grid_shape(plan: FloorPlan, resolution_m: float) -> tuple[int, int]:
     columns = math.ceil((max_x - min_x) / resolution_m - _EDGE_TOLERANCE_CELLS)
     rows = math.ceil((max_y - min_y) / resolution_m - _EDGE_TOLERANCE_CELLS)
     return rows, columns
+
+
+def too_many_cells(plan: FloorPlan, resolution_m: float) -> str | None:
+    """Return why a map of a plan would be too large: its size, and what is expected; None if it is not."""
+    rows, columns = grid_shape(plan, resolution_m)
+    if rows * columns <= MOST_CELLS:
+        return None
+    least_m = math.ceil(1000.0 * resolution_m * math.sqrt(rows * columns / MOST_CELLS)) / 1000.0
+    size = f"{resolution_m:g} makes a map of {columns:,} x {rows:,} cells, more than {MOST_CELLS // 10**6} million"
+    return f"{size}; expected at least {least_m:g}"
 
 
 def occupancy_grid(plan: FloorPlan, resolution_m: float, closed: Mapping[str, bool] | None = None) -> OccupancyGrid:

@@ -1,7 +1,6 @@
 """Pydantic's validation errors as one line that a user understands: key, value, what was expected."""
 
 import difflib
-import itertools
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -19,6 +18,9 @@ from robotteamsim.wording import counted
 M = TypeVar("M", bound=Model)
 
 _Detail = dict[str, Any]
+
+_LIST = "<list>"
+"""The tag of a section's form that is a list."""
 
 _LONGEST_LIST = 240
 """Longest list of known keys in an error [characters], so that the message stays one readable line."""
@@ -141,7 +143,7 @@ def _foreign(root: type[Model], place: Sequence[str | int]) -> str:
     """Return a hint: the other kinds of this section that have the key; "" if none has it, or there are no kinds."""
     kinds, own = _kinds_at(root, place[:-1])
     # The form of a team is not a kind of the other form, a list.
-    names = [tag[1:-1] for tag, kind in kinds.items() if tag not in (own, "<list>") and _field(kind, str(place[-1]))]
+    names = [tag[1:-1] for tag, kind in kinds.items() if tag not in (own, _LIST) and _field(kind, str(place[-1]))]
     return f" of {own[1:-1]}; known to {', '.join(names)}" if names else ""
 
 
@@ -154,9 +156,9 @@ def _known_key(path: Sequence[str | int], place: Sequence[str | int], root: type
     near = suggestion(name, known)
     if near:
         return near
-    elsewhere = [path for path in _paths(root) if path.rpartition(".")[2] == name]
+    elsewhere = next((path for path in paths(root) if path.rpartition(".")[2] == name), None)
     if elsewhere:
-        return f"; did you mean '{elsewhere[0]}'?"
+        return f"; did you mean '{elsewhere}'?"
     listed = textwrap.shorten(", ".join(known), _LONGEST_LIST, placeholder=f" ... ({len(known)} in all)")
     return f"; known: {listed}"
 
@@ -166,13 +168,14 @@ def _meaning(model: type[Model] | None, key: str) -> str:
     return f"; expected {field.description}" if field and field.description else ""
 
 
-def _paths(model: type[Model], prefix: str = "") -> Iterator[str]:
-    """Yield the dotted keys of a model's sections, of the first kind of each, without those in lists."""
+def paths(model: type[Model], prefix: str = "") -> Iterator[str]:
+    """Yield the dotted keys of a model's sections, of all kinds of each, some repeatedly; without those in lists."""
     for name, field in model.model_fields.items():
-        yield f"{prefix}{name}"
+        yield f"{prefix}{_key(name, field)}"
         if get_origin(field.annotation) is not tuple:
-            for _, section in itertools.islice(_kinds(field.annotation), 1):
-                yield from _paths(section, f"{prefix}{name}.")
+            for tag, section in _kinds(field.annotation):
+                if tag != _LIST:
+                    yield from paths(section, f"{prefix}{_key(name, field)}.")
 
 
 def _model_at(root: type[Model], place: Sequence[str | int]) -> type[Model] | None:

@@ -15,6 +15,7 @@ from robotteamsim.scenario.floor_plan import Block, FloorPlan, Wall
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.origin import Origin
 from robotteamsim.scenario.people import People
+from robotteamsim.scenario.plan import too_many_cells
 from robotteamsim.scenario.radio_presets import with_preset
 from robotteamsim.scenario.rescue import CommandCentre, Relays
 from robotteamsim.scenario.schedule import ScheduledEvent, check_schedule
@@ -93,6 +94,8 @@ class Scenario(Model):
             if element.material is not None and element.material not in self.radio.materials:
                 text = f"has no '{element.material}', the material of '{element.name}' in the plan; known: {known}"
                 raise wrong("radio.materials", text)
+        if problem := too_many_cells(self.plan, self.voice.map_resolution_m):
+            raise wrong("voice.map_resolution_m", problem)
         self._check_third_dimension()
         self._check_roles()
         self.control.check_number(self.num_robots)

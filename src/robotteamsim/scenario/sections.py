@@ -305,6 +305,9 @@ class Run(Model):
     physics_substeps: int = Field(
         default=5, ge=1, le=1000, description="physics steps and clock ticks per step; ROS wants 50 Hz"
     )
+    map_resolution_m: float = Field(
+        default=0.05, ge=0.01, le=2.0, description="cell of /map, unless the plan is a map of map_server [m]"
+    )
     world: Literal["box2d", "mujoco"] = Field(
         default="box2d",
         description="what moves the robots: box2d, in the plane; mujoco, in three dimensions, with wheels that slip",

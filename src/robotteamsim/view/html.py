@@ -10,17 +10,21 @@ from pathlib import Path
 from string import Template
 
 from robotteamsim import palette
+from robotteamsim.errors import RecordingError
 from robotteamsim.recording.files import check_replaceable, write_atomically
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, Simulation
 from robotteamsim.view.document import packed
-from robotteamsim.view.recorder import FrameRecorder, Recording
+from robotteamsim.view.recorder import FRAME_S, FrameRecorder, Recording
 
 PAGE = Path(__file__).parent / "page"
 MODULES = tuple(sorted(path.stem for path in PAGE.glob("*.js") if path.stem != "three.min"))
 """The viewer's own JavaScript modules; one imports another as viewer/<name>."""
 
 HEIGHT_PX = 600
+
+MOST_LINKS = 50_000_000
+"""Of all frames of a page; each takes some 100 bytes while it is recorded."""
 
 
 def mission_page(recordings: Sequence[Recording], title: str, *, compare: bool = False) -> str:
@@ -56,8 +60,15 @@ class PageWriter(FrameRecorder):
         self._path = path
 
     def begin(self, setup: Setup) -> None:
-        """Raises: RecordingError: the file cannot be written."""
+        """Raises: RecordingError: the file cannot be written, or would be too large."""
         check_replaceable(self._path)
+        scenario, robots = setup.scenario, len(setup.robots)
+        links = robots * (robots - 1) / 2 * scenario.mission.time_limit_s / FRAME_S
+        if links > MOST_LINKS:
+            text = f"a page of {robots} robots for {scenario.mission.time_limit_s:g} s has up to {links / 1e6:,.0f}"
+            limit = f"million links in all frames; expected at most {MOST_LINKS // 10**6} million"
+            keys = "fewer robots (robots.count) or less time (mission.time_limit_s)"
+            raise RecordingError(f"{self._path}: {text} {limit}, with {keys}; `robotteamsim view` shows it live")
 
     def end(self, result: Result) -> None:
         """Write the page. Raises: RecordingError."""

@@ -1,7 +1,9 @@
 from __future__ import annotations
 
+import io
 import json
 import os
+import re
 import shlex
 import signal
 import subprocess
@@ -11,11 +13,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 import yaml
+from rich.console import Console
 from rosbags.rosbag1 import Reader
 
 import robotteamsim
 from robotteamsim import scenario
 from robotteamsim.cli import main
+from robotteamsim.cli.progress import preparing
 
 SHORT = ("--set", "mission.time_limit_s=2")
 
@@ -91,6 +95,31 @@ def test_devices_are_never_replaced(refusal, tmp_path):
     assert refusal("run", "garage_sar", "--bag", str(pipe)) == wanted
     assert refusal("plan", "render", "garage", "--png", str(pipe)) == wanted
     assert pipe.is_fifo()
+
+
+@pytest.mark.parametrize(
+    ("option", "robots", "line"),
+    [
+        ("--bag", 1001, "m.bag: 1001 robots have too many topics for one file; expected at most 1000 (robots.count)"),
+        ("--mcap", 1001, "m.mcap: 1001 robots have too many topics for one file; expected at most 1000 (robots.count)"),
+        ("--html", 200, "m.html: a page of 200 robots for 600 s has up to 60 million links in all frames; "),
+    ],
+)
+def test_file_that_would_be_too_large_is_rejected_before_the_mission(
+    refusal, monkeypatch, tmp_path, option, robots, line
+):
+    monkeypatch.chdir(tmp_path)
+    close = ("--set", "control.algorithm=random_walk", "--set", "robots.spacing_m=0.5")
+    file = line.partition(":")[0]
+    assert refusal("run", "garage_sar", "--robots", str(robots), *close, option, file).startswith(line)
+    assert os.listdir(tmp_path) == []
+
+
+def test_waiting_is_shown_on_a_terminal():
+    console = Console(file=io.StringIO(), force_terminal=True, width=100)
+    with preparing(console, "hall"):
+        pass
+    assert "hall preparing 0:00:0" in re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", console.file.getvalue())
 
 
 @pytest.mark.slow
@@ -315,6 +344,19 @@ def test_scenario_check_reports_every_mistake_of_every_file(capsys, tmp_path):
     assert "first.yaml: robots.count: -1 is below 0" in captured.err
     assert "first.yaml: voice.noise_db: 99 is above 80" in captured.err
     assert "second.yaml: " in lines[2]
+
+
+def test_mistake_of_many_elements_is_reported_ten_times(capsys, tmp_path):
+    file = tmp_path / "many.yaml"
+    walls = [{"name": f"w{i}", "from": [1, 1 + i], "to": [2, 1 + i], "thickness": 0.2} for i in range(30)]
+    file.write_text(yaml.safe_dump({"name": "a", "bounds": {"min": [0, 0], "max": [40, 40]}, "walls": walls}))
+    scenario_file = tmp_path / "of_it.yaml"
+    scenario_file.write_text("name: a\nplan: many.yaml\nrobots: {start: [4, 5, 0]}\n")
+    assert main(["scenario", "check", str(scenario_file)]) == 2
+    *shown, last = capsys.readouterr().err.splitlines()
+    assert len(shown) == 10
+    assert shown[9].endswith("many.yaml: walls.9.thickness: unknown key; did you mean 'thickness_m'? (in 'w9')")
+    assert last.endswith("many.yaml: 20 more mistakes")
 
 
 @pytest.mark.slow

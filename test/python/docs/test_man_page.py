@@ -18,6 +18,8 @@ def test_man_page_has_the_commands_and_options_of_the_command_line(monkeypatch):
     page = runpy.run_path(str(DOCS / "make_man_page.py"))["man_page"]()
     for word in ("campaign", "import\\-stage", "\\-\\-scheduler", "\\-\\-debug"):
         assert word in page
+    assert "\nrobotteamsim \\- simulate teams" in page
+    assert "\n.nf\nrobotteamsim run [\\-h]" in page
 
 
 def test_bash_completes_commands_options_and_scenarios(capsys):
@@ -34,6 +36,8 @@ def test_bash_completes_commands_options_and_scenarios(capsys):
     assert "campaign" in completed("robotteamsim", "ca")
     assert "--seed" in completed("robotteamsim", "run", "--se")
     assert "garage_sar" in completed("robotteamsim", "run", "gar")
+    assert completed("robotteamsim", "run", "garage_sar", "--set", "voice.no") == ["voice.noise_db="]
+    assert "control.network=" in completed("robotteamsim", "run", "--set", "control.n")
 
 
 @pytest.mark.parametrize("shell", ["zsh", "fish", "tcsh"])

@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 import yaml
 
+from robotteamsim.errors import ScenarioError
 from robotteamsim.rng import stream
 from robotteamsim.scenario import load, occupancy_grid
-from robotteamsim.scenario.map_image import CACHED_PIXELS, import_map, published_map
+from robotteamsim.scenario.map_image import CACHED_PIXELS, check_published_map, import_map, published_map
 
 DATA = Path(__file__).parents[2] / "data"
 THRESHOLDS = [(0.65, 0.196), (0.4, 0.1)]
@@ -72,6 +73,18 @@ def test_map_has_the_values_of_map_server_cell_by_cell(tmp_path: Path, channels:
         expected = [[_value(pixel, bool(negate), mode, occupied, free) for pixel in row] for row in pixels]
         assert (grid.origin_m, grid.resolution_m, grid.cells.dtype) == ((-1.0, 2.0), 0.1, np.int8)
         np.testing.assert_array_equal(grid.cells, expected)
+
+
+def test_drawn_map_has_cells_of_the_key_and_a_limit(tmp_path: Path) -> None:
+    scenario = load("garage_sar", ["run.map_resolution_m=0.2"])
+    check_published_map(scenario)
+    assert published_map(scenario).cells.shape == (200, 300)
+    file = _scenario(tmp_path, _image(1), "")
+    too_fine = ["plan.bounds={min: [-1, 2], max: [599, 502]}"]
+    expected = "0.05 makes a map of 12,000 x 10,000 cells, more than 100 million; expected at least 0.055"
+    with pytest.raises(ScenarioError, match=f"{file}: run.map_resolution_m: {expected}$"):
+        check_published_map(load(file, too_fine))
+    check_published_map(load(file, [*too_fine, "run.map_resolution_m=0.055"]))
 
 
 def test_map_of_a_changed_or_turned_plan_and_of_a_plan_file_is_drawn_in_cells_of_5_cm(tmp_path: Path) -> None:
