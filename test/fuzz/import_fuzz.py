@@ -1,4 +1,4 @@
-"""Any floor plan and map image: what is read can be used, all else is refused in one line of errors.py.
+"""Any floor plan, map image and DXF drawing: what is read can be used, all else is refused in one line of errors.py.
 
 The inputs are Hypothesis' own: arbitrary bytes, valid files with bytes changed, and valid keys with odd values.
 Usage: python test/fuzz/import_fuzz.py [--seconds 60] [--seed 0] [--core FILE]; with --core, that build of the C++ is
@@ -8,12 +8,14 @@ used instead of the installed one, such as the one under AddressSanitizer that `
 from __future__ import annotations
 
 import argparse
+import io
 import tempfile
 import time
 from pathlib import Path
 from typing import Any
 
 import cv2
+import ezdxf
 import numpy as np
 import yaml
 from hypothesis import HealthCheck, given, seed, settings
@@ -36,14 +38,33 @@ KEYS = ("image", "resolution", "origin", "negate", "occupied_thresh", "free_thre
 MAX_SIDE_PIXELS = 24
 
 
+def drawing() -> bytes:
+    """Return a DXF file of walls in mm: lines, a polyline, curves, and a block that is inserted turned and repeated."""
+    document = ezdxf.new("R12")
+    block = document.blocks.new("PILLAR")
+    block.add_line((0, 0), (300, 0), dxfattribs={"layer": "WALLS"})
+    space, walls = document.modelspace(), {"layer": "WALLS"}
+    space.add_line((0, 0), (6000, 0), dxfattribs=walls)
+    space.add_polyline2d([(0, 0), (0, 4000), (3000, 4000)], dxfattribs=walls)
+    space.add_arc((3000, 2000), 800, 10, 250, dxfattribs=walls)
+    space.add_circle((5000, 2000), 400, dxfattribs=walls)
+    repeated = {**walls, "row_count": 2, "column_count": 2, "row_spacing": 900, "column_spacing": 900, "rotation": 30}
+    space.add_blockref("PILLAR", (1000, 1000), dxfattribs=repeated)
+    text = io.StringIO()
+    document.write(text)
+    return text.getvalue().encode()
+
+
 def check(path: Path) -> None:
-    """Read a plan file or the yaml of a map, and use it; only one-line errors of errors.py may come."""
+    """Read a plan, the yaml of a map or a drawing, and use it; only one-line errors of errors.py may come."""
     # Imported late, so that --core comes first.
     from robotteamsim.errors import RobotTeamSimError
     from robotteamsim.scenario import load_floor_plan
+    from robotteamsim.scenario.dxf import DxfRules, import_dxf
 
+    rules = DxfRules(["WALLS"], metres_per_unit=0.001)
     try:
-        use(load_floor_plan(path))
+        use(import_dxf(path, rules) if path.suffix == ".dxf" else load_floor_plan(path))
     except RobotTeamSimError as error:
         text = str(error)
         assert text, "an error says nothing"
@@ -142,6 +163,7 @@ HUGE_IMAGES = st.tuples(
 ).map(lambda size: b"P5\n%d %d\n255\n" % size + b"\xfe" * 64)
 IMAGES = st.binary(max_size=64) | images() | changed(ROOM_IMAGE) | changed(ROOM_TEXT_IMAGE) | HUGE_IMAGES
 NO_IMAGE = st.just(b"")
+DRAWINGS = changed(drawing())
 FILES = st.tuples(st.binary(max_size=64) | changed(PLAN), NO_IMAGE) | st.tuples(maps() | changed(MAP), IMAGES)
 
 
@@ -159,9 +181,12 @@ def fuzz(folder: Path, number: int, examples: int) -> None:
 
     @seed(number)
     @settings(max_examples=examples, deadline=None, database=None, suppress_health_check=list(HealthCheck))
-    @given(files=FILES)
-    def run(files: tuple[bytes, bytes]) -> None:
+    @given(files=FILES, dxf=DRAWINGS)
+    def run(files: tuple[bytes, bytes], dxf: bytes) -> None:
         check_bytes(folder, *files)
+        path = folder / "room.dxf"
+        path.write_bytes(dxf)
+        check(path)
 
     run()
 
@@ -181,9 +206,8 @@ def main() -> None:
         while time.monotonic() < end_s:
             fuzz(Path(folder), options.seed + rounds, examples)
             rounds += 1
-    print(
-        f"import_fuzz: {rounds * examples} inputs, seeds {options.seed} to {options.seed + rounds - 1}: nothing found"
-    )
+    seeds = f"seeds {options.seed} to {options.seed + rounds - 1}"
+    print(f"import_fuzz: {2 * rounds * examples} inputs, {seeds}: nothing found")
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@ from robotteamsim.errors import RecordingError
 from robotteamsim.message_parts import Make, robot_name
 from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS, Changes, Source
 from robotteamsim.recording.topics.world import CLOCK, clock
+from robotteamsim.scenario.map_image import check_published_map
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import StepRecord
 
@@ -39,6 +40,7 @@ class BagMessages:
 
     def __init__(self, setup: Setup, make: Make) -> None:
         """Prepare the messages. Raises: ScenarioError: /map would have too many cells."""
+        check_published_map(setup.scenario)
         self._scenario, self._robots = setup.scenario, setup.robots
         self._step_ns = round(setup.scenario.run.step_s * 1e9)
         self._source = Source(setup)

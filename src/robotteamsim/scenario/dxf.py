@@ -6,6 +6,7 @@ The package ezdxf is imported where it is used, because it belongs to an extra.
 from __future__ import annotations
 
 import itertools
+import logging
 from collections import Counter
 from collections.abc import Collection, Iterator
 from pathlib import Path
@@ -111,6 +112,7 @@ def _read(path: Path) -> Drawing:
 
     if not is_file(path):
         raise ScenarioError(f"{path}: there is no such file")
+    logging.getLogger("ezdxf").addHandler(logging.NullHandler())  # else Python prints its warnings of what it repairs
     try:
         return ezdxf.readfile(path)
     except Exception as error:  # damaged files cause IndexError, KeyError, StopIteration and others

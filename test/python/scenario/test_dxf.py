@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 
 import ezdxf
@@ -92,6 +94,15 @@ def test_file_without_units_needs_a_scale(drawing, capsys):
     document.saveas("unitless.dxf")
     line = failed(capsys, "unitless.dxf", "--layer", "WALLS")
     assert line.endswith("names no known unit ($INSUNITS 0); give its scale with --metres-per-unit")
+
+
+def test_what_the_reader_repairs_is_not_printed(drawing):
+    text = Path("room.dxf").read_text(encoding="utf-8")
+    Path("odd.dxf").write_text(text.replace("ENDTAB", "ENDTABLE", 1), encoding="utf-8")
+    command = [sys.executable, "-m", "robotteamsim.cli", "plan", "import", "odd.dxf", "--layer", "WALLS"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
+    (warning,) = done.stderr.splitlines()
+    assert warning.startswith("robotteamsim: warning: no door leads from the largest part of the floor to ")
 
 
 @pytest.mark.slow

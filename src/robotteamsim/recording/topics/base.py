@@ -19,7 +19,6 @@ from robotteamsim.message_parts import MAP_FRAME, Make, header, point
 from robotteamsim.network.compact import LinksEncoder
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario import Scenario
-from robotteamsim.scenario.map_image import check_published_map
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.setup import Setup
 
@@ -42,16 +41,10 @@ class When(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Source:
-    """What values are taken from, next to a step. links: remembers the links of the last /network/links.
-
-    Raises: ScenarioError: /map would have too many cells.
-    """
+    """What values are taken from, next to a step. links: remembers the links of the last /network/links."""
 
     setup: Setup
     links: LinksEncoder = field(default_factory=LinksEncoder)
-
-    def __post_init__(self) -> None:
-        check_published_map(self.setup.scenario)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -36,6 +36,7 @@ from robotteamsim.ros.settings import SEED, Settings, read_settings
 from robotteamsim.ros.stage import StageRequests
 from robotteamsim.ros.subscriptions import recorded_topics, wait_for_subscribers
 from robotteamsim.ros.topics import RoscppOutput
+from robotteamsim.scenario.map_image import check_published_map
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.simulation import Observer, Simulation, StepRecord, TeamInputs
 from robotteamsim.simulation.trial import Trial
@@ -71,6 +72,8 @@ class SimulationNode:
     """Steps a simulation with the decisions of the team's controllers; services change it between two steps."""
 
     def __init__(self, settings: Settings) -> None:
+        if not settings.is_another_world:
+            check_published_map(settings.scenario)
         self._settings = settings
         self._make = RosTypes()
         self._stays = parameter("~stays", False) or not settings.mission
