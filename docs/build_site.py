@@ -36,7 +36,16 @@ SECTIONS = {
         "classroom",
         "exercises",
     ),
-    "How-to guides": ("own_building", "viewer", "experiments", "benchmark", "stage", "gazebo", "gazebo_missions"),
+    "How-to guides": (
+        "own_building",
+        "viewer",
+        "experiments",
+        "benchmark",
+        "learning",
+        "stage",
+        "gazebo",
+        "gazebo_missions",
+    ),
     "Reference": ("what_a_controller_sees", "scenario_keys", "python_api", "ros_api", "ros_messages", "CHANGELOG"),
     "Explanation": (
         "world",

@@ -31,7 +31,7 @@ FLOORS = (
     ("analysis",),
     ("view",),
     ("node_parts",),
-    ("cli", "notebook", "ros"),
+    ("cli", "learning", "notebook", "ros"),
 )
 FLOOR_OF = {part: floor for floor, parts in enumerate(FLOORS) for part in parts}
 

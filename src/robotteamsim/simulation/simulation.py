@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import msgspec
-import numpy as np
 
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
@@ -45,6 +44,14 @@ class _Before(NamedTuple):
     decisions: tuple[Decision, ...]
     task: Task = Task()
     silent: tuple[str, ...] = ()
+
+
+class Sensed(NamedTuple):
+    """The first part of a step: what the controllers need, the network, and where victims have moved, by name."""
+
+    inputs: TeamInputs
+    network: NetworkState
+    moved: Mapping[str, Point]
 
 
 class Simulation:
@@ -90,27 +97,35 @@ class Simulation:
 
     def step(self) -> StepRecord:
         """Advance by one step and return its record, which observers receive."""
-        world, hazards, mission = self.world, self.hazards, self.mission
+        return self.decide(self.sense())
+
+    def sense(self) -> Sensed:
+        """Advance up to what the controllers perceive in this step; then comes `decide`."""
+        world, hazards = self.world, self.hazards
         self.schedule.step(world.sim_time_ns)
         before = self._before
         world.step(hazards.slowed([decision.twist for decision in before.decisions]))
         hazards.step()
-        moved = self.people.step(mission.status.victims, before.task.assistance, hazards.field)
+        moved = self.people.step(self.mission.status.victims, before.task.assistance, hazards.field)
         self._follow_doors()
         readings = self.sensors.read()
         positions_m = readings.positions_m
         voices = self.hearing.step(positions_m, moved, before.silent)
         network, inboxes = self.network.step(positions_m, [decision.outbox for decision in before.decisions])
         inputs = TeamInputs(world.sim_time_ns, readings, voices, inboxes, before.task, world.present, world.arrivals)
+        return Sensed(inputs, network, moved)
+
+    def decide(self, sensed: Sensed) -> StepRecord:
+        """Complete a step: let the controllers decide and the mission judge, and return the record of the step."""
+        mission, (inputs, network, moved) = self.mission, sensed
         decisions = self.controllers.step(inputs)
-        events = mission.step(self._judged(inputs, positions_m, network, decisions, moved))
+        events = mission.step(self._judged(inputs, network, decisions, moved))
         self._before = _Before(decisions, mission.task, mission.silent_victims)
         return self._record(inputs, network, decisions, events)
 
     def _judged(
         self,
         of: TeamInputs,
-        positions_m: np.ndarray,
         network: NetworkState,
         decisions: tuple[Decision, ...],
         moved: Mapping[str, Point],
@@ -119,7 +134,7 @@ class Simulation:
         world, hazards = self.world, self.hazards
         return MissionInput(
             sim_time_ns=of.sim_time_ns,
-            positions_m=positions_m,
+            positions_m=of.readings.positions_m,
             voices=of.voices,
             network=network,
             decisions=decisions,

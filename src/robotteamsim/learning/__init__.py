@@ -1,0 +1,35 @@
+"""Environments for multi-agent learning, and learned policies as controllers; the extra `learning`."""
+
+from robotteamsim.extras import missing_extra
+
+try:
+    import gymnasium  # noqa: F401
+    import pettingzoo  # noqa: F401
+except ModuleNotFoundError as error:
+    raise ModuleNotFoundError(missing_extra(error), name=error.name) from None
+
+from robotteamsim.learning.act import Act, DiscreteAct
+from robotteamsim.learning.errors import LearningError
+from robotteamsim.learning.gym_env import CentralEnv, gym_env, register
+from robotteamsim.learning.observe import Observe, Part
+from robotteamsim.learning.policy import PolicyController
+from robotteamsim.learning.reward import Reward, SearchReward
+from robotteamsim.learning.team_env import TeamEnv, env, parallel_env
+
+__all__ = [
+    "Act",
+    "CentralEnv",
+    "DiscreteAct",
+    "LearningError",
+    "Observe",
+    "Part",
+    "PolicyController",
+    "Reward",
+    "SearchReward",
+    "TeamEnv",
+    "env",
+    "gym_env",
+    "parallel_env",
+]
+
+register()

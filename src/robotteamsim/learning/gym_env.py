@@ -1,0 +1,89 @@
+"""A mission as a Gymnasium `Env`: one agent that drives all robots."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
+
+from robotteamsim.learning.team_env import TeamEnv, parallel_env
+from robotteamsim.scenario import Scenario
+
+
+def gym_env(scenario: str | os.PathLike[str] | Scenario, **settings: Any) -> CentralEnv:
+    """Return a mission as an environment of one agent that drives all robots; for a single robot, its environment.
+
+    Args:   scenario, settings: as of `parallel_env`.
+    Raises: RobotTeamSimError: as `parallel_env`.
+    """
+    return CentralEnv(parallel_env(scenario, **settings))
+
+
+class CentralEnv(gymnasium.Env[np.ndarray, Any]):
+    """Observations and actions of all agents of a `TeamEnv` one after the other; the reward is their mean.
+
+    Of a robot that is not present, the observation is 0 and the action is ignored.
+    """
+
+    def __init__(self, team: TeamEnv) -> None:
+        """Drive the robots of a team."""
+        self.team = team
+        self.metadata, self.render_mode = team.metadata, team.render_mode
+        agents = team.possible_agents
+        self._shapes = [team.observation_space(agent).shape or () for agent in agents]
+        size = sum(shape[0] for shape in self._shapes)
+        self.observation_space = Box(-1.0, 1.0, (size,), np.float32)
+        self.action_space: Space[Any] = _joined([team.action_space(agent) for agent in agents])
+
+    def reset(
+        self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin a mission, see `TeamEnv.reset`."""
+        super().reset(seed=seed)
+        vectors, _ = self.team.reset(seed, options)
+        return self._observation(vectors), {}
+
+    def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        """Let all robots act. Raises: RobotTeamSimError: see `TeamEnv.step`."""
+        parts = self._split(action)
+        vectors, rewards, _, truncated, _ = self.team.step({one: parts[one] for one in self.team.agents})
+        is_over = not self.team.agents
+        was_cut = is_over and any(truncated.values())
+        reward = float(np.mean(list(rewards.values())))
+        return self._observation(vectors), reward, is_over and not was_cut, was_cut, {}
+
+    def render(self) -> np.ndarray | None:
+        """See `TeamEnv.render`."""
+        return self.team.render()
+
+    def close(self) -> None:
+        """End the mission."""
+        self.team.close()
+
+    def _observation(self, vectors: Mapping[str, np.ndarray]) -> np.ndarray:
+        agents = zip(self.team.possible_agents, self._shapes, strict=True)
+        return np.concatenate([vectors.get(agent, np.zeros(shape, np.float32)) for agent, shape in agents])
+
+    def _split(self, action: Any) -> dict[str, Any]:
+        agents = self.team.possible_agents
+        if isinstance(self.action_space, MultiDiscrete):
+            return dict(zip(agents, action, strict=True))
+        ends = np.cumsum([(self.team.action_space(agent).shape or ())[0] for agent in agents])[:-1]
+        return dict(zip(agents, np.split(np.asarray(action), ends), strict=True))
+
+
+def _joined(spaces: list[Space[Any]]) -> Space[Any]:
+    """Return the space of actions of several agents, one after the other."""
+    if all(isinstance(space, Discrete) for space in spaces):
+        return MultiDiscrete([space.n for space in spaces if isinstance(space, Discrete)])
+    return Box(-1.0, 1.0, (sum((space.shape or ())[0] for space in spaces),), np.float32)
+
+
+def register() -> None:
+    """Register environments with Gymnasium, for `gymnasium.make`."""
+    for name, scenario in (("GarageSearch", "garage_sar"), ("FloorSearch", "isr_floor_0_sar")):
+        gymnasium.register(f"robotteamsim/{name}-v0", f"{__name__}:gym_env", kwargs={"scenario": scenario})

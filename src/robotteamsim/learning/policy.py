@@ -1,0 +1,54 @@
+"""A learned policy as a controller: `control.algorithm: my_policy:Policy`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import msgspec
+import numpy as np
+
+from robotteamsim.interface import Decision, Message, Observation, Task
+from robotteamsim.learning.act import Act
+from robotteamsim.learning.observe import Observe
+from robotteamsim.setup import Setup
+
+
+class PolicyController:
+    """Drives a robot by a policy, wherever controllers run: headless, in campaigns, in ROS, in MuJoCo.
+
+    A subclass defines `choose`. Its other attributes are those that it was trained with: the same observations, to the
+    bit, reach it here.
+    """
+
+    observe: type[Observe] = Observe
+    act: type[Act] = Act
+    every = 5
+    """It decides in each so many steps, and holds the command in between."""
+    said = 0
+    """How many numbers each message has."""
+
+    def __init__(self, robot_id: int, setup: Setup) -> None:
+        self._observe = self.observe(setup, robot_id, self.said)
+        self._act = self.act(setup, robot_id, self.said)
+        self._steps = 0
+        self._held = Decision()
+
+    def choose(self, vector: np.ndarray) -> Any:
+        """Return the action for an observation."""
+        raise NotImplementedError("a policy defines choose(vector)")
+
+    def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
+        """As for all controllers."""
+        self._observe.note(observation, inbox)
+        if not task.running:
+            self._steps = 0
+            return Decision()
+        if self._steps % self.every == 0:
+            action = self.choose(self._observe.vector(observation, task))
+            decision = self._act.decision(action, self._observe.pose(observation))
+            self._held = msgspec.structs.replace(decision, outbox=())
+        else:
+            decision = self._held
+        self._steps += 1
+        return decision

@@ -1,0 +1,67 @@
+"""What a team is rewarded for."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from robotteamsim.control.driving.known_map import UNREACHABLE_M, known_map
+from robotteamsim.setup import Setup
+from robotteamsim.simulation import StepRecord
+
+
+class Reward:
+    """Zero; a subclass replaces `of_step`, and `restart` if it remembers something."""
+
+    def __init__(self, setup: Setup) -> None:
+        self.setup = setup
+
+    def restart(self) -> None:
+        """A mission begins."""
+
+    def of_step(self, record: StepRecord, robot_ids: Sequence[int]) -> Mapping[int, float]:
+        """Return the reward of each of these robots for one step of the simulation."""
+        return dict.fromkeys(robot_ids, 0.0)
+
+
+class SearchReward(Reward):
+    """For the team: areas explored, victims saved, and the way to the area; for each robot: contacts, and time.
+
+    The way of the robot that is nearest to the area, by the known map, is a potential: what it gains on the way there
+    is lost on the way back [ng1999], so it does not change which policy is best, but shows the way.
+    """
+
+    AREA, VICTIM = 1.0, 2.0
+    PER_METRE = 0.02
+    PER_CONTACT_S, PER_S = -0.1, -0.002
+
+    def __init__(self, setup: Setup) -> None:
+        super().__init__(setup)
+        self._maps = [known_map(setup.building, robot.reach_m) for robot in setup.robots]
+        self.restart()
+
+    def restart(self) -> None:
+        """A mission begins."""
+        self._explored = self._saved = 0
+        self._way: tuple[object, float] | None = None
+
+    def of_step(self, record: StepRecord, robot_ids: Sequence[int]) -> Mapping[int, float]:
+        """Return the reward of each of these robots for one step of the simulation."""
+        status, step_s = record.mission, self.setup.scenario.run.step_s
+        explored, saved = status.areas_explored, status.victims_saved
+        team = self.AREA * (explored - self._explored) + self.VICTIM * (saved - self._saved) + self.PER_S * step_s
+        self._explored, self._saved = explored, saved
+        team += self.PER_METRE * self._gained_m(record, robot_ids)
+        contact = record.readings.state.contact
+        return {i: team + self.PER_CONTACT_S * step_s * bool(contact[i]) for i in robot_ids}
+
+    def _gained_m(self, record: StepRecord, robot_ids: Sequence[int]) -> float:
+        area, positions_m = record.mission.task.area_center_m, record.readings.positions_m
+        if area is None or not robot_ids:
+            self._way = None
+            return 0.0
+        lengths_m = [self._maps[i].distance_m(area, (positions_m[i, 0], positions_m[i, 1])) for i in robot_ids]
+        length_m, before = float(np.min(lengths_m)), self._way
+        self._way = None if length_m >= UNREACHABLE_M else (area, length_m)
+        return before[1] - length_m if before and self._way and before[0] == area else 0.0

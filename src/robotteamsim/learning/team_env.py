@@ -1,0 +1,254 @@
+"""A mission as a PettingZoo `ParallelEnv`."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from gymnasium.spaces import Box, Space
+from pettingzoo import AECEnv, ParallelEnv
+from pettingzoo.utils import parallel_to_aec
+
+from robotteamsim.learning.act import Act, DiscreteAct
+from robotteamsim.learning.driven import DrivenControllers, observations
+from robotteamsim.learning.errors import LearningError
+from robotteamsim.learning.observe import Observe
+from robotteamsim.learning.picture import picture
+from robotteamsim.learning.reward import Reward, SearchReward
+from robotteamsim.mission.status import OUT_OF_DANGER
+from robotteamsim.rng import stream
+from robotteamsim.scenario import Scenario, load
+from robotteamsim.setup import check_headless, resolve
+from robotteamsim.simulation import Simulation, StepRecord
+
+Agent = str
+Vectors = dict[Agent, np.ndarray]
+Infos = dict[Agent, dict[str, Any]]
+
+LARGEST_SEED = 2**31
+
+
+def parallel_env(
+    scenario: str | os.PathLike[str] | Scenario,
+    *,
+    observe: type[Observe] = Observe,
+    act: type[Act] = Act,
+    reward: type[Reward] = SearchReward,
+    every: int = 5,
+    said: int = 0,
+    max_cycles: int | None = None,
+    render_mode: str | None = None,
+) -> TeamEnv:
+    """Return a mission as an environment of many agents, `robot_0` and so on.
+
+    Args:   scenario: a file, a shipped name, or a scenario; its own controllers are not used.
+            observe, act, reward: what agents perceive, decide and are rewarded for; derive from them to change it.
+            every: an agent decides in each so many steps of the simulation (`run.step_s`, 0.1 s), and holds its command
+                in between.
+            said: how many numbers each message to the other robots has.
+            max_cycles: all agents are truncated after so many of their steps; None: only at the mission's time limit.
+            render_mode: None, or rgb_array.
+    Raises: RobotTeamSimError: one line: the scenario is invalid, or has no robot that can be driven.
+    """
+    loaded = scenario if isinstance(scenario, Scenario) else load(scenario)
+    classes = observe, act, reward
+    return TeamEnv(loaded, classes, every=every, said=said, max_cycles=max_cycles, render_mode=render_mode)
+
+
+def env(scenario: str | os.PathLike[str] | Scenario, **settings: Any) -> AECEnv[Agent, np.ndarray, Any]:
+    """Return the environment of `parallel_env` in PettingZoo's other form, in which agents act one after the other."""
+    return parallel_to_aec(parallel_env(scenario, **settings))
+
+
+class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # PettingZoo has no types
+    """A mission whose robots obey actions; a base that stands still, and firefighters, are no agents.
+
+    A step is `every` steps of the simulation. Its reward is that of their records. An agent is terminated when the
+    mission has ended or it is no longer present, and truncated at the time limit. The same seed and actions give the
+    same bits.
+    """
+
+    def __init__(
+        self,
+        scenario: Scenario,
+        classes: tuple[type[Observe], type[Act], type[Reward]],
+        *,
+        every: int,
+        said: int,
+        max_cycles: int | None,
+        render_mode: str | None,
+    ) -> None:
+        """See `parallel_env`."""
+        for key, value, least in (("every", every, 1), ("said", said, 0), ("max_cycles", max_cycles, 1)):
+            if value is not None and value < least:
+                raise LearningError(f"{key}: {value}; expected at least {least}")
+        if render_mode not in (None, "rgb_array"):
+            raise LearningError(f"render_mode: {render_mode!r}; expected None or 'rgb_array'")
+        check_headless(scenario)
+        self.metadata = {"name": f"{scenario.name}_v0", "render_modes": ["rgb_array"], "is_parallelizable": True}
+        self.metadata["render_fps"] = max(round(1.0 / (every * scenario.run.step_s)), 1)
+        self.render_mode = render_mode
+        self._scenario, self._every, self._max_cycles = scenario, every, max_cycles
+        self._rng = stream(scenario.run.seed, "episodes")
+        self._setup = setup = resolve(scenario)
+        observe, act, reward = classes
+        robot_ids = [i for i in range(scenario.num_robots) if i != scenario.base]
+        if not robot_ids:
+            raise LearningError(scenario.origin.line("robots.count: no robot can be driven", "robots.count"))
+        self._ids = {f"robot_{i}": i for i in robot_ids}
+        self.possible_agents = list(self._ids)
+        self.agents: list[Agent] = []
+        self._observe = {i: observe(setup, i, said) for i in robot_ids}
+        self._act = {i: act(setup, i, said) for i in robot_ids}
+        self._make_reward = reward
+        self._simulation: Simulation | None = None
+        self.record: StepRecord | None = None
+        """The last record of the simulation, for own measures; None before the first step."""
+
+    def observation_space(self, agent: Agent) -> Space[Any]:
+        """Return the space of an agent's observations; `Observe.parts` describes it."""
+        return self._observe[self._ids[agent]].space
+
+    def action_space(self, agent: Agent) -> Space[Any]:
+        """Return the space of an agent's actions."""
+        return self._act[self._ids[agent]].space
+
+    @property
+    def state_space(self) -> Box:
+        """The space of `state`."""
+        mission, robots = self._setup.scenario.mission, len(self._setup.robots)
+        size = 5 * robots + 3 * len(mission.victims) + len(mission.areas) + 1
+        return Box(-1.0, 1.0, (size,), np.float32)
+
+    def state(self) -> np.ndarray:
+        """Return the state of the mission, for central critics, float32, within [-1, 1].
+
+        Per member of the team: present, x and y in the building, cosine and sine of the yaw; per victim: saved, safe or
+        dead, x and y; per area: explored; then the share of the time limit that is over.
+        """
+        _, record = self._running()
+        (x0, y0), (x1, y1) = self._setup.plan.bounds.min, self._setup.plan.bounds.max
+        low_m, size_m = np.array((x0, y0)), np.array((x1 - x0, y1 - y0))
+        poses = [reading.true_pose for reading in record.readings]
+        places_m = np.array([(pose.x_m, pose.y_m) for pose in poses])
+        yaws_rad = np.array([pose.yaw_rad for pose in poses])
+        team = np.column_stack(
+            (np.ones(len(poses)), 2.0 * (places_m - low_m) / size_m - 1.0, np.cos(yaws_rad), np.sin(yaws_rad))
+        )
+        team[~record.present] = 0.0
+        status = record.mission
+        done = np.array([victim in OUT_OF_DANGER for victim in status.victims], float)
+        victims_m = np.array([victim.position for victim in record.victims]).reshape(-1, 2)
+        victims = np.column_stack((done, 2.0 * (victims_m - low_m) / size_m - 1.0))
+        time = status.time_s / self._setup.scenario.mission.time_limit_s
+        parts = (team.ravel(), victims.ravel(), np.array(status.explored, float), (time,))
+        return np.clip(np.concatenate(parts), -1.0, 1.0).astype(np.float32)
+
+    def reset(self, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Vectors, Infos]:
+        """Begin a mission; without a seed, with the next one of a sequence that begins with the last seed.
+
+        The seed is `run.seed`, so it decides about random victims, voices and noise.
+        """
+        if seed is not None:
+            self._rng = stream(seed, "episodes")
+        run_seed = seed if seed is not None else int(self._rng.integers(LARGEST_SEED))
+        run = self._scenario.run.model_copy(update={"seed": run_seed})
+        self._setup = setup = resolve(self._scenario.model_copy(update={"run": run}))
+        self._controllers = DrivenControllers(setup)
+        self._simulation = simulation = Simulation(setup, controllers=self._controllers)
+        self._reward = self._make_reward(setup)
+        self._cycles = 0
+        for observe in self._observe.values():
+            observe.restart()
+        simulation.mission.start()
+        self._sense(simulation)
+        while not self._sensed.inputs.task.running:
+            self.record = simulation.decide(self._sensed)
+            self._reward.of_step(self.record, self._controllers.driven)
+            self._sense(simulation)
+        present = self._sensed.inputs.present
+        self.agents = [agent for agent, i in self._ids.items() if present[i]]
+        return self._vectors(), self._infos()
+
+    def step(
+        self, actions: Mapping[Agent, Any]
+    ) -> tuple[Vectors, dict[Agent, float], dict[Agent, bool], dict[Agent, bool], Infos]:
+        """Let all agents act, and return observations, rewards, terminations, truncations and infos of each.
+
+        Raises: RobotTeamSimError: one line: the mission has not begun or has ended, an agent without an action, or an
+                action that is not of its space.
+        """
+        simulation, record = self._running()
+        if not self.agents:
+            raise LearningError("the mission has ended; call reset")
+        if set(actions) != set(self.agents):
+            given, expected = (", ".join(sorted(agents)) or "nobody" for agents in (actions, self.agents))
+            raise LearningError(f"actions of {given}; expected {expected}")
+        perceived = observations(self._sensed.inputs)
+        for agent, action in actions.items():
+            i = self._ids[agent]
+            decision = self._act[i].decision(action, self._observe[i].pose(perceived[i]))
+            self._controllers.give(i, decision)
+        acting = {agent: self._ids[agent] for agent in self.agents}
+        rewards = dict.fromkeys(self.agents, 0.0)
+        for _ in range(self._every):
+            self.record = record = simulation.decide(self._sensed)
+            for agent, reward in zip(acting, self._reward.of_step(record, list(acting.values())).values(), strict=True):
+                rewards[agent] += reward
+            self._sense(simulation)
+            if record.mission.state == "ended":
+                break
+        self._cycles += 1
+        has_ended = record.mission.state == "ended" and record.mission.end != "time_limit"
+        is_cut = record.mission.end == "time_limit" or self._cycles == self._max_cycles
+        present = self._sensed.inputs.present
+        terminated = {agent: bool(has_ended or not present[i]) for agent, i in acting.items()}
+        truncated = {agent: is_cut and not terminated[agent] for agent in acting}
+        vectors, infos = self._vectors(), self._infos()
+        self.agents = [] if has_ended or is_cut else [agent for agent, i in self._ids.items() if present[i]]
+        return vectors, rewards, terminated, truncated, infos
+
+    def render(self) -> np.ndarray | None:
+        """Return the mission as a picture, uint8, shape (rows, columns, 3); None without a render mode."""
+        if self.render_mode is None:
+            return None
+        _, record = self._running()
+        return picture(self._setup, record)
+
+    def close(self) -> None:
+        """End the mission."""
+        self._simulation, self.agents = None, []
+
+    def _running(self) -> tuple[Simulation, StepRecord]:
+        if self._simulation is None or self.record is None:
+            raise LearningError("the mission has not begun; call reset first")
+        return self._simulation, self.record
+
+    def _sense(self, simulation: Simulation) -> None:
+        self._sensed = simulation.sense()
+        for i, observation in enumerate(observations(self._sensed.inputs)):
+            if i in self._observe and self._sensed.inputs.present[i]:
+                self._observe[i].note(observation, self._sensed.inputs.inboxes[i])
+
+    def _vectors(self) -> Vectors:
+        perceived, inputs = observations(self._sensed.inputs), self._sensed.inputs
+        return {
+            agent: self._observe[i].vector(perceived[i], inputs.task)
+            if inputs.present[i]
+            else np.zeros(self._observe[i].space.shape or (), np.float32)
+            for agent, i in ((agent, self._ids[agent]) for agent in self._observed())
+        }
+
+    def _observed(self) -> list[Agent]:
+        """Return the agents that have acted or have just arrived."""
+        present = self._sensed.inputs.present
+        return [agent for agent, i in self._ids.items() if agent in self.agents or present[i]]
+
+    def _infos(self) -> Infos:
+        masks = {i: act.mask() for i, act in self._act.items() if isinstance(act, DiscreteAct)}
+        return {
+            agent: {"action_mask": masks[self._ids[agent]]} if self._ids[agent] in masks else {}
+            for agent in self._observed()
+        }

@@ -1,0 +1,222 @@
+"""Missions as environments, against the tests of PettingZoo and Gymnasium, and against the simulation itself."""
+
+from __future__ import annotations
+
+import sys
+from types import ModuleType, SimpleNamespace
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.utils.env_checker import check_env
+from pettingzoo.test import max_cycles_test, parallel_api_test, parallel_seed_test, state_test
+
+from robotteamsim import learning
+from robotteamsim.learning import (
+    Act,
+    DiscreteAct,
+    LearningError,
+    PolicyController,
+    Reward,
+    gym_env,
+    parallel_env,
+)
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation, TrajectoryHash
+
+SHORT = "mission.time_limit_s=20"
+
+
+def scenario(name="garage_sar", *overrides):
+    return load(name, [SHORT, *overrides])
+
+
+def driven_to(env, seed, choose):
+    """Return rewards and hash of a mission in which agents choose by their observations."""
+    found = TrajectoryHash()
+    vectors, _ = env.reset(seed=seed)
+    total = 0.0
+    while env.agents:
+        vectors, rewards, *_ = env.step({agent: choose(vectors[agent]) for agent in env.agents})
+        total += sum(rewards.values())
+        found.update(env.record.sim_time_ns, env.record.readings.state.true_pose)
+    return total, found.hexdigest()
+
+
+def wall_fearing(vector):
+    """A policy of the laser alone: away from what is near."""
+    right, ahead, left = vector[:60].min(), vector[60:121].min(), vector[121:181].min()
+    return np.array((ahead, np.clip(left - right, -1.0, 1.0)), np.float32)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("garage_sar", {}),
+        ("garage_sar", {"said": 2, "every": 1}),
+        ("tutorial_arena", {"act": DiscreteAct}),
+        ("office_manet", {}),
+        ("warehouse_push", {}),
+        ("garage_fire", {}),
+    ],
+)
+def test_is_a_parallel_env_of_pettingzoo(name, settings):
+    def make():
+        return parallel_env(scenario(name), **settings)
+
+    parallel_api_test(make(), num_cycles=60)
+    parallel_seed_test(make, num_cycles=20)
+    state_test(learning.env(scenario(name), **settings), make())
+
+
+@pytest.mark.slow
+def test_is_truncated_after_some_cycles():
+    def parallel_env_of_test(max_cycles):
+        return parallel_env(scenario(), max_cycles=max_cycles)
+
+    def env_of_test(max_cycles):
+        return learning.env(scenario(), max_cycles=max_cycles)
+
+    max_cycles_test(SimpleNamespace(parallel_env=parallel_env_of_test, env=env_of_test))
+
+
+@pytest.mark.slow
+def test_is_drawn(monkeypatch):
+    env = parallel_env(scenario(), render_mode="rgb_array")
+    env.reset(seed=1)
+    picture = env.render()
+    assert picture.dtype == np.uint8
+    assert picture.shape[2] == 3
+    colours = np.unique(picture.reshape(-1, 3), axis=0)
+    assert len(colours) > 10
+    assert parallel_env(scenario()).render() is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("settings", [{}, {"act": DiscreteAct}])
+def test_is_an_env_of_gymnasium(settings):
+    check_env(gym_env(scenario(), **settings), skip_render_check=True)
+
+
+def test_is_registered_with_gymnasium():
+    env = gymnasium.make("robotteamsim/GarageSearch-v0")
+    vector, _ = env.reset(seed=1)
+    assert vector.shape == (3 * (181 + 13 + 2 * 5),)
+
+
+@pytest.mark.slow
+def test_policy_drives_as_in_training(monkeypatch):
+    vectors = []
+
+    class Policy(PolicyController):
+        def choose(self, vector):
+            vectors.append(vector)
+            return wall_fearing(vector)
+
+    module = ModuleType("policy_of_test")
+    module.Policy = Policy
+    monkeypatch.setitem(sys.modules, "policy_of_test", module)
+    trained = []
+
+    def choose(vector):
+        trained.append(vector)
+        return wall_fearing(vector)
+
+    env = parallel_env(scenario(), every=5)
+    env.reset(seed=11)
+    _, _ = driven_to(env, 11, choose)
+    end = env.record
+    simulation = Simulation(scenario("garage_sar", "run.seed=11", "control.algorithm=policy_of_test:Policy"))
+    simulation.run()
+    np.testing.assert_array_equal(np.array(vectors), np.array(trained))
+    # The environment senses once more after the end.
+    assert simulation.world.step_index == end.step_index
+    assert np.array_equal(simulation.mission.status.time_s, end.mission.time_s)
+
+
+@pytest.mark.slow
+def test_same_seed_has_the_same_bits_and_another_one_others():
+    env = parallel_env(scenario("garage_sar", "robots.formation=random"))
+    first = driven_to(env, 3, wall_fearing)
+    assert driven_to(env, 3, wall_fearing) == first
+    assert driven_to(env, 4, wall_fearing)[1] != first[1]
+
+
+def test_reward_is_for_areas_victims_and_the_way_there():
+    env = parallel_env(load("garage_sar", ["mission.areas.0.center=[10, 5]"]))
+    env.reset(seed=1)
+    ahead = np.array((1.0, 0.0), np.float32)
+    won = []
+    while env.record.mission.areas_explored == 0:
+        _, rewards, *_ = env.step(dict.fromkeys(env.agents, ahead))
+        won.append(rewards)
+    driven_m = env.record.readings.positions_m[:, 0].max() - 4.4
+    for agent in env.agents:
+        assert sum(rewards[agent] for rewards in won[1:-1]) == pytest.approx(0.02 * driven_m, abs=0.02)
+        assert won[-1][agent] == pytest.approx(1.0, abs=0.02)
+
+
+def test_classes_are_replaced():
+    class Nothing(Reward):
+        pass
+
+    class Slow(Act):
+        def twist(self, action):
+            return super().twist(0.1 * action)
+
+    env = parallel_env(scenario(), act=Slow, reward=Nothing)
+    env.reset(seed=1)
+    ahead = np.array((1.0, 0.0), np.float32)
+    for _ in range(4):
+        _, rewards, *_ = env.step(dict.fromkeys(env.agents, ahead))
+    assert set(rewards.values()) == {0.0}
+    assert env.record.readings.state.true_twist[0, 0] == pytest.approx(0.07)
+
+
+def test_what_is_said_is_heard_over_the_network():
+    env = parallel_env(scenario(), said=2)
+    env.reset(seed=1)
+    actions = {agent: np.array((0.0, 0.0, 0.25, -0.5), np.float32) for agent in env.agents}
+    vectors, *_ = env.step(actions)
+    parts = {part.name: part for part in env._observe[0].parts}
+    heard = vectors["robot_0"][parts["robot_1"].begin :][: parts["robot_1"].size]
+    assert heard[0] == 1.0
+    assert heard[-2:].tolist() == [0.25, -0.5]
+    assert 0.5 < heard[3] <= 1.0  # a metre away
+    assert parts["robot_2"].begin + parts["robot_2"].size == len(vectors["robot_0"])
+
+
+@pytest.mark.parametrize(
+    ("do", "message"),
+    [
+        (lambda env: env.step({}), "the mission has not begun; call reset first"),
+        (lambda env: (env.reset(), env.step({})), "actions of nobody; expected robot_0, robot_1, robot_2"),
+        (
+            lambda env: (env.reset(), env.step(dict.fromkeys(env.agents, np.array((np.nan, 0.0))))),
+            "robot_0: action array([nan,  0.]): expected one of Box(-1.0, 1.0, (2,), float32)",
+        ),
+        (
+            lambda env: (env.reset(), env.step(dict.fromkeys(env.agents, np.array((1.5, 0.0))))),
+            "robot_0: action array([1.5, 0. ]): expected one of Box(-1.0, 1.0, (2,), float32)",
+        ),
+        (lambda _: parallel_env("garage_sar", every=0), "every: 0; expected at least 1"),
+        (
+            lambda _: parallel_env("garage_sar", render_mode="ansi"),
+            "render_mode: 'ansi'; expected None or 'rgb_array'",
+        ),
+        (
+            lambda _: parallel_env("garage_sar", said=1, act=DiscreteAct),
+            "said: 1; expected 0 with DiscreteAct",
+        ),
+        (
+            lambda _: parallel_env(load("garage_rescue", ["robots.count=0", "relays.count=0"])),
+            "--set: robots.count: no robot can be driven",
+        ),
+    ],
+)
+def test_wrong_use_is_one_line(do, message):
+    env = parallel_env(scenario())
+    with pytest.raises(LearningError) as raised:
+        do(env)
+    assert str(raised.value) == message
