@@ -94,10 +94,6 @@ class Observe:
         begins = np.cumsum([0, *(size for _, size, _ in parts)]).tolist()
         return [Part(name, begin, size, meaning) for begin, (name, size, meaning) in zip(begins, parts, strict=False)]
 
-    def restart(self) -> None:
-        """Forget what was heard, because a mission begins."""
-        self._heard.clear()
-
     def note(self, observation: Observation, inbox: Sequence[Message]) -> None:
         """Remember what teammates say in a step; of messages of other kinds, nothing."""
         for message in inbox:

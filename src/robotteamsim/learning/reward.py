@@ -12,13 +12,10 @@ from robotteamsim.simulation import StepRecord
 
 
 class Reward:
-    """Zero; a subclass replaces `of_step`, and `restart` if it remembers something."""
+    """Zero; a subclass replaces `of_step`. Each mission has a new one."""
 
     def __init__(self, setup: Setup) -> None:
         self.setup = setup
-
-    def restart(self) -> None:
-        """A mission begins."""
 
     def of_step(self, record: StepRecord, robot_ids: Sequence[int]) -> Mapping[int, float]:
         """Return the reward of each of these robots for one step of the simulation."""
@@ -39,10 +36,6 @@ class SearchReward(Reward):
     def __init__(self, setup: Setup) -> None:
         super().__init__(setup)
         self._maps = [known_map(setup.building, robot.reach_m) for robot in setup.robots]
-        self.restart()
-
-    def restart(self) -> None:
-        """A mission begins."""
         self._explored = self._saved = 0
         self._way: tuple[object, float] | None = None
 

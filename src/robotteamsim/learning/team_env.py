@@ -20,7 +20,7 @@ from robotteamsim.learning.reward import Reward, SearchReward
 from robotteamsim.mission.status import OUT_OF_DANGER
 from robotteamsim.rng import stream
 from robotteamsim.scenario import Scenario, load
-from robotteamsim.setup import check_headless, resolve
+from robotteamsim.setup import Setup, check_headless, resolve
 from robotteamsim.simulation import Simulation, StepRecord
 
 Agent = str
@@ -92,17 +92,14 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         self.render_mode = render_mode
         self._scenario, self._every, self._max_cycles = scenario, every, max_cycles
         self._rng = stream(scenario.run.seed, "episodes")
-        self._setup = setup = resolve(scenario)
-        observe, act, reward = classes
         robot_ids = [i for i in range(scenario.num_robots) if i != scenario.base]
         if not robot_ids:
             raise LearningError(scenario.origin.line("robots.count: no robot can be driven", "robots.count"))
         self._ids = {f"robot_{i}": i for i in robot_ids}
         self.possible_agents = list(self._ids)
         self.agents: list[Agent] = []
-        self._observe = {i: observe(setup, i, said) for i in robot_ids}
-        self._act = {i: act(setup, i, said) for i in robot_ids}
-        self._make_reward = reward
+        self._classes, self._said = classes, said
+        self._take(resolve(scenario))
         self._simulation: Simulation | None = None
         self.record: StepRecord | None = None
         """The last record of the simulation, for own measures; None before the first step."""
@@ -155,13 +152,10 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
             self._rng = stream(seed, "episodes")
         run_seed = seed if seed is not None else int(self._rng.integers(LARGEST_SEED))
         run = self._scenario.run.model_copy(update={"seed": run_seed})
-        self._setup = setup = resolve(self._scenario.model_copy(update={"run": run}))
-        self._controllers = DrivenControllers(setup)
-        self._simulation = simulation = Simulation(setup, controllers=self._controllers)
-        self._reward = self._make_reward(setup)
+        self._take(resolve(self._scenario.model_copy(update={"run": run})))
+        self._controllers = DrivenControllers(self._setup)
+        self._simulation = simulation = Simulation(self._setup, controllers=self._controllers)
         self._cycles = 0
-        for observe in self._observe.values():
-            observe.restart()
         simulation.mission.start()
         self._sense(simulation)
         while not self._sensed.inputs.task.running:
@@ -186,11 +180,10 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         if set(actions) != set(self.agents):
             given, expected = (", ".join(sorted(agents)) or "nobody" for agents in (actions, self.agents))
             raise LearningError(f"actions of {given}; expected {expected}")
-        perceived = observations(self._sensed.inputs)
         for agent, action in actions.items():
             i = self._ids[agent]
-            decision = self._act[i].decision(action, self._observe[i].pose(perceived[i]))
-            self._controllers.give(i, decision)
+            pose = self._observe[i].pose(self._perceived[i])
+            self._controllers.give(i, self._act[i].decision(action, pose))
         acting = {agent: self._ids[agent] for agent in self.agents}
         rewards = dict.fromkeys(self.agents, 0.0)
         for _ in range(self._every):
@@ -221,6 +214,14 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         """End the mission."""
         self._simulation, self.agents = None, []
 
+    def _take(self, setup: Setup) -> None:
+        """Use a resolved scenario from now on."""
+        observe, act, reward = self._classes
+        self._setup = setup
+        self._observe = {i: observe(setup, i, self._said) for i in self._ids.values()}
+        self._act = {i: act(setup, i, self._said) for i in self._ids.values()}
+        self._reward = reward(setup)
+
     def _running(self) -> tuple[Simulation, StepRecord]:
         if self._simulation is None or self.record is None:
             raise LearningError("the mission has not begun; call reset first")
@@ -228,14 +229,16 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
 
     def _sense(self, simulation: Simulation) -> None:
         self._sensed = simulation.sense()
-        for i, observation in enumerate(observations(self._sensed.inputs)):
-            if i in self._observe and self._sensed.inputs.present[i]:
-                self._observe[i].note(observation, self._sensed.inputs.inboxes[i])
+        inputs = self._sensed.inputs
+        self._perceived = observations(inputs)
+        for i, observe in self._observe.items():
+            if inputs.present[i]:
+                observe.note(self._perceived[i], inputs.inboxes[i])
 
     def _vectors(self) -> Vectors:
-        perceived, inputs = observations(self._sensed.inputs), self._sensed.inputs
+        inputs = self._sensed.inputs
         return {
-            agent: self._observe[i].vector(perceived[i], inputs.task)
+            agent: self._observe[i].vector(self._perceived[i], inputs.task)
             if inputs.present[i]
             else np.zeros(self._observe[i].space.shape or (), np.float32)
             for agent, i in ((agent, self._ids[agent]) for agent in self._observed())

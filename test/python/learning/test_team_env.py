@@ -143,6 +143,16 @@ def test_same_seed_has_the_same_bits_and_another_one_others():
     assert driven_to(env, 4, wall_fearing)[1] != first[1]
 
 
+def test_odometry_begins_where_the_seed_places_the_robot():
+    settings = ["robots.formation=random", "control.localisation=odometry"]
+    env = parallel_env(load("garage_sar", settings))
+    for seed in (3, 4):
+        vectors, _ = env.reset(seed=seed)
+        x_m, y_m = env.record.readings.positions_m[0]
+        expected = (2.0 * x_m / 60.0 - 1.0, 2.0 * y_m / 40.0 - 1.0)
+        assert vectors["robot_0"][181:183].tolist() == pytest.approx(expected, abs=1e-6)
+
+
 def test_reward_is_for_areas_victims_and_the_way_there():
     env = parallel_env(load("garage_sar", ["mission.areas.0.center=[10, 5]"]))
     env.reset(seed=1)
