@@ -218,6 +218,9 @@ def _read_image(options: argparse.Namespace) -> tuple[MapImage, DrawingRules]:
         raise UsageError(f"{options.map} has the resolution; --metres-per-pixel and --measured are for images")
     if not is_yaml and scale is None:
         raise UsageError(f"{options.map}: give its scale with --metres-per-pixel or --measured, or import its yaml")
+    if not is_yaml and not options.map.is_file():
+        problem = "is a folder, expected a file" if options.map.is_dir() else "there is no such file"
+        raise UsageError(f"{options.map}: {problem}")
     rules = DrawingRules(options.thinnest_wall, options.smallest_wall, options.doors)
     return read_map(options.map) if is_yaml else read_drawing(options.map, scale), rules
 
@@ -266,7 +269,8 @@ def import_plan(options: argparse.Namespace) -> None:
     with atomically(out) as part:
         scenario.write_floor_plan(plan, part)
     counts = [counted(len(plan.walls), "wall"), counted(len(plan.blocks), "block"), counted(len(plan.doors), "door")]
-    print(f"{out}: {', '.join(counts if options.doors else counts[:2])}")
+    (x0, y0), (x1, y1) = plan.bounds.min, plan.bounds.max
+    print(f"{out}: {x1 - x0:g} x {y1 - y0:g} m, {', '.join(counts if options.doors else counts[:2])}")
     if options.png:
         from robotteamsim.analysis.import_picture import draw_import
 

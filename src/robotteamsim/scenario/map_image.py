@@ -23,7 +23,7 @@ from robotteamsim.map_import.cells import (
     read_image,
     solid_cells,
 )
-from robotteamsim.map_import.strokes import gaps, small_groups, thin_strokes
+from robotteamsim.map_import.strokes import GapSizes, gaps, small_groups, thin_strokes
 from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, SMALLEST, Model, PlanarPose, Point, wrong
 from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.image_walls import MAX_WALL_THICKNESS_M, MIN_PIECE_M2, in_metres, walls_and_blocks
@@ -36,6 +36,9 @@ from robotteamsim.wording import printable
 
 DOOR_CELL_M = 0.02
 """Cells in which gaps between walls are searched, if the plan is not too large."""
+
+LOOSE_M = 2.0
+"""Objects that are smaller and touch no wall are no ends of gaps, unless they are strips."""
 
 CACHED_PIXELS = 200_000
 """Plans of larger images are kept in the cache."""
@@ -257,9 +260,9 @@ def with_doors(plan: FloorPlan, widths_m: tuple[float, float]) -> FloorPlan:
 def _doors(solid: np.ndarray, grid: Grid, widths_m: tuple[float, float]) -> tuple[Door, ...]:
     """Return an open door door_1, door_2, ... in each gap between walls."""
     cell_m = grid.resolution_m
-    least, most = (width_m / cell_m for width_m in widths_m)
+    sizes = GapSizes(*(size_m / cell_m for size_m in (*widths_m, MAX_WALL_THICKNESS_M, LOOSE_M)))
     doors: list[Door] = []
-    for gap in gaps(solid, least, most, MAX_WALL_THICKNESS_M / cell_m):
+    for gap in gaps(solid, sizes):
         middle = (0.0, 0.5 * gap.rows) if gap.along_x else (0.5 * gap.columns, 0.0)
         along = (gap.columns, 0.0) if gap.along_x else (0.0, gap.rows)
         start = np.array([gap.column, gap.row]) + middle

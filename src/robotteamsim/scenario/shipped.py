@@ -60,7 +60,9 @@ def _find(name: str, relative: str, what: str, known: list[str]) -> Path:
     for root in share_roots():
         if (root / relative).is_file():
             return root / relative
-    near = suggestion(name, known) or f"; known: {', '.join(known) or 'none'}"
+    file = f"{name}.yaml"
+    here = f"; did you mean the file {file}?" if Path(file).is_file() else ""
+    near = here or suggestion(name, known) or f"; known: {', '.join(known) or 'none'}"
     raise ScenarioError(f"{name}: no shipped {what} of this name{near}")
 
 

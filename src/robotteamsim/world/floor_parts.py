@@ -18,6 +18,13 @@ _NEAR_M = 1.0
 """How far from a start the floor may begin, if the start itself is too close to a wall."""
 
 
+_EDGE_M = 0.05
+"""Floor that comes so near is at the edge of the plan; an import draws a thin wall there."""
+
+_THIN_M = 0.6
+"""Floor at the edge of the plan whose mean width is smaller is outside the building."""
+
+
 class FloorPart(NamedTuple):
     """A part of the floor that no door connects with the others. place: somewhere inside it [m, map]."""
 
@@ -33,7 +40,7 @@ def part_text(part: FloorPart) -> str:
 def floor_parts(plan: FloorPlan, radius_m: float) -> tuple[FloorPart, ...]:
     """Return the parts of the floor between which a disc cannot move, even through open doors, the largest first.
 
-    Parts below LEAST_M2 are omitted.
+    Parts below LEAST_M2 are omitted, and those outside the building but for the largest part.
 
     Args: radius_m: of the disc; areas are those that its centre can be in.
     """
@@ -51,9 +58,19 @@ def parts_without(plan: FloorPlan, radius_m: float, starts: Sequence[Point]) -> 
 def _shapes(plan: FloorPlan, radius_m: float) -> list[shapely.Polygon]:
     """Return where the centre of a disc can be if all doors are open, in parts, the largest first."""
     walls = obstacles(plan.model_copy(update={"doors": ()}))
-    floor = shapely.difference(shapely.box(*plan.bounds.min, *plan.bounds.max), shapely.buffer(walls, radius_m))
+    page = shapely.box(*plan.bounds.min, *plan.bounds.max)
+    floor = shapely.difference(page, shapely.buffer(walls, radius_m))
     parts = [part for part in shapely.get_parts(floor) if part.area >= LEAST_M2]
-    return sorted(parts, key=lambda part: (-part.area, part.bounds))
+    largest, *others = sorted(parts, key=lambda part: (-part.area, part.bounds)) or [shapely.Polygon()]
+    indoors = [part for part in others if not _is_outside(part, largest, page, radius_m)]
+    return [largest, *indoors] if largest.area else []
+
+
+def _is_outside(part: shapely.Polygon, largest: shapely.Polygon, page: shapely.Polygon, radius_m: float) -> bool:
+    """Whether a part is the floor around a building, or a strip of it, at the edge of the plan."""
+    if part.distance(page.exterior) > radius_m + _EDGE_M:
+        return False
+    return bool(part.area < _THIN_M * part.length / 2.0 or shapely.Polygon(part.exterior).contains(largest))
 
 
 def _part(shape: shapely.Polygon) -> FloorPart:

@@ -81,7 +81,7 @@ def test_one_run_has_its_plan_and_all_curves(figure, busy):
         "links",
         "longest path\n[hops]",
         "Fiedler value",
-        "speed [m/s]",
+        "speed,\nmean of 10 s [m/s]",
         "driven [m]",
     ]
     assert figure.axes[0].get_aspect() == 1.0
@@ -100,7 +100,7 @@ def test_path_is_drawn_where_the_robot_was(figure, run):
 @pytest.mark.slow
 def test_bag_without_mission_and_network_has_neither_curve(real):
     figure = draw_runs([real], [run_totals(real)])
-    assert names(figure) == ["y [m]", "speed [m/s]", "driven [m]"]
+    assert names(figure) == ["y [m]", "speed,\nmean of 10 s [m/s]", "driven [m]"]
     title = figure.legends[0].get_title().get_text()
     assert "network: no /network/state" in title
     assert "collision" not in legend(figure)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 
 import numpy as np
 import pytest
@@ -13,7 +14,29 @@ from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import Twist
 from robotteamsim.interface import Decision, SwarmContext, Task
 from robotteamsim.network.messages import EVERYBODY, Message
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation
 
+MISTAKES = """\
+import numpy as np
+import robotteamsim as rts
+
+class Misspelt:
+    def __init__(self, robot_id, setup):
+        pass
+
+    def step(self, observation, inbox, task):
+        return rts.Decision(rts.Twits(0.8))
+
+class Deep(Misspelt):
+    def step(self, observation, inbox, task):
+        values = np.ones(3)
+        return np.reshape(values, (2, 2))
+
+class Wrong:
+    def __init__(self, robot_id, setup, third):
+        pass
+"""
 FORWARD = Decision(Twist(0.5))
 
 
@@ -132,3 +155,20 @@ def test_mistake_of_the_user_concerns_all_and_passes():
 
     with pytest.raises(ScenarioError, match="there is no such algorithm"):
         Guard(0, 1, make)
+
+
+def test_place_of_a_fault_is_in_the_users_file(tmp_path, monkeypatch):
+    (tmp_path / "driver_of_test.py").write_text(MISTAKES, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    faults = []
+    for name in ("Misspelt", "Deep", "Wrong"):
+        scenario = load("tutorial_arena", [f"control.algorithm=driver_of_test:{name}", "mission.time_limit_s=1"])
+        simulation = Simulation(scenario)
+        for _ in range(3):
+            simulation.step()
+        faults.append(simulation.controllers.faults[0])
+    sys.modules.pop("driver_of_test")
+    assert faults[0] == "AttributeError: module 'robotteamsim' has no attribute 'Twits' (driver_of_test.py:9)"
+    assert faults[1].endswith(" (driver_of_test.py:14)")  # where numpy was called
+    assert faults[2].startswith("TypeError: ")
+    assert faults[2].endswith("'third'")  # no class could be called

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+import shutil
 from pathlib import Path
 
 import cv2
@@ -12,12 +14,14 @@ import shapely
 from robotteamsim.analysis.import_picture import draw_import
 from robotteamsim.cli import main
 from robotteamsim.scenario import load_floor_plan
-from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan
+from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
 from robotteamsim.scenario.map_image import read_map
 from robotteamsim.scenario.plan import FREE, obstacles, occupancy_grid
 from robotteamsim.world.floor_parts import floor_parts, parts_without
 
 CELL_M = 0.02
+SQUARE = [(0, 0), (10, 0), (10, 10), (0, 10), (0, 0)]
+DRAWING = Path(__file__).parents[3] / "docs" / "images" / "own_building_drawing.png"
 SIZE_M = (14.0, 9.0)
 WALLS = (
     *(((1, 1), (12, 1)), ((1, 8), (12, 8)), ((1, 1), (1, 8)), ((12, 1), (12, 3.5)), ((12, 4.5), (12, 8))),
@@ -138,6 +142,39 @@ def test_rooms_without_a_door_are_reported_by_import_and_check(folder, capsys):
     assert lines[1].startswith("house.yaml: no robot can get to ")
     assert lines[1].endswith(f" m2 around [{store.place[0]:g}, {store.place[1]:g}], not even through doors")
     assert len(lines) == 2
+
+
+@pytest.mark.parametrize("margin_m", [0.5, 2.0])
+def test_floor_around_a_building_is_not_reported(margin_m):
+    walls = [
+        Wall.model_validate({"name": f"w{i}", "from": a, "to": b})
+        for i, (a, b) in enumerate(itertools.pairwise(SQUARE))
+    ]
+    low, high = -margin_m, 10.0 + margin_m
+    plan = FloorPlan(name="house", bounds=Bounds(min=(low, low), max=(high, high)), walls=tuple(walls))
+    assert [part.area_m2 for part in floor_parts(plan, 0.2)] == pytest.approx([9.4**2], rel=0.02)
+    assert parts_without(plan, 0.2, [(5.0, 5.0)]) == ()
+
+
+def test_one_door_is_found_in_a_gap_with_ragged_ends_and_none_at_loose_objects(folder):
+    image = np.full((400, 500), 255, np.uint8)
+    cv2.rectangle(image, (20, 20), (480, 380), 0, 9)
+    for row in range(195, 205):
+        image[row, 20 : 200 + row % 3] = image[row, 252 - row % 4 : 480] = 0
+    cv2.rectangle(image, (400, 60), (440, 100), 0, -1)  # a table of 0.8 m, 0.7 m from the outer wall
+    cv2.circle(image, (60, 60), 15, 0, -1)  # a pillar
+    cv2.putText(image, "Kitchen", (60, 300), cv2.FONT_HERSHEY_SIMPLEX, 0.8, 0, 3)
+    cv2.imwrite("room.png", image)
+    (door,) = imported("room.png", "--metres-per-pixel", str(CELL_M), "--doors").doors
+    assert door.start == pytest.approx((200 * CELL_M, 4.0), abs=0.1)
+    assert door.end[0] - door.start[0] == pytest.approx(50 * CELL_M, abs=0.1)
+
+
+def test_doors_of_the_drawing_in_the_docs_are_found(folder):
+    shutil.copy(DRAWING, "house.png")
+    doors = imported("house.png", "--metres-per-pixel", "0.02", "--doors").doors
+    assert len(doors) == 5
+    assert all(0.9 < door.end[0] - door.start[0] < 1.1 for door in doors)
 
 
 def test_ink_of_a_turned_map_is_drawn_on_its_walls(folder):

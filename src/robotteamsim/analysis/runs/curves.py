@@ -121,7 +121,8 @@ def draw_fiedler(axes: Axes, run: RecordedRun) -> None:
 
 
 def draw_speeds(axes: Axes, run: RecordedRun) -> None:
-    """The speed of each robot, smoothed over ten seconds."""
+    """The speed of each robot, smoothed over ten seconds unless the run is shorter."""
+    label = "speed [m/s]"
     for index, robot in enumerate(run.robots):
         middles_ns, speeds = speeds_mps(robot)
         if len(speeds) >= _SMOOTH_S:
@@ -129,10 +130,11 @@ def draw_speeds(axes: Axes, run: RecordedRun) -> None:
             begin = (_SMOOTH_S - 1) // 2
             times_s = run.time_s(middles_ns)[begin : begin + len(smooth)]
             axes.plot(times_s, smooth, color=colour_of(index, robot), linewidth=1.0)
+            label = f"speed,\nmean of {_SMOOTH_S} s [m/s]"
         elif len(speeds):
             axes.plot(run.time_s(middles_ns), speeds, color=colour_of(index, robot), linewidth=1.0)
     axes.set_ylim(bottom=0.0)
-    _finish(axes, "speed [m/s]")
+    _finish(axes, label)
 
 
 def draw_distances(axes: Axes, run: RecordedRun) -> None:

@@ -18,6 +18,10 @@ from robotteamsim.geometry import Twist
 from robotteamsim.interface import EVERYBODY, OUTSIDE, Controller, Decision, Message, Observation, SwarmContext, Task
 from robotteamsim.propagation import FieldMap
 
+_PACKAGE = "robotteamsim."
+_REGISTRY = "robotteamsim.control.runtime.registry"
+"""Calls the classes of controllers."""
+
 _LARGEST = 2**31 - 1
 """ROS messages and bags hold numbers of swarms and search counters in 32 bits."""
 
@@ -65,11 +69,24 @@ class Guard:
         return Decision(fault=self.fault) if self.fault else decision
 
     def _stop(self, error: BaseException) -> None:
-        *_, last = traceback.extract_tb(error.__traceback__)
         text = ": ".join(filter(None, (type(error).__name__, " ".join(str(error).split()))))
-        fault = f"{text} ({Path(last.filename).name}:{last.lineno})"
-        self.fault = fault.encode(errors="backslashreplace").decode()
+        self.fault = f"{text}{_place(error)}".encode(errors="backslashreplace").decode()
         _logger.debug("controller of robot %d failed", self._robot_id, exc_info=error)
+
+
+def _place(error: BaseException) -> str:
+    """Return where in the user's file an error occurred, as " (my_controller.py:27)"; without one, where in ours.
+
+    An error of another library or of this package is thus that of the line that called it. "" if a class could not be
+    called at all.
+    """
+    frames = [
+        (frame.f_globals.get("__name__", ""), frame.f_code.co_filename, line)
+        for frame, line in traceback.walk_tb(error.__traceback__)
+    ]
+    users = next((file for module, file, _ in frames if not module.startswith(_PACKAGE)), None)
+    module, file, line = [frame for frame in frames if users in (None, frame[1])][-1]
+    return "" if module == _REGISTRY else f" ({Path(file).name}:{line})"
 
 
 def problem_of(decision: Any, robot_id: int, num_robots: int) -> str:

@@ -22,12 +22,20 @@ MAX_SCANS = 20
 
 def main() -> None:
     """Replace this process by rviz, with the same arguments; the view is written to the folder of logs."""
+    if {"-h", "--help"} & set(sys.argv[1:]):
+        sys.stdout.write(f"usage: rosrun robotteamsim rviz_view [arguments of rviz]\n\n{__doc__}\n")
+        return
+    if not os.environ.get("DISPLAY"):
+        sys.stderr.write("rviz_view: there is no display (DISPLAY is not set); `robotteamsim view` needs none\n")
+        sys.exit(1)
     config = Path(rospkg.RosPack().get_path("robotteamsim"), "rviz", "robotteamsim.rviz")
     try:
         settings, folder = fitted(config, read_scenario(rospy.get_param)), Path(rospkg.get_log_dir())
         folder.mkdir(parents=True, exist_ok=True)
         config = folder / f"robotteamsim-{os.getpid()}.rviz"
         config.write_text(yaml.safe_dump(settings), encoding="utf-8")
+    except ConnectionRefusedError:
+        sys.stderr.write("rviz_view: the view is not fitted to the building: no mission runs\n")
     except (RobotTeamSimError, OSError) as error:  # The world reports mistakes; rviz shows what it can.
         sys.stderr.write(f"rviz_view: the view is not fitted to the building: {error}\n")
     sys.stdout.write("rviz_view: rviz starts; without a graphics card, its window takes some 20 s to appear\n")
