@@ -19,7 +19,7 @@ from robotteamsim.scenario.upgrade import upgraded
 from robotteamsim.scenario.yaml_text import read_mapping, read_text
 from robotteamsim.setup import Setup, resolve
 from robotteamsim.simulation import Simulation
-from robotteamsim.wording import counted
+from robotteamsim.wording import counted, printable
 from robotteamsim.world.floor_parts import FloorPart, part_text, parts_without
 
 _SCHEMA_EPILOG = """\
@@ -85,7 +85,7 @@ def run_check(options: argparse.Namespace) -> None:
             print(f"{name}: no robot can get to {part_text(part)}, not even through doors")
     if mistakes:
         for mistake in mistakes[:-1]:
-            print(f"robotteamsim: {mistake}", file=sys.stderr)
+            print(f"robotteamsim: {printable(mistake)}", file=sys.stderr)
         raise UsageError(mistakes[-1])
 
 

@@ -21,6 +21,8 @@ _KEY = "fire.fds"
 _TEMPERATURE = "TEMPERATURE"
 _G_PER_KG = 1e3
 _MIN_VISIBILITY_M = 1e-3
+_ROUNDING = 1e-6
+"""Values of FDS may be below 0 by so little."""
 
 
 def _soot_of(fire: Fire) -> dict[str, Callable[[np.ndarray], np.ndarray]]:
@@ -102,6 +104,15 @@ class _Samples:
             data = np.asarray(part.data)  # by time, x and y
             picked = data[:, near_x[covered_x]][:, :, near_y[covered_y]]
             self._values[np.ix_(np.arange(len(data)), covered_y, covered_x)] = picked.transpose(0, 2, 1)
+        if not len(self._times_s):
+            raise ValueError("there are no times yet")
+        if not np.isfinite(self._times_s).all():
+            raise ValueError("a time is not finite")
+
+    @property
+    def values(self) -> np.ndarray:
+        """The values of all times, float32, shape (times, rows, cols)."""
+        return self._values
 
     def at(self, time_s: float) -> np.ndarray:
         """Return the values at a time, float64, shape (rows, cols)."""
@@ -129,8 +140,19 @@ def _samples(building: Building, fire: Fire) -> tuple[_Samples, _Samples, str]:
             raise _mistake(f"'{fire.fds}' has no horizontal slice of {wanted}; found {known}")
     assert smoke is not None
     ambient = ambient_field(fire, building)
-    temperature = _Samples(_find(slices, _TEMPERATURE), ambient, fire.heat.ambient_c)
-    return temperature, _Samples(_find(slices, smoke), ambient, np.inf if smoke == "VISIBILITY" else 0.0), smoke
+    try:
+        temperature = _Samples(_find(slices, _TEMPERATURE), ambient, fire.heat.ambient_c)
+        shown = _Samples(_find(slices, smoke), ambient, np.inf if smoke == "VISIBILITY" else 0.0)
+    except Exception as error:  # the data are read only now, see `_horizontal_slices`
+        raise _unreadable(fire.fds, error) from None
+    if not np.isfinite(temperature.values).all():
+        raise _mistake(f"'{fire.fds}': a temperature is not finite")
+    if np.isnan(shown.values).any() or (smoke != "VISIBILITY" and np.isinf(shown.values).any()):
+        raise _mistake(f"'{fire.fds}': a value of {smoke} is not finite")
+    if (shown.values < -_ROUNDING).any():
+        raise _mistake(f"'{fire.fds}': a value of {smoke} is {shown.values.min():g}; expected at least 0")
+    np.maximum(shown.values, 0.0, out=shown.values)
+    return temperature, shown, smoke
 
 
 def _nearest(points: Sequence[float], places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -161,8 +183,12 @@ def _horizontal_slices(folder: str) -> list[Any]:
         found = fdsreader.Simulation(folder).slices
         return [each for each in found if each.orientation == 3]
     except Exception as error:  # fdsreader has no error class for files that it cannot read
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise _mistake(f"'{folder}' cannot be read as results of FDS: {reason}") from None
+        raise _unreadable(folder, error) from None
+
+
+def _unreadable(folder: str, error: Exception) -> PlacementError:
+    reason = " ".join(str(error).split()) or type(error).__name__
+    return _mistake(f"'{folder}' cannot be read as results of FDS: {reason}")
 
 
 def _find(slices: Sequence[Any], quantity: str) -> Any:

@@ -111,7 +111,8 @@ def _gaps_along_x(solid: np.ndarray, sizes: GapSizes) -> list[Gap]:
     is_strip = (along >= _LEAST_STRIP * across) & (along >= _SHORTEST_STRIP * sizes.loose)
     is_loose = (np.maximum(along, across) < sizes.loose) & ~is_strip
     found: dict[Gap, None] = {}
-    for width in range(math.ceil(sizes.least), math.floor(sizes.most) + 1):
+    most = min(sizes.most, solid.shape[1])
+    for width in range(math.ceil(min(sizes.least, most + 1)), math.floor(most) + 1):
         for gap in _gaps_of_width(cells, width, sizes.deepest):
             rows, right = slice(gap.row, gap.row + gap.rows), gap.column + gap.columns
             ends = labels[rows, gap.column - 1], labels[rows, right]

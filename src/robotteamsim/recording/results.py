@@ -52,7 +52,7 @@ def read_mission(folder: Path) -> tuple[dict[str, Any], str]:
     except OSError as error:
         reason = error.strerror or error
         raise RecordingError(f"{path}: cannot be read: {reason}; expected a folder of `run --out`") from None
-    except (msgspec.MsgspecError, RecursionError):
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
         pass
     raise RecordingError(f"{path}: is not a mission.json of `run --out`")
 

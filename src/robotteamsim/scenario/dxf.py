@@ -8,7 +8,7 @@ from __future__ import annotations
 import itertools
 import logging
 from collections import Counter
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -23,6 +23,7 @@ from robotteamsim.wording import counted, printable
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
+    from ezdxf.entities import DXFEntity
 
 MARGIN_M = 1.0
 """Free floor around the walls."""
@@ -32,6 +33,9 @@ SHORTEST_M = 0.01
 
 FLAT_M = 0.01
 """Curves become straight lines that are at most this far from them."""
+
+LEAST_SHARE = 1e-5
+"""Of the size of a curve: its straight lines are not closer to it."""
 
 MOST_WALLS = 100_000
 
@@ -136,18 +140,59 @@ def _metres_per_unit(path: Path, drawing: Drawing) -> float:
     if unit == InsertUnits.Unitless:
         text = f"names no known unit ($INSUNITS {drawing.units}); give its scale with --metres-per-unit"
         raise ScenarioError(f"{path}: {text}")
-    return conversion_factor(unit, InsertUnits.Meters)
+    try:
+        return conversion_factor(unit, InsertUnits.Meters)
+    except TypeError:  # ezdxf converts only some, without the feet of surveyors
+        text = f"has a unit that cannot be converted ($INSUNITS {drawing.units}); give its scale with --metres-per-unit"
+        raise ScenarioError(f"{path}: {text}") from None
 
 
 def _found(path: Path, drawing: Drawing, flat: float) -> list[tuple[str, np.ndarray]]:
     """Return what `_lines` yields. Raises: ScenarioError: it cannot be read, or there are too many."""
     try:
+        if _num_parts(drawing) > MOST_LINES:
+            raise ScenarioError(
+                f"{path}: more than {MOST_LINES} lines and other parts, those of repeated blocks included"
+            )
         found = list(itertools.islice(_lines(drawing, flat), MOST_LINES + 1))
+    except ScenarioError:
+        raise
     except Exception as error:  # a block that contains itself, and what the file says wrongly
         raise _unreadable(path, error) from None
     if len(found) > MOST_LINES:
         raise ScenarioError(f"{path}: more than {MOST_LINES} lines")
     return found
+
+
+def _num_parts(drawing: Drawing) -> int:
+    """Return into how many parts blocks would be taken apart, which may be far more than the file has."""
+    known: dict[str, int] = {}
+
+    def of_block(name: str) -> int:
+        if name not in known:
+            block = drawing.blocks.get(name)
+            known[name] = 0 if block is None else of_entities(block)
+        return known[name]
+
+    def of_entities(entities: Iterable[DXFEntity]) -> int:
+        count = 0
+        for entity in entities:
+            count += (1 + of_block(entity.dxf.name)) * entity.mcount if isinstance(entity, Insert) else 1
+        return count
+
+    from ezdxf.entities import Insert
+
+    return of_entities(drawing.modelspace())
+
+
+def _flat(part: DXFEntity, flat: float) -> float:
+    """Return how far lines may be from a curve: not less than a share of its size, so that they are not too many."""
+    from ezdxf import bbox
+
+    if part.dxftype() == "LINE":
+        return flat
+    size = bbox.extents([part], fast=True).size
+    return float(max(flat, LEAST_SHARE * max(size.x, size.y)))
 
 
 def _lines(drawing: Drawing, flat: float) -> Iterator[tuple[str, np.ndarray]]:
@@ -161,6 +206,6 @@ def _lines(drawing: Drawing, flat: float) -> Iterator[tuple[str, np.ndarray]]:
             if part.dxftype() not in _LINES:
                 continue
             layer = entity.dxf.layer if part.dxf.layer == "0" else part.dxf.layer
-            points = [(point.x, point.y) for point in disassemble.make_primitive(part, flat).vertices()]
+            points = [(point.x, point.y) for point in disassemble.make_primitive(part, _flat(part, flat)).vertices()]
             for one, other in itertools.pairwise(points):
                 yield str(layer), np.array([one, other])

@@ -172,8 +172,9 @@ def left_out(image: MapImage, rules: DrawingRules) -> np.ndarray:
     """Return which cells of ink are no walls by the rules, bool, shape (rows, cols), row 0 at the lowest y."""
     ink = image.dark >= image.settings.free_thresh
     cell_m = image.settings.resolution
-    thin = thin_strokes(ink, round(rules.thinnest_m / cell_m))
-    no_wall: np.ndarray = thin | small_groups(ink & ~thin, round(rules.smallest_m / cell_m))
+    largest = max(ink.shape) + 1
+    thin = thin_strokes(ink, round(min(rules.thinnest_m / cell_m, largest)))
+    no_wall: np.ndarray = thin | small_groups(ink & ~thin, round(min(rules.smallest_m / cell_m, largest)))
     return no_wall
 
 

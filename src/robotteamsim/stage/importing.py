@@ -86,7 +86,7 @@ def import_world(world: str | os.PathLike[str]) -> StageImport:
         checked(Mission, limit, {"time_limit_s": (root, "quit_time")})
         keys["mission"] = limit
     _note_unread(root, values, notes)
-    scenario = Scenario.model_validate({**keys, "plan": plan})
+    scenario = checked(Scenario, {**keys, "plan": plan}, {"name": (root, "name")})
     _check_poses(scenario, robots, positions)
     return StageImport(plan, keys, scenario, tuple(notes.lines()))
 

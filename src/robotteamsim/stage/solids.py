@@ -45,6 +45,10 @@ MAX_GAP_SHARE = 0.01
 """A body counts as convex if at most this share of its convex hull is missing."""
 
 
+MOST_CHARACTERS = 80
+"""Of a model's name; those of its walls and blocks are longer."""
+
+
 @dataclass(frozen=True, slots=True)
 class Body:
     """Outlines in the frame of a model's pose [m], corners in order, and their extent in height [m]."""
@@ -97,7 +101,11 @@ class SolidReader:
         self.walls: list[Wall] = []
         self.blocks: list[Block] = []
         self._folder, self._values, self._notes = folder, values, notes
-        self._names: set[str] = set()
+        self._outlines: list[shapely.Polygon] = []
+        self._num_outlined = 0, 0
+        """Of walls and of blocks, how many are among the outlines."""
+        self._names: dict[str, int] = {}
+        """The number of the last model of each name."""
 
     def add(self, entity: Entity, parent: Pose2, base_z_m: float, tallest_m: float) -> None:
         """Add the body of a model and of its children.
@@ -110,6 +118,8 @@ class SolidReader:
         local, z = values.pose(entity, "pose")
         pose, size = compose(parent, local), values.size(entity, DEFAULT_SIZE_M)
         name = self._unused_name(values.text(entity, "name", entity.called))
+        if len(name) > MOST_CHARACTERS or not name.isprintable():
+            raise entity.error("name", f"{shown(name)}; expected at most {MOST_CHARACTERS} characters, all printable")
         if self._blocks_anything(entity):
             if entity.get("bitmap") is not None:
                 self._add_bitmap(entity, pose, size, name)
@@ -211,19 +221,28 @@ class SolidReader:
             "west": ((half - x, BOUNDARY_M - y), (half - x, y - BOUNDARY_M)),
             "east": ((x - half, BOUNDARY_M - y), (x - half, y - BOUNDARY_M)),
         }
-        outlines = [*map(wall_corners, self.walls), *(block.polygon for block in self.blocks)]
-        solid = shapely.union_all([shapely.Polygon(outline) for outline in outlines]).buffer(1e-5)
+        self._add_outlines()
+        outlines = np.array(self._outlines)
         for side, ends in sides.items():
             start, end = (_point(corner) for corner in _moved(np.array(ends), body))
             wall = Wall(name=f"{name}_boundary_{side}", start=start, end=end, thickness_m=BOUNDARY_M)
-            if not solid.covers(shapely.Polygon(wall_corners(wall))):
+            strip = shapely.Polygon(wall_corners(wall))
+            near = outlines[shapely.intersects(outlines, strip)] if len(outlines) else []
+            if not shapely.union_all(near).buffer(1e-5).covers(strip):
                 self.walls.append(wall.model_copy(update=_height(size[2])))
 
+    def _add_outlines(self) -> None:
+        """Add the outlines of the walls and blocks since the last call."""
+        walls, blocks = self.walls[self._num_outlined[0] :], self.blocks[self._num_outlined[1] :]
+        outlines = [*map(wall_corners, walls), *(block.polygon for block in blocks)]
+        self._outlines += [shapely.Polygon(outline) for outline in outlines]
+        self._num_outlined = len(self.walls), len(self.blocks)
+
     def _unused_name(self, wanted: str) -> str:
-        name, number = wanted, 2
-        while name in self._names:
-            name, number = f"{wanted}_{number}", number + 1
-        self._names.add(name)
+        name, number = wanted, self._names.get(wanted, 0) + 1
+        while number > 1 and (name := f"{wanted}_{number}") in self._names:
+            number += 1
+        self._names |= {wanted: number, name: self._names.get(name, 1)}
         return name
 
 

@@ -35,6 +35,9 @@ from robotteamsim.view.scene import Scene, scene_of_run
 from robotteamsim.world.doors import DoorStates
 
 _FRAMES_PER_SCAN = round(SCAN_S / FRAME_S)
+MOST_FRAMES = 18_000
+"""An hour of the viewer's frames; those of longer runs are farther apart."""
+
 _LONGEST_S = 86_400.0
 """A longer recording would make a page that no browser opens; it usually mixes two clocks [s]."""
 
@@ -83,7 +86,7 @@ def _check_floor(layers: BagLayers) -> None:
 
 
 def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenario | None) -> list[Frame]:
-    """Return a frame each `FRAME_S` and one at the end, of the last values up to each of them."""
+    """Return a frame each `FRAME_S`, or fewer of a long run, and one at the end, of the last values up to each."""
     statuses = Timeline((status.stamp_ns, status) for status in run.statuses)
     victims = Timeline(run.victims)
     known = resolve(scenario).scenario.mission.victims if scenario else ()
@@ -92,8 +95,10 @@ def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenari
     fallen_ns = _fallen_ns(run)
     doors = DoorStates.at_start(scenario.plan) if scenario else {}
     places = {robot.robot_id: place for place, robot in enumerate(run.robots) if robot.robot_id is not None}
-    count = max(int(np.ceil((run.end_ns - run.start_ns) / 1e9 / FRAME_S)), 0)
-    stamps_ns = [*(run.start_ns + np.arange(count) * round(FRAME_S * 1e9)).tolist(), run.end_ns]
+    duration_s = (run.end_ns - run.start_ns) / 1e9
+    frame_s = max(FRAME_S, duration_s / MOST_FRAMES)
+    count = max(int(np.ceil(duration_s / frame_s)), 0)
+    stamps_ns = [*(run.start_ns + np.arange(count) * round(frame_s * 1e9)).tolist(), run.end_ns]
     frames = []
     for index, stamp_ns in enumerate(stamps_ns):
         status = statuses.at(stamp_ns, _BEFORE_MISSION)

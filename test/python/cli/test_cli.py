@@ -346,6 +346,15 @@ def test_scenario_check_reports_every_mistake_of_every_file(capsys, tmp_path):
     assert "second.yaml: " in lines[2]
 
 
+def test_control_characters_of_keys_are_printed_as_text(capsys, tmp_path):
+    file = tmp_path / "odd.yaml"
+    file.write_text('name: a\nplan: garage\n"\\e[31m": 1\n"a\\nb": 2\nzz: 3\n')
+    assert main(["scenario", "check", str(file)]) == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 4  # robots.start is missing, too
+    assert all(line.startswith("robotteamsim: ") and line.isprintable() for line in lines)
+
+
 def test_mistake_of_many_elements_is_reported_ten_times(capsys, tmp_path):
     file = tmp_path / "many.yaml"
     walls = [{"name": f"w{i}", "from": [1, 1 + i], "to": [2, 1 + i], "thickness": 0.2} for i in range(30)]

@@ -46,6 +46,14 @@ def test_mujoco_reads_the_exported_garage(capsys):
         np.testing.assert_allclose(model.body(f"robot_{i}").pos[:2], robot.start_pose[:2])
 
 
+def test_body_that_mujoco_refuses_is_one_line(capsys):
+    light = ["--set", "robots.height_m=1e-9", "--set", "robots.mass_kg=1e-9"]
+    assert main(["plan", "export-mujoco", "tutorial_arena", "--out", "out", *light]) == 2
+    assert main(["run", "tutorial_arena", "--set", "run.world=mujoco", *light]) == 2
+    for line in capsys.readouterr().err.splitlines():
+        assert line.startswith("robotteamsim: MuJoCo refuses the robots or objects, such as one too small or light: ")
+
+
 def test_open_leaf_that_swings_is_at_its_open_place():
     door = "{name: gate, from: [4, 0], to: [5, 0], motion: swing}"
     walls = "{name: left, from: [0, 0], to: [4, 0]}, {name: right, from: [5, 0], to: [9, 0]}"

@@ -65,3 +65,9 @@ def test_a_mistake_gives_one_line(
     assert said in error
     assert error.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
+
+
+def test_mission_that_is_no_text_is_one_line(capsys, tmp_path):
+    (tmp_path / "mission.json").write_bytes(b'{"scenario": {"name": "\xff"}}')
+    assert main(["view", str(tmp_path), "--html", str(tmp_path / "o.html")]) == 2
+    assert capsys.readouterr().err == f"robotteamsim: {tmp_path}/mission.json: is not a mission.json of `run --out`\n"

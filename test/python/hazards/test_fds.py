@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -87,6 +88,41 @@ def test_folder_without_smoke_or_temperature_is_rejected_in_one_line(slices, mes
         Simulation(scenario(PLAN, {"fds": write_run(tmp_path, slices)}))
     assert "fire.fds: " in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_file_that_breaks_off_is_rejected(tmp_path):
+    folder = Path(write_run(tmp_path, [HEAT, SOOT]))
+    for file in folder.glob("*.sf"):
+        file.write_bytes(file.read_bytes()[:100])
+    with pytest.raises(ScenarioError, match=r"fire\.fds: '.*' cannot be read as results of FDS: "):
+        Simulation(scenario(PLAN, {"fds": str(folder)}))
+
+
+@pytest.mark.parametrize(
+    ("quantity", "value", "message"),
+    [
+        ("TEMPERATURE", np.nan, "a temperature is not finite$"),
+        ("TEMPERATURE", np.inf, "a temperature is not finite$"),
+        ("SOOT DENSITY", np.nan, "a value of SOOT DENSITY is not finite$"),
+        ("SOOT DENSITY", np.inf, "a value of SOOT DENSITY is not finite$"),
+        ("SOOT DENSITY", -0.5, "a value of SOOT DENSITY is -0.5; expected at least 0$"),
+    ],
+)
+def test_values_that_no_fire_has_are_rejected(tmp_path, quantity, value, message):
+    def odd(x: np.ndarray, y: np.ndarray, time_s: float) -> np.ndarray:
+        return np.full(np.broadcast(x, y).shape, value)
+
+    slices = [(*one[:3], odd) if one[0] == quantity else one for one in (HEAT, SOOT)]
+    with pytest.raises(ScenarioError, match=message):
+        Simulation(scenario(PLAN, {"fds": write_run(tmp_path, slices)}))
+
+
+def test_rounding_below_zero_is_no_smoke(tmp_path):
+    def rounded(x: np.ndarray, y: np.ndarray, time_s: float) -> np.ndarray:
+        return np.full(np.broadcast(x, y).shape, -1e-9)
+
+    hazards = fds_hazards(write_run(tmp_path, [HEAT, (*SOOT[:3], rounded)]))
+    assert hazards.field.soot_g_m3.min() == hazards.field.soot_g_m3.max() == 0.0
 
 
 def test_folder_that_is_not_of_fds_is_rejected(tmp_path):

@@ -170,6 +170,15 @@ def test_one_door_is_found_in_a_gap_with_ragged_ends_and_none_at_loose_objects(f
     assert door.end[0] - door.start[0] == pytest.approx(50 * CELL_M, abs=0.1)
 
 
+@pytest.mark.parametrize(
+    "sizes",
+    [("--doors", "0.6,1e308"), ("--doors", "600,1600"), ("--smallest-wall", "1e308"), ("--thinnest-wall", "1e308")],
+)
+def test_sizes_beyond_the_image_are_taken_as_its_size(folder, sizes):
+    doors = imported("clean.png", "--metres-per-pixel", "0.02", *sizes).doors
+    assert all(door.end[0] - door.start[0] < 12.0 for door in doors)
+
+
 def test_doors_of_the_drawing_in_the_docs_are_found(folder):
     shutil.copy(DRAWING, "house.png")
     doors = imported("house.png", "--metres-per-pixel", "0.02", "--doors").doors

@@ -105,6 +105,14 @@ def test_what_the_reader_repairs_is_not_printed(drawing):
     assert warning.startswith("robotteamsim: warning: no door leads from the largest part of the floor to ")
 
 
+def test_curve_of_any_size_becomes_few_lines(drawing):
+    document = ezdxf.readfile("room.dxf")
+    document.modelspace().add_circle((0, 0), 1e12, dxfattribs={"layer": "SKY"})
+    document.saveas("large.dxf")
+    assert main(["plan", "import", "large.dxf", "--layer", "WALLS"]) == 0
+    assert len(load_floor_plan("plan.yaml").walls) == 6
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("arguments", "message"),
@@ -115,6 +123,8 @@ def test_what_the_reader_repairs_is_not_printed(drawing):
         (["header.dxf", "--layer", "WALLS"], "header.dxf: cannot be read as DXF: "),
         (["within_itself.dxf", "--layer", "WALLS"], "within_itself.dxf: cannot be read as DXF: "),
         (["many.dxf", "--layer", "WALLS"], "many.dxf: more than 200000 lines"),
+        (["nested.dxf", "--layer", "WALLS"], "nested.dxf: more than 200000 lines and other parts"),
+        (["surveyors.dxf", "--layer", "WALLS"], "has a unit that cannot be converted ($INSUNITS 21)"),
         (["room.dxf", "--layer", "WALLS", "--metres-per-pixel", "0.1"], "--metres-per-pixel: only for images"),
         (["room.dxf", "--layer", "WALLS", "--wall-thickness", "2"], "thickness_m: 2.0 is above 0.8"),
         (["room.dxf", "--layer", "WALLS", "--metres-per-unit", "1e6"], "room.dxf: bounds.max: "),
@@ -133,5 +143,15 @@ def test_what_cannot_be_imported_is_one_line(drawing, capsys, arguments, message
     copies = {"column_count": 30_000, "row_count": 30_000, "column_spacing": 1, "row_spacing": 1}
     document.modelspace().add_blockref("PILLAR", (0, 0), dxfattribs=copies)
     document.saveas("many.dxf")
+    document = ezdxf.readfile("room.dxf")
+    for level in range(9):
+        block = document.blocks.new(f"LEVEL_{level}")
+        for _ in range(10):
+            block.add_blockref(f"LEVEL_{level - 1}", (0, 0)) if level else block.add_point((0, 0))
+    document.modelspace().add_blockref("LEVEL_8", (0, 0))
+    document.saveas("nested.dxf")
+    document = ezdxf.readfile("room.dxf")
+    document.header["$INSUNITS"] = 21
+    document.saveas("surveyors.dxf")
     assert message in failed(capsys, *arguments)
     assert not Path("plan.yaml").exists()

@@ -30,7 +30,7 @@ from robotteamsim.scenario.sections import Mission
 from robotteamsim.simulation import Observer, Simulation
 from robotteamsim.view.document import NO_LINK, packed
 from robotteamsim.view.frame import FAR_M, finite_ranges
-from robotteamsim.view.from_bag import recording_of, recording_of_bag
+from robotteamsim.view.from_bag import MOST_FRAMES, recording_of, recording_of_bag
 from robotteamsim.view.recorder import FRAME_S, FrameRecorder, Recording
 
 
@@ -171,6 +171,8 @@ def test_recording_of_more_than_a_day_is_rejected(hall_scenario: Callable[..., S
     run = read_run([path])
     with pytest.raises(RecordingError, match=r"mission\.bag: lasts 172800 s by its stamps; expected at most 86400 s"):
         recording_of(dataclasses.replace(run, end_ns=run.start_ns + 172_800 * 10**9), [path])
+    long = recording_of(dataclasses.replace(run, end_ns=run.start_ns + 40_000 * 10**9), [path])
+    assert len(long.frames) == MOST_FRAMES + 1
 
 
 def test_doors_that_a_bag_does_not_contain_are_those_of_the_scenario(tmp_path: Path) -> None:

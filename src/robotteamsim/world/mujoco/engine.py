@@ -24,7 +24,7 @@ from robotteamsim.world.mujoco.bodies import object_name, robot_name
 from robotteamsim.world.mujoco.building import leaf_name
 from robotteamsim.world.mujoco.grippers import Grip, add_grips, grip_of
 from robotteamsim.world.mujoco.leaves import Leaves
-from robotteamsim.world.mujoco.model import make_spec, steps_per_substep
+from robotteamsim.world.mujoco.model import compiled, make_spec, steps_per_substep
 from robotteamsim.world.mujoco.ramps import ground_m
 from robotteamsim.world.mujoco.shapes import about_z
 from robotteamsim.world.mujoco.team_state import FreeBodies, SavedBody, Touches
@@ -248,7 +248,7 @@ class Engine:
         objects = list(zip(self._objects, object_poses, strict=True))
         spec = make_spec(self._plan, placed, objects, self._run)
         add_grips(spec, self._grips)
-        self.model = spec.compile()
+        self.model = compiled(spec)
         self.data = mujoco.MjData(self.model)
         self._parts = steps_per_substep(self._run)
         names = [*map(robot_name, placed), *map(object_name, self._objects)]

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 import mujoco
 from msgspec.structs import astuple
 
+from robotteamsim.errors import PhysicsError
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.mujoco import Mujoco
@@ -69,10 +70,19 @@ def start_spec(scenario: Scenario, robots: Mapping[int, PlacedRobot]) -> mujoco.
     return spec
 
 
+def compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
+    """Return the model of a specification. Raises: PhysicsError: MuJoCo refuses a body, such as one without mass."""
+    try:
+        return spec.compile()
+    except ValueError as error:
+        reason = " ".join(str(error).split())
+        raise PhysicsError(f"MuJoCo refuses the robots or objects, such as one too small or light: {reason}") from None
+
+
 def mjcf(scenario: Scenario, team: Sequence[PlacedRobot]) -> str:
     """Return a scenario and its team at the start in MJCF, the format of MuJoCo's own programs."""
     spec = start_spec(scenario, {robot_id: robot for robot_id, robot in enumerate(team) if robot.present})
-    spec.compile()
+    compiled(spec)
     text: str = spec.to_xml()
     return text
 

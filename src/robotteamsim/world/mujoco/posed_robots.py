@@ -16,7 +16,7 @@ from robotteamsim.world.mujoco.appearance import add_shadows
 from robotteamsim.world.mujoco.bodies import robot_name
 from robotteamsim.world.mujoco.cameras import Cameras
 from robotteamsim.world.mujoco.lights import Lights
-from robotteamsim.world.mujoco.model import start_spec
+from robotteamsim.world.mujoco.model import compiled, start_spec
 from robotteamsim.world.mujoco.ramps import ground_m
 from robotteamsim.world.mujoco.rays import Rays
 from robotteamsim.world.mujoco.team_state import FreeBodies
@@ -33,7 +33,7 @@ class PosedRobots:
         self._viewer, self._camera, self._ramps = viewer, camera, settings.ramps
         self._robots = list(team)
         self._robots[viewer] = self._robots[viewer].model_copy(update={"sensors": (camera,)})
-        self.model = start_spec(scenario, dict(enumerate(self._robots))).compile()
+        self.model = compiled(start_spec(scenario, dict(enumerate(self._robots))))
         add_shadows(self.model, settings.lights)
         self.data = mujoco.MjData(self.model)
         self._bodies = FreeBodies(self.model, self.data, list(map(robot_name, range(len(self._robots)))))
