@@ -16,7 +16,6 @@ from pydantic import ConfigDict, Field, model_validator
 from robotteamsim.errors import ScenarioError
 from robotteamsim.map_import.cells import (
     FREE_THRESH,
-    MAX_PIXELS,
     OCCUPIED_THRESH,
     darkness,
     lightness,
@@ -35,7 +34,10 @@ from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown, write
 from robotteamsim.wording import printable
 
 DOOR_CELL_M = 0.02
-"""Cells in which gaps between walls are searched, if the plan is not too large."""
+"""Cells in which gaps between walls of a drawing without pixels are searched, if there are not too many."""
+
+DOOR_CELLS = 4_000_000
+"""Most of them; each width of a gap is searched in all."""
 
 LOOSE_M = 2.0
 """Objects that are smaller and touch no wall are no ends of gaps, unless they are strips."""
@@ -253,7 +255,7 @@ def _outside(frame: Sequence[Point], bounds: Bounds) -> Iterator[Block]:
 def with_doors(plan: FloorPlan, widths_m: tuple[float, float]) -> FloorPlan:
     """Return a plan without doors with one in each gap of some widths in walls along the axes, see `gaps`."""
     (x0, y0), (x1, y1) = plan.bounds.min, plan.bounds.max
-    cell_m = max(DOOR_CELL_M, math.sqrt((x1 - x0) * (y1 - y0) / MAX_PIXELS))
+    cell_m = max(DOOR_CELL_M, math.sqrt((x1 - x0) * (y1 - y0) / DOOR_CELLS))
     grid = occupancy_grid(plan, cell_m)
     return plan.model_copy(update={"doors": _doors(grid.cells == OCCUPIED, grid, widths_m)})
 
