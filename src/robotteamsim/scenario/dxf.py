@@ -37,6 +37,9 @@ FLAT_M = 0.01
 LEAST_SHARE = 1e-5
 """Of the size of a curve: its straight lines are not closer to it."""
 
+LARGEST = 1e15
+"""Of curves, in units of the drawing."""
+
 MOST_WALLS = 100_000
 
 MOST_LINES = 200_000
@@ -186,13 +189,21 @@ def _num_parts(drawing: Drawing) -> int:
 
 
 def _flat(part: DXFEntity, flat: float) -> float:
-    """Return how far lines may be from a curve: not less than a share of its size, so that they are not too many."""
+    """Return how far lines may be from a curve: not less than a share of its size, so that they are not too many.
+
+    Raises: ValueError: numbers of that size cannot be divided into lines.
+    """
     from ezdxf import bbox
 
     if part.dxftype() == "LINE":
         return flat
-    size = bbox.extents([part], fast=True).size
-    return float(max(flat, LEAST_SHARE * max(size.x, size.y)))
+    box = bbox.extents([part], fast=True)
+    if not box.has_data:  # without points
+        return flat
+    size = max(box.size.x, box.size.y)
+    if not size <= LARGEST:
+        raise ValueError(f"a {part.dxftype()} has a size of {size:g}")
+    return float(max(flat, LEAST_SHARE * size))
 
 
 def _lines(drawing: Drawing, flat: float) -> Iterator[tuple[str, np.ndarray]]:

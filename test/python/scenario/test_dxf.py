@@ -105,12 +105,19 @@ def test_what_the_reader_repairs_is_not_printed(drawing):
     assert warning.startswith("robotteamsim: warning: no door leads from the largest part of the floor to ")
 
 
-def test_curve_of_any_size_becomes_few_lines(drawing):
+def test_curve_of_any_size_becomes_few_lines_or_is_rejected(drawing, capsys):
     document = ezdxf.readfile("room.dxf")
     document.modelspace().add_circle((0, 0), 1e12, dxfattribs={"layer": "SKY"})
+    document.modelspace().add_lwpolyline([], dxfattribs={"layer": "SKY"})
     document.saveas("large.dxf")
     assert main(["plan", "import", "large.dxf", "--layer", "WALLS"]) == 0
     assert len(load_floor_plan("plan.yaml").walls) == 6
+    Path("plan.yaml").unlink()
+    document.modelspace().add_spline().control_points = [(0, 1e300, 0), (5, 5, 0), (5, 1, 0), (0, 8, 0)]
+    document.saveas("larger.dxf")
+    assert "larger.dxf: cannot be read as DXF: a SPLINE has a size of " in failed(
+        capsys, "larger.dxf", "--layer", "WALLS"
+    )
 
 
 @pytest.mark.slow
