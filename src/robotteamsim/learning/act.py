@@ -51,10 +51,13 @@ class Act:
 
     def check(self, action: Any) -> None:
         """Raises: LearningError: an action is not of the space."""
-        value = np.asarray(action)
-        if self.space.shape == value.shape and value.dtype.kind in "fiu":
-            value = value.astype(self.space.dtype)
-        if not self.space.contains(value):
+        try:
+            value = np.asarray(action)
+        except ValueError:  # rows of different lengths
+            value = np.asarray(None)
+        kinds = "iu" if isinstance(self.space, Discrete) else "fiu"
+        is_of_space = value.dtype.kind in kinds and bool(np.isfinite(value).all())
+        if not is_of_space or not self.space.contains(value.astype(self.space.dtype)):
             raise LearningError(f"robot_{self.robot_id}: action {action!r:.80}: expected one of {self.space}")
 
 

@@ -8,10 +8,16 @@ from functools import partial
 import msgspec
 
 from robotteamsim.control import Guard, make_controller
-from robotteamsim.control.runtime.base_station import with_base
+from robotteamsim.control.runtime.base_station import StandingBase, with_base
 from robotteamsim.interface import Controller, Decision, Message, Observation, Task
+from robotteamsim.scenario import Scenario
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import TeamInputs
+
+
+def driven_ids(scenario: Scenario) -> list[int]:
+    """Return the ids of the robots that obey actions: all but the base and relays."""
+    return [i for i in range(scenario.num_robots - scenario.relays.count) if i != scenario.base]
 
 
 class _Given:
@@ -25,25 +31,23 @@ class _Given:
 
 
 class DrivenControllers:
-    """Driven robots decide what they are given; firefighters, command centre and base decide for themselves.
+    """Driven robots decide what they are given; relays, base and people decide as with a controller of a user's class.
 
     Discoveries are announced to the base in any case.
     """
 
     def __init__(self, setup: Setup) -> None:
-        """Raises: RobotTeamSimError: the user's mistake, such as a robot that cannot be placed."""
-        scenario, robots = setup.scenario, range(len(setup.robots))
-        self.driven = [i for i in range(scenario.num_robots) if i != scenario.base]
-        """The ids of the robots that obey."""
-        self._given = {i: _Given() for i in self.driven}
-        controllers: dict[int, Controller] = dict(self._given)
-        if scenario.base is not None:
-            controllers |= {i: with_base(given, i, scenario) for i, given in self._given.items()}
-        controllers |= {
-            i: Guard(i, len(robots), partial(make_controller, i, setup)) for i in robots if i not in controllers
-        }
-        self._controllers = [controllers[i] for i in robots]
-        self.faults: Sequence[str] = ("",) * len(robots)
+        """Make the controllers. Raises: RobotTeamSimError: the user's mistake."""
+        self._given = {i: _Given() for i in driven_ids(setup.scenario)}
+        self._controllers = [self._controller(i, setup) for i in range(len(setup.robots))]
+        self.faults: Sequence[str] = ("",) * len(setup.robots)
+
+    def _controller(self, robot_id: int, setup: Setup) -> Controller:
+        scenario, given = setup.scenario, self._given.get(robot_id)
+        if given is None and (robot_id != scenario.base or scenario.firefighters is not None):
+            return Guard(robot_id, len(setup.robots), partial(make_controller, robot_id, setup))
+        controller = given or StandingBase()
+        return controller if scenario.base is None else with_base(controller, robot_id, scenario)
 
     def give(self, robot_id: int, decision: Decision) -> None:
         """Give a robot its decision for this step; it holds until it gets another, its messages only once."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from robotteamsim.interface import Decision, Message, Observation, Task
 from robotteamsim.learning.act import Act
+from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.observe import Observe
 from robotteamsim.setup import Setup
 
@@ -29,6 +30,9 @@ class PolicyController:
     """How many numbers each message has."""
 
     def __init__(self, robot_id: int, setup: Setup) -> None:
+        """Make the controller of a robot. Raises: LearningError: `every` or `said` is out of range."""
+        if self.every < 1 or self.said < 0:
+            raise LearningError(f"every: {self.every}, said: {self.said}; expected at least 1, and at least 0")
         self._observe = self.observe(setup, robot_id, self.said)
         self._act = self.act(setup, robot_id, self.said)
         self._steps = 0

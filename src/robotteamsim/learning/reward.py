@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-import numpy as np
-
 from robotteamsim.control.driving.known_map import UNREACHABLE_M, known_map
+from robotteamsim.scenario.base import Point
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import StepRecord
 
@@ -23,10 +22,10 @@ class Reward:
 
 
 class SearchReward(Reward):
-    """For the team: areas explored, victims saved, and the way to the area; for each robot: contacts, and time.
+    """For the team: areas explored, victims saved, time, and progress to the area; for each robot: contacts.
 
-    The way of the robot that is nearest to the area, by the known map, is a potential: what it gains on the way there
-    is lost on the way back [ng1999], so it does not change which policy is best, but shows the way.
+    Progress is that of the robot with the shortest path to the area on the known map. What it gains, it loses when it
+    drives back; a new area is neither gain nor loss. It is a hint, and may change which policy is best.
     """
 
     AREA, VICTIM = 1.0, 2.0
@@ -37,7 +36,8 @@ class SearchReward(Reward):
         super().__init__(setup)
         self._maps = [known_map(setup.building, robot.reach_m) for robot in setup.robots]
         self._explored = self._saved = 0
-        self._way: tuple[object, float] | None = None
+        self._path: tuple[Point, float] | None = None
+        """The area, and the length of the shortest path to it [m]."""
 
     def of_step(self, record: StepRecord, robot_ids: Sequence[int]) -> Mapping[int, float]:
         """Return the reward of each of these robots for one step of the simulation."""
@@ -50,11 +50,12 @@ class SearchReward(Reward):
         return {i: team + self.PER_CONTACT_S * step_s * bool(contact[i]) for i in robot_ids}
 
     def _gained_m(self, record: StepRecord, robot_ids: Sequence[int]) -> float:
-        area, positions_m = record.mission.task.area_center_m, record.readings.positions_m
-        if area is None or not robot_ids:
-            self._way = None
+        area, positions_m, before = record.mission.task.area_center_m, record.readings.positions_m, self._path
+        here = [i for i in robot_ids if record.is_there(i)]
+        self._path = None
+        if area is None or not here:
             return 0.0
-        lengths_m = [self._maps[i].distance_m(area, (positions_m[i, 0], positions_m[i, 1])) for i in robot_ids]
-        length_m, before = float(np.min(lengths_m)), self._way
-        self._way = None if length_m >= UNREACHABLE_M else (area, length_m)
-        return before[1] - length_m if before and self._way and before[0] == area else 0.0
+        length_m = min(self._maps[i].distance_m(area, (positions_m[i, 0], positions_m[i, 1])) for i in here)
+        if length_m < UNREACHABLE_M:
+            self._path = area, length_m
+        return before[1] - length_m if before and self._path and before[0] == area else 0.0

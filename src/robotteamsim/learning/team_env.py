@@ -12,12 +12,12 @@ from pettingzoo import AECEnv, ParallelEnv
 from pettingzoo.utils import parallel_to_aec
 
 from robotteamsim.learning.act import Act, DiscreteAct
-from robotteamsim.learning.driven import DrivenControllers, observations
+from robotteamsim.learning.driven import DrivenControllers, driven_ids, observations
 from robotteamsim.learning.errors import LearningError
-from robotteamsim.learning.observe import Observe
+from robotteamsim.learning.observe import Observe, Part
 from robotteamsim.learning.picture import picture
 from robotteamsim.learning.reward import Reward, SearchReward
-from robotteamsim.mission.status import OUT_OF_DANGER
+from robotteamsim.mission.status import END_TEXTS, OUT_OF_DANGER
 from robotteamsim.rng import stream
 from robotteamsim.scenario import Scenario, load
 from robotteamsim.setup import Setup, check_headless, resolve
@@ -27,7 +27,7 @@ Agent = str
 Vectors = dict[Agent, np.ndarray]
 Infos = dict[Agent, dict[str, Any]]
 
-LARGEST_SEED = 2**31
+LARGEST_SEED = 2**53
 
 
 def parallel_env(
@@ -63,11 +63,11 @@ def env(scenario: str | os.PathLike[str] | Scenario, **settings: Any) -> AECEnv[
 
 
 class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # PettingZoo has no types
-    """A mission whose robots obey actions; a base that stands still, and firefighters, are no agents.
+    """A mission whose robots obey actions; the base, relays, firefighters and a command centre are no agents.
 
-    A step is `every` steps of the simulation. Its reward is that of their records. An agent is terminated when the
-    mission has ended or it is no longer present, and truncated at the time limit. The same seed and actions give the
-    same bits.
+    A step is `every` steps of the simulation. Its reward is that of their records; that of the steps before the mission
+    begins counts in the first one. An agent is terminated when the mission has ended or it is no longer present, and
+    truncated at the time limit. The same seed and actions give the same bits.
     """
 
     def __init__(
@@ -82,8 +82,8 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
     ) -> None:
         """See `parallel_env`."""
         for key, value, least in (("every", every, 1), ("said", said, 0), ("max_cycles", max_cycles, 1)):
-            if value is not None and value < least:
-                raise LearningError(f"{key}: {value}; expected at least {least}")
+            if value is not None and (not isinstance(value, int) or value < least):
+                raise LearningError(f"{key}: {value!r}; expected a whole number of at least {least}")
         if render_mode not in (None, "rgb_array"):
             raise LearningError(f"render_mode: {render_mode!r}; expected None or 'rgb_array'")
         check_headless(scenario)
@@ -92,38 +92,51 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         self.render_mode = render_mode
         self._scenario, self._every, self._max_cycles = scenario, every, max_cycles
         self._rng = stream(scenario.run.seed, "episodes")
-        robot_ids = [i for i in range(scenario.num_robots) if i != scenario.base]
+        robot_ids = driven_ids(scenario)
         if not robot_ids:
             raise LearningError(scenario.origin.line("robots.count: no robot can be driven", "robots.count"))
+        arriving = [f"schedule.{i}.spawn" for i, event in enumerate(scenario.schedule) if event.spawn is not None]
+        if arriving or not all(scenario.present_at_start):
+            key = arriving[0] if arriving else "robots"
+            text = f"{key}: a robot arrives later; expected robots that are present from the start"
+            raise LearningError(scenario.origin.line(text, key))
         self._ids = {f"robot_{i}": i for i in robot_ids}
         self.possible_agents = list(self._ids)
         self.agents: list[Agent] = []
         self._classes, self._said = classes, said
         self._take(resolve(scenario))
+        self._num_victims = len(self._setup.scenario.mission.victims)
+        self._observation_spaces = {agent: self._observe[i].space for agent, i in self._ids.items()}
+        self._action_spaces = {agent: self._act[i].space for agent, i in self._ids.items()}
         self._simulation: Simulation | None = None
         self.record: StepRecord | None = None
         """The last record of the simulation, for own measures; None before the first step."""
 
     def observation_space(self, agent: Agent) -> Space[Any]:
         """Return the space of an agent's observations; `Observe.parts` describes it."""
-        return self._observe[self._ids[agent]].space
+        return self._observation_spaces[agent]
 
     def action_space(self, agent: Agent) -> Space[Any]:
         """Return the space of an agent's actions."""
-        return self._act[self._ids[agent]].space
+        return self._action_spaces[agent]
+
+    def parts(self, agent: Agent) -> tuple[Part, ...]:
+        """Return the parts of an agent's observations."""
+        return self._observe[self._ids[agent]].parts
 
     @property
     def state_space(self) -> Box:
         """The space of `state`."""
         mission, robots = self._setup.scenario.mission, len(self._setup.robots)
-        size = 5 * robots + 3 * len(mission.victims) + len(mission.areas) + 1
+        size = 5 * robots + 3 * self._num_victims + len(mission.areas) + 1
         return Box(-1.0, 1.0, (size,), np.float32)
 
     def state(self) -> np.ndarray:
         """Return the state of the mission, for central critics, float32, within [-1, 1].
 
         Per member of the team: present, x and y in the building, cosine and sine of the yaw; per victim: saved, safe or
-        dead, x and y; per area: explored; then the share of the time limit that is over.
+        dead, x and y, of those from the start; per area: explored; then the share of the time limit that is over. It is
+        that of the last complete step of the simulation, one before the observations.
         """
         _, record = self._running()
         (x0, y0), (x1, y1) = self._setup.plan.bounds.min, self._setup.plan.bounds.max
@@ -136,8 +149,8 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         )
         team[~record.present] = 0.0
         status = record.mission
-        done = np.array([victim in OUT_OF_DANGER for victim in status.victims], float)
-        victims_m = np.array([victim.position for victim in record.victims]).reshape(-1, 2)
+        done = np.array([victim in OUT_OF_DANGER for victim in status.victims[: self._num_victims]], float)
+        victims_m = np.array([victim.position for victim in record.victims[: self._num_victims]]).reshape(-1, 2)
         victims = np.column_stack((done, 2.0 * (victims_m - low_m) / size_m - 1.0))
         time = status.time_s / self._setup.scenario.mission.time_limit_s
         parts = (team.ravel(), victims.ravel(), np.array(status.explored, float), (time,))
@@ -148,9 +161,11 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
 
         The seed is `run.seed`, so it decides about random victims, voices and noise.
         """
+        if seed is not None and not (isinstance(seed, int | np.integer) and 0 <= seed <= LARGEST_SEED):
+            raise LearningError(f"seed: {seed!r}; expected a whole number from 0 to {LARGEST_SEED}")
         if seed is not None:
             self._rng = stream(seed, "episodes")
-        run_seed = seed if seed is not None else int(self._rng.integers(LARGEST_SEED))
+        run_seed = int(self._rng.integers(LARGEST_SEED) if seed is None else seed)
         run = self._scenario.run.model_copy(update={"seed": run_seed})
         self._take(resolve(self._scenario.model_copy(update={"run": run})))
         self._controllers = DrivenControllers(self._setup)
@@ -158,9 +173,12 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         self._cycles = 0
         simulation.mission.start()
         self._sense(simulation)
+        self._early = dict.fromkeys(self._ids.values(), 0.0)
         while not self._sensed.inputs.task.running:
             self.record = simulation.decide(self._sensed)
-            self._reward.of_step(self.record, self._controllers.driven)
+            if self.record.mission.state == "ended":
+                raise LearningError(f"the mission ends before it begins: {END_TEXTS[self.record.mission.end]}")
+            self._add_rewards(self._early)
             self._sense(simulation)
         present = self._sensed.inputs.present
         self.agents = [agent for agent, i in self._ids.items() if present[i]]
@@ -185,11 +203,11 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
             pose = self._observe[i].pose(self._perceived[i])
             self._controllers.give(i, self._act[i].decision(action, pose))
         acting = {agent: self._ids[agent] for agent in self.agents}
-        rewards = dict.fromkeys(self.agents, 0.0)
+        won = {i: self._early[i] for i in acting.values()}
+        self._early = dict.fromkeys(self._early, 0.0)
         for _ in range(self._every):
             self.record = record = simulation.decide(self._sensed)
-            for agent, reward in zip(acting, self._reward.of_step(record, list(acting.values())).values(), strict=True):
-                rewards[agent] += reward
+            self._add_rewards(won)
             self._sense(simulation)
             if record.mission.state == "ended":
                 break
@@ -201,6 +219,7 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         truncated = {agent: is_cut and not terminated[agent] for agent in acting}
         vectors, infos = self._vectors(), self._infos()
         self.agents = [] if has_ended or is_cut else [agent for agent, i in self._ids.items() if present[i]]
+        rewards = {agent: won[i] for agent, i in acting.items()}
         return vectors, rewards, terminated, truncated, infos
 
     def render(self) -> np.ndarray | None:
@@ -235,23 +254,25 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
             if inputs.present[i]:
                 observe.note(self._perceived[i], inputs.inboxes[i])
 
+    def _add_rewards(self, to: dict[int, float]) -> None:
+        """Add the rewards of the last record, by robot id."""
+        assert self.record is not None
+        rewards = self._reward.of_step(self.record, list(to))
+        for i in to:
+            to[i] += rewards[i]
+
     def _vectors(self) -> Vectors:
         inputs = self._sensed.inputs
         return {
             agent: self._observe[i].vector(self._perceived[i], inputs.task)
             if inputs.present[i]
             else np.zeros(self._observe[i].space.shape or (), np.float32)
-            for agent, i in ((agent, self._ids[agent]) for agent in self._observed())
+            for agent, i in ((agent, self._ids[agent]) for agent in self.agents)
         }
-
-    def _observed(self) -> list[Agent]:
-        """Return the agents that have acted or have just arrived."""
-        present = self._sensed.inputs.present
-        return [agent for agent, i in self._ids.items() if agent in self.agents or present[i]]
 
     def _infos(self) -> Infos:
         masks = {i: act.mask() for i, act in self._act.items() if isinstance(act, DiscreteAct)}
         return {
             agent: {"action_mask": masks[self._ids[agent]]} if self._ids[agent] in masks else {}
-            for agent in self._observed()
+            for agent in self.agents
         }

@@ -17,6 +17,9 @@ _LEAST_OPEN = 0.7
 _LEAST_CLEAR = 0.9
 """Least share of the cells of a gap that are not solid."""
 
+_LEAST_END = 0.25
+"""An end of a gap stands out from a wall by this share of the least width; a corridor's narrowest place does not."""
+
 _LEAST_JAMB = 0.6
 """Least share of the cells at either end of a gap that are solid."""
 
@@ -110,32 +113,58 @@ def _gaps_along_x(solid: np.ndarray, sizes: GapSizes) -> list[Gap]:
     along, across = statistics[:, cv2.CC_STAT_WIDTH], statistics[:, cv2.CC_STAT_HEIGHT]
     is_strip = (along >= _LEAST_STRIP * across) & (along >= _SHORTEST_STRIP * sizes.loose)
     is_loose = (np.maximum(along, across) < sizes.loose) & ~is_strip
-    found: dict[Gap, None] = {}
-    most = min(sizes.most, solid.shape[1])
-    for width in range(math.ceil(min(sizes.least, most + 1)), math.floor(most) + 1):
-        for gap in _gaps_of_width(cells, width, sizes.deepest):
-            rows, right = slice(gap.row, gap.row + gap.rows), gap.column + gap.columns
-            ends = labels[rows, gap.column - 1], labels[rows, right]
+    lengths = _short_runs(solid, min(sizes.most, solid.shape[1]))
+    _, groups, places, _ = cv2.connectedComponentsWithStats((lengths > 0).astype(np.uint8), connectivity=4)
+    found: list[Gap] = []
+    for group, (column, row, columns, rows, _) in enumerate(places[1:].tolist(), 1):
+        window = np.s_[row : row + rows, column : column + columns]
+        own = np.where(groups[window] == group, lengths[window], 0)
+        for gap in _gaps_among(own, cells, (column, row), sizes):
+            beside = slice(gap.row, gap.row + gap.rows)
+            ends = labels[beside, gap.column - 1], labels[beside, gap.column + gap.columns]
             if not any(is_loose[end[end > 0]].any() for end in ends):
-                found[gap] = None
-    return list(found)
+                found.append(gap)
+    return found
 
 
-def _gaps_of_width(cells: np.ndarray, width_cells: int, deepest_cells: float) -> Iterator[Gap]:
-    """Yield the gaps along x of one width. Args: cells: which are solid, uint8."""
+def _short_runs(solid: np.ndarray, most_cells: float) -> np.ndarray:
+    """Return for each cell the length of the run along x between two solid cells; 0: longer, or none; int32."""
+    padded = np.pad(solid, ((0, 0), (1, 1)), constant_values=True).astype(np.int8)
+    changes = np.diff(padded, axis=1)
+    begin_rows, begins = np.nonzero(changes == -1)
+    _, ends = np.nonzero(changes == 1)
+    lengths = ends - begins
+    is_short = (lengths <= most_cells) & (begins > 0) & (ends < solid.shape[1])
+    steps = np.zeros((solid.shape[0], solid.shape[1] + 1), dtype=np.int32)
+    steps[begin_rows[is_short], begins[is_short]] = lengths[is_short]
+    steps[begin_rows[is_short], ends[is_short]] = -lengths[is_short]
+    runs: np.ndarray = np.cumsum(steps, axis=1)[:, :-1]
+    return runs
+
+
+def _gaps_among(lengths: np.ndarray, cells: np.ndarray, corner: tuple[int, int], sizes: GapSizes) -> Iterator[Gap]:
+    """Yield the gaps along x of each width. Args: lengths: of connected short runs, from a corner of the cells on."""
     import cv2
 
-    closed = cv2.morphologyEx(cells, cv2.MORPH_CLOSE, np.ones((1, width_cells + 1), np.uint8))
-    filled = (closed > cells).astype(np.uint8)
-    _, _, statistics, _ = cv2.connectedComponentsWithStats(filled, connectivity=4)
-    rows, columns = cells.shape
-    for column, row, width, depth, area in statistics[1:].tolist():
-        right, top = column + width, row + depth
-        if width != width_cells or area < _LEAST_CLEAR * width * depth:
-            continue
-        if depth > deepest_cells or column == 0 or row == 0 or right == columns or top == rows:
-            continue
-        jambs = min(cells[row:top, column - 1].mean(), cells[row:top, right].mean())
-        beside = max(cells[row - 1, column:right].mean(), cells[top, column:right].mean())
-        if jambs >= _LEAST_JAMB and beside <= 1.0 - _LEAST_OPEN:
-            yield Gap(column, row, width, depth, along_x=True)
+    reach = max(round(_LEAST_END * sizes.least), 1)
+    most = min(sizes.most, lengths.shape[1])
+    for width_cells in range(math.ceil(min(sizes.least, most + 1)), math.floor(most) + 1):
+        narrower = ((lengths > 0) & (lengths <= width_cells)).astype(np.uint8)
+        _, _, statistics, _ = cv2.connectedComponentsWithStats(narrower, connectivity=4)
+        for x, y, width, depth, area in statistics[1:].tolist():
+            column, row = corner[0] + x, corner[1] + y
+            right, top = column + width, row + depth
+            if width != width_cells or area < _LEAST_CLEAR * width * depth:
+                continue
+            if depth > sizes.deepest or row == 0 or top == len(cells):
+                continue
+            jambs = min(cells[row:top, column - 1].mean(), cells[row:top, right].mean())
+            beside = max(cells[row - 1, column:right].mean(), cells[top, column:right].mean())
+            if jambs < _LEAST_JAMB or beside > 1.0 - _LEAST_OPEN:
+                continue
+            ends = slice(max(column - reach, 0), column), slice(right, right + reach)
+            corners = [
+                cells[side, end].mean() for side in (max(row - 3, 0), min(top + 2, len(cells) - 1)) for end in ends
+            ]
+            if min(corners) <= 1.0 - _LEAST_OPEN:
+                yield Gap(column, row, width, depth, along_x=True)

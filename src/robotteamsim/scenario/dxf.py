@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from ezdxf.document import Drawing
     from ezdxf.entities import DXFEntity
 
+logging.getLogger("ezdxf").addHandler(logging.NullHandler())  # else Python prints what it repairs
+
 MARGIN_M = 1.0
 """Free floor around the walls."""
 
@@ -119,7 +121,6 @@ def _read(path: Path) -> Drawing:
 
     if not is_file(path):
         raise ScenarioError(f"{path}: there is no such file")
-    logging.getLogger("ezdxf").addHandler(logging.NullHandler())  # else Python prints its warnings of what it repairs
     try:
         return ezdxf.readfile(path)
     except Exception as error:  # damaged files cause IndexError, KeyError, StopIteration and others
@@ -154,9 +155,7 @@ def _found(path: Path, drawing: Drawing, flat: float) -> list[tuple[str, np.ndar
     """Return what `_lines` yields. Raises: ScenarioError: it cannot be read, or there are too many."""
     try:
         if _num_parts(drawing) > MOST_LINES:
-            raise ScenarioError(
-                f"{path}: more than {MOST_LINES} lines and other parts, those of repeated blocks included"
-            )
+            raise ScenarioError(f"{path}: more than {MOST_LINES} lines and other parts, with those of repeated blocks")
         found = list(itertools.islice(_lines(drawing, flat), MOST_LINES + 1))
     except ScenarioError:
         raise

@@ -171,9 +171,11 @@ def too_many_cells(plan: FloorPlan, resolution_m: float) -> str | None:
     rows, columns = grid_shape(plan, resolution_m)
     if rows * columns <= MOST_CELLS:
         return None
-    least_m = math.ceil(1000.0 * resolution_m * math.sqrt(rows * columns / MOST_CELLS)) / 1000.0
+    least_mm = math.ceil(1000.0 * resolution_m * math.sqrt(rows * columns / MOST_CELLS))
+    while math.prod(grid_shape(plan, least_mm / 1000.0)) > MOST_CELLS:
+        least_mm += 1
     size = f"{resolution_m:g} makes a map of {columns:,} x {rows:,} cells, more than {MOST_CELLS // 10**6} million"
-    return f"{size}; expected at least {least_m:g}"
+    return f"{size}; expected at least {least_mm / 1000.0:g}"
 
 
 def occupancy_grid(plan: FloorPlan, resolution_m: float, closed: Mapping[str, bool] | None = None) -> OccupancyGrid:

@@ -34,7 +34,6 @@ from robotteamsim.view.recorder import FRAME_S, MOST_SCANNED, SCAN_S, Recording
 from robotteamsim.view.scene import Scene, scene_of_run
 from robotteamsim.world.doors import DoorStates
 
-_FRAMES_PER_SCAN = round(SCAN_S / FRAME_S)
 MOST_FRAMES = 18_000
 """An hour of the viewer's frames; those of longer runs are farther apart."""
 
@@ -98,6 +97,7 @@ def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenari
     duration_s = (run.end_ns - run.start_ns) / 1e9
     frame_s = max(FRAME_S, duration_s / MOST_FRAMES)
     count = max(int(np.ceil(duration_s / frame_s)), 0)
+    frames_per_scan = max(round(SCAN_S / frame_s), 1)
     stamps_ns = [*(run.start_ns + np.arange(count) * round(frame_s * 1e9)).tolist(), run.end_ns]
     frames = []
     for index, stamp_ns in enumerate(stamps_ns):
@@ -106,7 +106,7 @@ def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenari
         enclosed = layers.enclosed.at(stamp_ns, frozenset())
         fallen = {name for name, since_ns in fallen_ns.items() if since_ns <= stamp_ns}
         links, fiedler_value = _network(run, stamp_ns)
-        scans = [line.at(stamp_ns, None) for line in layers.scans.values()] if index % _FRAMES_PER_SCAN == 0 else []
+        scans = [line.at(stamp_ns, None) for line in layers.scans.values()] if index % frames_per_scan == 0 else []
         frames.append(
             Frame(
                 time_s=(stamp_ns - run.start_ns) / 1e9,

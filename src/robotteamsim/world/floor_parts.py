@@ -21,7 +21,7 @@ _NEAR_M = 1.0
 _EDGE_M = 0.05
 """Floor that comes so near is at the edge of the plan; an import draws a thin wall there."""
 
-_THIN_M = 0.6
+_THIN_M = 0.4
 """Floor at the edge of the plan whose mean width is smaller is outside the building."""
 
 
@@ -50,6 +50,8 @@ def floor_parts(plan: FloorPlan, radius_m: float) -> tuple[FloorPart, ...]:
 def parts_without(plan: FloorPlan, radius_m: float, starts: Sequence[Point]) -> tuple[FloorPart, ...]:
     """Return the parts of the floor that a disc cannot reach from any of some starts [m, map]; see `floor_parts`."""
     shapes = _shapes(plan, radius_m)
+    if not starts:
+        return tuple(map(_part, shapes))
     tree = shapely.STRtree(shapes)
     _, reached = tree.query_nearest(shapely.points(starts), max_distance=_NEAR_M)
     return tuple(_part(shape) for index, shape in enumerate(shapes) if index not in reached)

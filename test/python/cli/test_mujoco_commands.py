@@ -51,7 +51,7 @@ def test_body_that_mujoco_refuses_is_one_line(capsys):
     assert main(["plan", "export-mujoco", "tutorial_arena", "--out", "out", *light]) == 2
     assert main(["run", "tutorial_arena", "--set", "run.world=mujoco", *light]) == 2
     for line in capsys.readouterr().err.splitlines():
-        assert line.startswith("robotteamsim: MuJoCo refuses the robots or objects, such as one too small or light: ")
+        assert line.startswith("robotteamsim: MuJoCo rejects a robot or object (too small or too light?): ")
 
 
 def test_open_leaf_that_swings_is_at_its_open_place():

@@ -210,7 +210,7 @@ def test_what_is_said_is_heard_over_the_network():
             lambda env: (env.reset(), env.step(dict.fromkeys(env.agents, np.array((1.5, 0.0))))),
             "robot_0: action array([1.5, 0. ]): expected one of Box(-1.0, 1.0, (2,), float32)",
         ),
-        (lambda _: parallel_env("garage_sar", every=0), "every: 0; expected at least 1"),
+        (lambda _: parallel_env("garage_sar", every=0), "every: 0; expected a whole number of at least 1"),
         (
             lambda _: parallel_env("garage_sar", render_mode="ansi"),
             "render_mode: 'ansi'; expected None or 'rgb_array'",

@@ -75,10 +75,10 @@ class Guard:
 
 
 def _place(error: BaseException) -> str:
-    """Return where in the user's file an error occurred, as " (my_controller.py:27)"; without one, where in ours.
+    """Return where an error occurred, as " (my_controller.py:27)"; "" if a class could not be called at all.
 
-    An error of another library or of this package is thus that of the line that called it. "" if a class could not be
-    called at all.
+    That is the last line in the first file outside this package, which is the user's if the controller is; an error in
+    a library is thus that of the user's line that called it. Without such a file, it is the last line of all.
     """
     frames = [
         (frame.f_globals.get("__name__", ""), frame.f_code.co_filename, line)

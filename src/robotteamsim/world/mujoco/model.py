@@ -76,7 +76,7 @@ def compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
         return spec.compile()
     except ValueError as error:
         reason = " ".join(str(error).split())
-        raise PhysicsError(f"MuJoCo refuses the robots or objects, such as one too small or light: {reason}") from None
+        raise PhysicsError(f"MuJoCo rejects a robot or object (too small or too light?): {reason}") from None
 
 
 def mjcf(scenario: Scenario, team: Sequence[PlacedRobot]) -> str:
