@@ -124,8 +124,7 @@ def test_policy_drives_as_in_training(monkeypatch):
         return wall_fearing(vector)
 
     env = parallel_env(scenario(), every=5)
-    env.reset(seed=11)
-    _, _ = driven_to(env, 11, choose)
+    driven_to(env, 11, choose)
     end = env.record
     simulation = Simulation(scenario("garage_sar", "run.seed=11", "control.algorithm=policy_of_test:Policy"))
     simulation.run()
@@ -189,7 +188,7 @@ def test_what_is_said_is_heard_over_the_network():
     env.reset(seed=1)
     actions = {agent: np.array((0.0, 0.0, 0.25, -0.5), np.float32) for agent in env.agents}
     vectors, *_ = env.step(actions)
-    parts = {part.name: part for part in env._observe[0].parts}
+    parts = {part.name: part for part in env.parts("robot_0")}
     heard = vectors["robot_0"][parts["robot_1"].begin :][: parts["robot_1"].size]
     assert heard[0] == 1.0
     assert heard[-2:].tolist() == [0.25, -0.5]
@@ -223,6 +222,11 @@ def test_what_is_said_is_heard_over_the_network():
             lambda _: parallel_env(load("garage_rescue", ["robots.count=0", "relays.count=0"])),
             "--set: robots.count: no robot can be driven",
         ),
+        (
+            lambda _: parallel_env(load("garage_sar", ["robots.reserve=1"])),
+            "garage_sar.yaml: robots: a robot arrives later; expected robots that are present from the start",
+        ),
+        (lambda env: env.reset(seed=-1), "seed: -1; expected a whole number from 0 to 9007199254740992"),
     ],
 )
 def test_wrong_use_is_one_line(do, message):
@@ -230,3 +234,49 @@ def test_wrong_use_is_one_line(do, message):
     with pytest.raises(LearningError) as raised:
         do(env)
     assert str(raised.value) == message
+
+
+def test_robot_that_leaves_is_terminated_and_the_others_go_on():
+    env = parallel_env(scenario("garage_sar", "schedule=[{at_s: 2.0, remove: 1}]"))
+    env.reset(seed=1)
+    stand = np.zeros(2, np.float32)
+    left = []
+    for _ in range(8):
+        _, _, terminated, truncated, _ = env.step(dict.fromkeys(env.agents, stand))
+        left += [agent for agent, over in terminated.items() if over]
+        assert not any(truncated.values())
+    assert left == ["robot_1"]
+    assert env.agents == ["robot_0", "robot_2"]
+
+
+def test_base_and_relays_are_no_agents():
+    assert parallel_env(load("office_manet")).possible_agents == [f"robot_{i}" for i in range(1, 9)]
+    rescue = load("garage_rescue")
+    agents = parallel_env(rescue).possible_agents
+    assert len(agents) == rescue.num_robots - rescue.relays.count > 0
+
+
+def test_base_acknowledges_as_without_an_environment():
+    near = "{name: near, center: [6, 4], radius_m: 50}"
+    env = parallel_env(
+        load("office_manet", [f"mission.areas=[{near}, {{name: far, center: [40, 20], radius_m: 0.1}}]"])
+    )
+    env.reset(seed=1)
+    for _ in range(4):
+        env.step({agent: np.zeros(2, np.float32) for agent in env.agents})
+    assert env.record.mission.delivered.count >= 1
+
+
+def test_actions_of_another_kind_are_rejected():
+    env = parallel_env(scenario(), act=DiscreteAct)
+    env.reset(seed=1)
+    for action in (2.7, "left", None, [[1], [1, 2]]):
+        with pytest.raises(LearningError, match="^robot_0: action "):
+            env.step(dict.fromkeys(env.agents, action))
+
+
+def test_spaces_stay_the_same():
+    env = parallel_env(scenario())
+    space = env.action_space("robot_0")
+    env.reset(seed=1)
+    assert env.action_space("robot_0") is space
