@@ -271,7 +271,7 @@ def test_actions_of_another_kind_are_rejected():
     env = parallel_env(scenario(), act=DiscreteAct)
     env.reset(seed=1)
     for action in (2.7, "left", None, [[1], [1, 2]]):
-        with pytest.raises(LearningError, match="^robot_0: action "):
+        with pytest.raises(LearningError, match=r"^robot_0: action "):
             env.step(dict.fromkeys(env.agents, action))
 
 
