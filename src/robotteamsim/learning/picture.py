@@ -30,13 +30,15 @@ def picture(setup: Setup, record: StepRecord) -> np.ndarray:
         axes.add_patch(Circle(area.center, area.radius_m, fill=False, edgecolor=colour, linewidth=1.5, zorder=4))
     for victim, state in zip(record.victims, status.victims, strict=True):
         colour = palette.VICTIM_STATES[state]
-        axes.add_patch(Circle(victim.position, 0.7 * unit_m, facecolor=colour, edgecolor="black", zorder=5))
+        axes.add_patch(Circle(victim.position, 0.7 * unit_m, facecolor=colour, edgecolor=palette.ROBOT_BODY, zorder=5))
     for i, reading in enumerate(record.readings):
         if record.present[i]:
             pose, radius_m = reading.true_pose, max(setup.robots[i].reach_m, 0.6 * unit_m)
             colour = palette.robot_colour(i)
-            axes.add_patch(Circle((pose.x_m, pose.y_m), radius_m, facecolor=colour, edgecolor="black", zorder=6))
+            axes.add_patch(
+                Circle((pose.x_m, pose.y_m), radius_m, facecolor=colour, edgecolor=palette.ROBOT_BODY, zorder=6)
+            )
             nose = pose.x_m + radius_m * np.cos(pose.yaw_rad), pose.y_m + radius_m * np.sin(pose.yaw_rad)
-            axes.plot([pose.x_m, nose[0]], [pose.y_m, nose[1]], color="black", linewidth=1.5, zorder=7)
+            axes.plot([pose.x_m, nose[0]], [pose.y_m, nose[1]], color=palette.ROBOT_BODY, linewidth=1.5, zorder=7)
     canvas.draw()
     return np.asarray(canvas.buffer_rgba())[..., :3].copy()
