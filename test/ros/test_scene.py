@@ -188,12 +188,22 @@ def test_rviz_is_announced_before_its_window_appears(master, tmp_path):
     rviz.write_text('#!/bin/sh\necho "rviz $1"\n')
     rviz.chmod(0o755)
     command = [sys.executable, str(ROOT / "scripts" / "rviz_view")]
-    path = f"{tmp_path}:{master['PATH']}"
-    answer = subprocess.run(command, env=master | {"PATH": path}, check=True, capture_output=True, timeout=TIMEOUT_S)
+    settings = master | {"PATH": f"{tmp_path}:{master['PATH']}", "DISPLAY": ":99"}
+    answer = subprocess.run(command, env=settings, check=True, capture_output=True, timeout=TIMEOUT_S)
     assert answer.stdout.decode().splitlines() == [
         "rviz_view: rviz starts; without a graphics card, its window takes some 20 s to appear",
         "rviz -d",
     ]
+
+
+def test_rviz_needs_a_display_and_has_help(master):
+    command = [sys.executable, str(ROOT / "scripts" / "rviz_view")]
+    without = {name: value for name, value in master.items() if name != "DISPLAY"}
+    answer = subprocess.run(command, env=without, check=False, capture_output=True, text=True, timeout=TIMEOUT_S)
+    line = "rviz_view: there is no display (DISPLAY is not set); `robotteamsim view` needs none\n"
+    assert (answer.returncode, answer.stdout, answer.stderr) == (1, "", line)
+    help_text = subprocess.run([*command, "--help"], env=without, check=True, capture_output=True, timeout=TIMEOUT_S)
+    assert help_text.stdout.startswith(b"usage: rosrun robotteamsim rviz_view")
 
 
 def test_rviz_shows_floor_walls_and_robots(master, tmp_path):
