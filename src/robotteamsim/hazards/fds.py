@@ -21,6 +21,7 @@ _KEY = "fire.fds"
 _TEMPERATURE = "TEMPERATURE"
 _G_PER_KG = 1e3
 _MIN_VISIBILITY_M = 1e-3
+_MOST_SOOT_G_M3 = 1e9
 _ROUNDING = 1e-6
 """Values of FDS may be below 0 by so little."""
 
@@ -152,6 +153,10 @@ def _samples(building: Building, fire: Fire) -> tuple[_Samples, _Samples, str]:
     if (shown.values < -_ROUNDING).any():
         raise _mistake(f"'{fire.fds}': a value of {smoke} is {shown.values.min():g}; expected at least 0")
     np.maximum(shown.values, 0.0, out=shown.values)
+    with np.errstate(over="ignore"):
+        most_g_m3 = kinds[smoke](shown.values).max()
+    if not most_g_m3 < _MOST_SOOT_G_M3:
+        raise _mistake(f"'{fire.fds}': {smoke} means more than {_MOST_SOOT_G_M3:g} g/m^3 of soot")
     return temperature, shown, smoke
 
 

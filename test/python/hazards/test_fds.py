@@ -105,6 +105,7 @@ def test_file_that_breaks_off_is_rejected(tmp_path):
         ("TEMPERATURE", np.inf, "a temperature is not finite$"),
         ("SOOT DENSITY", np.nan, "a value of SOOT DENSITY is not finite$"),
         ("SOOT DENSITY", np.inf, "a value of SOOT DENSITY is not finite$"),
+        ("SOOT DENSITY", 1e37, r"SOOT DENSITY means more than 1e\+09 g/m\^3 of soot$"),
         ("SOOT DENSITY", -0.5, "a value of SOOT DENSITY is -0.5; expected at least 0$"),
     ],
 )
