@@ -218,9 +218,6 @@ def _read_image(options: argparse.Namespace) -> tuple[MapImage, DrawingRules]:
         raise UsageError(f"{options.map} has the resolution; --metres-per-pixel and --measured are for images")
     if not is_yaml and scale is None:
         raise UsageError(f"{options.map}: give its scale with --metres-per-pixel or --measured, or import its yaml")
-    if not is_yaml and not options.map.is_file():
-        problem = "is a folder, expected a file" if options.map.is_dir() else "there is no such file"
-        raise UsageError(f"{options.map}: {problem}")
     rules = DrawingRules(options.thinnest_wall, options.smallest_wall, options.doors)
     return read_map(options.map) if is_yaml else read_drawing(options.map, scale), rules
 

@@ -146,6 +146,8 @@ def read_drawing(path: Path, resolution_m: float) -> MapImage:
     Args:   resolution_m: edge of a pixel [m].
     Raises: ScenarioError: one line with file and what was expected.
     """
+    if not is_file(path):
+        raise ScenarioError(f"{path}: {'is a folder, expected an image' if path.is_dir() else 'there is no such file'}")
     values = {"image": path.name, "resolution": resolution_m, "origin": [0.0, 0.0, 0.0]}
     settings = checked(MapFile, values, place=f"{path}: ")
     return MapImage(settings, _pixels(path, str(path)))
