@@ -29,8 +29,7 @@ class Act:
         """Args: said: how many numbers each message has."""
         self.robot_id, self.said = robot_id, said
         self.drive = setup.robots[robot_id].drive
-        self._is_omni = isinstance(self.drive, OmniDrive)
-        self._moves = 3 if self._is_omni else 2
+        self._moves = 3 if isinstance(self.drive, OmniDrive) else 2
         self.space = Box(-1.0, 1.0, (self._moves + said,), np.float32)
 
     def twist(self, action: Any) -> Twist:
@@ -42,6 +41,10 @@ class Act:
     def words(self, action: Any) -> tuple[float, ...]:
         """Return the numbers that an action says."""
         return tuple(float(number) for number in action[self._moves :]) if self.said else ()
+
+    def info(self) -> dict[str, Any]:
+        """Return what an agent is told besides its observation."""
+        return {}
 
     def decision(self, action: Any, pose: Pose) -> Decision:
         """Return the decision of an action; nothing is clipped. Raises: LearningError: it is not of the space."""
@@ -64,7 +67,7 @@ class Act:
 class DiscreteAct(Act):
     """Five actions: stand, ahead, ahead to the left, ahead to the right, turn on the spot.
 
-    A car cannot turn on the spot: `mask` says so. Nothing is said but the position.
+    A car cannot turn on the spot: `info` has a mask that says so. Nothing is said but the position.
     """
 
     MOVES = ((0.0, 0.0), (1.0, 0.0), (0.7, 0.5), (0.7, -0.5), (0.0, 1.0))
@@ -82,7 +85,8 @@ class DiscreteAct(Act):
         speed, turn = self.MOVES[int(action)]
         return Twist(speed * self.drive.max_speed_mps, 0.0, turn * self.drive.max_turn_radps)
 
-    def mask(self) -> np.ndarray:
-        """Return which actions have an effect of their own, int8, as Gymnasium's masks."""
+    def info(self) -> dict[str, Any]:
+        """Return `action_mask`: which actions have an effect of their own, int8, as Gymnasium's masks."""
         on_the_spot = not isinstance(self.drive, CarDrive)
-        return np.array([speed != 0.0 or turn == 0.0 or on_the_spot for speed, turn in self.MOVES], np.int8)
+        mask = [speed != 0.0 or turn == 0.0 or on_the_spot for speed, turn in self.MOVES]
+        return {"action_mask": np.array(mask, np.int8)}

@@ -12,7 +12,7 @@ from robotteamsim.control.runtime.base_station import StandingBase, with_base
 from robotteamsim.interface import Controller, Decision, Message, Observation, Task
 from robotteamsim.scenario import Scenario
 from robotteamsim.setup import Setup
-from robotteamsim.simulation import TeamInputs
+from robotteamsim.simulation.controllers import TeamInputs, decisions_of
 
 
 def driven_ids(scenario: Scenario) -> list[int]:
@@ -55,17 +55,7 @@ class DrivenControllers:
 
     def step(self, inputs: TeamInputs) -> tuple[Decision, ...]:
         """As for all controllers."""
-        team = zip(self._controllers, observations(inputs), inputs.inboxes, inputs.present.tolist(), strict=True)
-        decisions = tuple(
-            controller.step(observation, inbox, inputs.task) if is_present else Decision()
-            for controller, observation, inbox, is_present in team
-        )
+        decisions = decisions_of(self._controllers, inputs)
         for given in self._given.values():
             given.decision = msgspec.structs.replace(given.decision, outbox=())
         return decisions
-
-
-def observations(inputs: TeamInputs) -> list[Observation]:
-    """Return what each member of the team perceives, in id order."""
-    team = zip(inputs.readings.robots, inputs.voices, strict=True)
-    return [Observation(i, inputs.sim_time_ns, reading, voice) for i, (reading, voice) in enumerate(team)]

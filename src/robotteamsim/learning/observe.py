@@ -9,13 +9,14 @@ from typing import Annotated, NamedTuple
 import msgspec
 import numpy as np
 from gymnasium.spaces import Box
+from numpy.typing import ArrayLike
 
+from robotteamsim.control.driving.own_pose import OwnPose
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import Message, Observation, Task
 from robotteamsim.interface.payload import Point, read_payload, to_payload
-from robotteamsim.propagation import RadioField
-from robotteamsim.scenario.building import Building
-from robotteamsim.scenario.sections import Radio
+from robotteamsim.propagation import shared_radio_field
+from robotteamsim.scenario import FloorPlan
 from robotteamsim.setup import Setup
 
 LOUDEST_DB = 100.0
@@ -66,11 +67,10 @@ class Observe:
         self.teammates = [i for i in range(setup.scenario.num_robots) if i != robot_id]
         """The ids of the other robots, in the order in which they are in the vector."""
         self._laser, self._drive = robot.laser, robot.drive
-        self._map_T_odom = Pose(*robot.start_pose) if setup.scenario.control.localisation == "odometry" else None
-        self._low_m, self._high_m = np.array(bounds.min), np.array(bounds.max)
+        self._own_pose = OwnPose(robot_id, setup)
         self._diagonal_m = math.dist(bounds.min, bounds.max)
         self._voice_radius_m = setup.scenario.voice.local_best_radius_m + setup.scenario.voice.map_resolution_m
-        self._radio = setup.building.shared(_radio_field, setup.scenario.radio.model_dump_json())
+        self._radio = shared_radio_field(setup.building, setup.scenario.radio)
         self._tx_power_dbm = setup.scenario.radio.tx_power_dbm
         self.parts = tuple(self._placed(self.parts_of()))
         self.space = Box(-1.0, 1.0, (sum(part.size for part in self.parts),), np.float32)
@@ -105,7 +105,7 @@ class Observe:
         """Return the vector of a step, after `note`; the same inputs give the same bits."""
         robot, voice, pose = observation.robot, observation.voice, self.pose(observation)
         ranges = np.clip(robot.ranges_m / self._laser.range_max_m, 0.0, 1.0)
-        x, y = 2.0 * (np.array((pose.x_m, pose.y_m)) - self._low_m) / (self._high_m - self._low_m) - 1.0
+        x, y = in_bounds(self.setup.plan, (pose.x_m, pose.y_m))
         twist = robot.odometry.twist
         speed, turn = twist.linear_x_mps / self._drive.max_speed_mps, twist.angular_z_radps / self._drive.max_turn_radps
         heard = self._towards(pose, voice.local_best_m, self._voice_radius_m) if voice.heard else (0.0, 0.0)
@@ -122,9 +122,8 @@ class Observe:
         return np.concatenate((ranges, np.clip(numbers, -1.0, 1.0)), dtype=np.float32, casting="same_kind")
 
     def pose(self, observation: Observation) -> Pose:
-        """Return the pose in `map` that the robot uses as its own, by `control.localisation`."""
-        robot = observation.robot
-        return robot.true_pose if self._map_T_odom is None else self._map_T_odom @ robot.odometry.pose.pose
+        """Return the pose in `map` that the robot uses as its own, see `OwnPose`."""
+        return self._own_pose.at(observation)
 
     def _teammate(self, teammate: int, pose: Pose, time_ns: int) -> list[float]:
         if teammate not in self._heard:
@@ -142,5 +141,7 @@ class Observe:
         return seen.x_m / unit_m, seen.y_m / unit_m
 
 
-def _radio_field(building: Building, radio: str) -> RadioField:
-    return RadioField(building.plan, Radio.model_validate_json(radio))
+def in_bounds(plan: FloorPlan, places_m: ArrayLike) -> np.ndarray:
+    """Return places in `map` [m], shape (..., 2), from -1 to 1 between the bounds of a plan."""
+    low_m, high_m = np.array(plan.bounds.min), np.array(plan.bounds.max)
+    return np.asarray(2.0 * (np.asarray(places_m) - low_m) / (high_m - low_m) - 1.0)

@@ -11,10 +11,10 @@ from gymnasium.spaces import Box, Space
 from pettingzoo import AECEnv, ParallelEnv
 from pettingzoo.utils import parallel_to_aec
 
-from robotteamsim.learning.act import Act, DiscreteAct
-from robotteamsim.learning.driven import DrivenControllers, driven_ids, observations
+from robotteamsim.learning.act import Act
+from robotteamsim.learning.driven import DrivenControllers, driven_ids
 from robotteamsim.learning.errors import LearningError
-from robotteamsim.learning.observe import Observe, Part
+from robotteamsim.learning.observe import Observe, Part, in_bounds
 from robotteamsim.learning.picture import picture
 from robotteamsim.learning.reward import Reward, SearchReward
 from robotteamsim.mission.status import END_TEXTS, OUT_OF_DANGER
@@ -139,19 +139,16 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         that of the last complete step of the simulation, one before the observations.
         """
         _, record = self._running()
-        (x0, y0), (x1, y1) = self._setup.plan.bounds.min, self._setup.plan.bounds.max
-        low_m, size_m = np.array((x0, y0)), np.array((x1 - x0, y1 - y0))
+        plan = self._setup.plan
         poses = [reading.true_pose for reading in record.readings]
-        places_m = np.array([(pose.x_m, pose.y_m) for pose in poses])
+        places = in_bounds(plan, [(pose.x_m, pose.y_m) for pose in poses])
         yaws_rad = np.array([pose.yaw_rad for pose in poses])
-        team = np.column_stack(
-            (np.ones(len(poses)), 2.0 * (places_m - low_m) / size_m - 1.0, np.cos(yaws_rad), np.sin(yaws_rad))
-        )
+        team = np.column_stack((np.ones(len(poses)), places, np.cos(yaws_rad), np.sin(yaws_rad)))
         team[~record.present] = 0.0
         status = record.mission
         done = np.array([victim in OUT_OF_DANGER for victim in status.victims[: self._num_victims]], float)
         victims_m = np.array([victim.position for victim in record.victims[: self._num_victims]]).reshape(-1, 2)
-        victims = np.column_stack((done, 2.0 * (victims_m - low_m) / size_m - 1.0))
+        victims = np.column_stack((done, in_bounds(plan, victims_m)))
         time = status.time_s / self._setup.scenario.mission.time_limit_s
         parts = (team.ravel(), victims.ravel(), np.array(status.explored, float), (time,))
         return np.clip(np.concatenate(parts), -1.0, 1.0).astype(np.float32)
@@ -165,6 +162,7 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
             raise LearningError(f"seed: {seed!r}; expected a whole number from 0 to {LARGEST_SEED}")
         if seed is not None:
             self._rng = stream(seed, "episodes")
+        self.agents = []
         run_seed = int(self._rng.integers(LARGEST_SEED) if seed is None else seed)
         run = self._scenario.run.model_copy(update={"seed": run_seed})
         self._take(resolve(self._scenario.model_copy(update={"run": run})))
@@ -249,7 +247,7 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
     def _sense(self, simulation: Simulation) -> None:
         self._sensed = simulation.sense()
         inputs = self._sensed.inputs
-        self._perceived = observations(inputs)
+        self._perceived = inputs.observations()
         for i, observe in self._observe.items():
             if inputs.present[i]:
                 observe.note(self._perceived[i], inputs.inboxes[i])
@@ -271,8 +269,4 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         }
 
     def _infos(self) -> Infos:
-        masks = {i: act.mask() for i, act in self._act.items() if isinstance(act, DiscreteAct)}
-        return {
-            agent: {"action_mask": masks[self._ids[agent]]} if self._ids[agent] in masks else {}
-            for agent in self.agents
-        }
+        return {agent: self._act[self._ids[agent]].info() for agent in self.agents}

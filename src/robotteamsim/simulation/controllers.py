@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 
 from robotteamsim.control import Guard, make_controller
-from robotteamsim.interface import Decision, Observation, Task
+from robotteamsim.interface import Controller, Decision, Observation, Task
 from robotteamsim.network.messages import Message
 from robotteamsim.sensing.readings import TeamReadings, VoiceReading
 from robotteamsim.setup import Setup
@@ -32,6 +32,11 @@ class TeamInputs(msgspec.Struct, frozen=True, eq=False):
     present: np.ndarray
     arrivals: Sequence[int]
 
+    def observations(self) -> list[Observation]:
+        """Return what each member of the team perceives."""
+        team = zip(self.readings.robots, self.voices, strict=True)
+        return [Observation(i, self.sim_time_ns, reading, voice) for i, (reading, voice) in enumerate(team)]
+
 
 class Controllers(Protocol):
     """What decides for the team: the controllers in this process, or a shell to controllers elsewhere."""
@@ -42,6 +47,15 @@ class Controllers(Protocol):
 
     def step(self, inputs: TeamInputs) -> tuple[Decision, ...]:
         """Return the decision of each robot in id order; `Decision()` for an absent one."""
+
+
+def decisions_of(controllers: Sequence[Controller], inputs: TeamInputs) -> tuple[Decision, ...]:
+    """Return the decision of each controller in id order; `Decision()` for an absent robot."""
+    team = zip(controllers, inputs.observations(), inputs.inboxes, inputs.present.tolist(), strict=True)
+    return tuple(
+        controller.step(observation, inbox, inputs.task) if is_present else Decision()
+        for controller, observation, inbox, is_present in team
+    )
 
 
 class TeamControllers:
@@ -63,13 +77,7 @@ class TeamControllers:
         """As for all controllers."""
         if inputs.arrivals != self._arrivals:
             self._make_arrived(inputs.arrivals)
-        time_ns, task = inputs.sim_time_ns, inputs.task
-        readings, present = inputs.readings.robots, inputs.present.tolist()
-        team = zip(self.guards, readings, inputs.voices, inputs.inboxes, present, strict=True)
-        return tuple(
-            guard.step(Observation(robot_id, time_ns, reading, voice), inbox, task) if is_present else Decision()
-            for robot_id, (guard, reading, voice, inbox, is_present) in enumerate(team)
-        )
+        return decisions_of(self.guards, inputs)
 
     def _make_arrived(self, arrivals: Sequence[int]) -> None:
         for robot_id, (before, count) in enumerate(zip(self._arrivals, arrivals, strict=True)):

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import Disc, known_map
 from robotteamsim.control.driving.navigation import Navigator
+from robotteamsim.control.driving.own_pose import OwnPose
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.interface import Observation, Task
 from robotteamsim.scenario.building import Doors
@@ -20,7 +21,7 @@ class Driver:
     def __init__(self, robot_id: int, setup: Setup) -> None:
         body, control = setup.robots[robot_id], setup.scenario.control
         self._building, self._reach_m = setup.building, body.reach_m
-        self._map_T_odom = Pose(*body.start_pose) if control.localisation == "odometry" else None
+        self._own_pose = OwnPose(robot_id, setup)
         self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
         self.hot = HotPlaces(setup.scenario.plan, setup.scenario.hot_for_c(robot_id))
         """The hot places that it knows."""
@@ -49,12 +50,8 @@ class Driver:
         return center
 
     def pose(self, observation: Observation) -> Pose:
-        """Return the pose in `map` that the robot uses as its own: the true one, or its known start and its odometry.
-
-        With localisation tf, the nodes of ROS put the pose from tf in place of the true one.
-        """
-        robot = observation.robot
-        return robot.true_pose if self._map_T_odom is None else self._map_T_odom @ robot.odometry.pose.pose
+        """Return the pose in `map` that the robot uses as its own, see `OwnPose`."""
+        return self._own_pose.at(observation)
 
     def way_out(self, position: Vector) -> Vector | None:
         """Return where a robot that heat surrounds leaves to; None if it does not."""

@@ -12,11 +12,10 @@ from robotteamsim.control.driving.known_map import GRID_RESOLUTION_M, KnownMap
 from robotteamsim.control.driving.navigation import laser_layout
 from robotteamsim.control.rdpso.team import Best
 from robotteamsim.network import fiedler_value
-from robotteamsim.propagation import RadioField
-from robotteamsim.scenario.building import Building
+from robotteamsim.propagation import shared_radio_field
 from robotteamsim.scenario.controllers.swarms import RdpsoControl
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.sections import Laser, Radio
+from robotteamsim.scenario.sections import Laser
 from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector, memory_term
@@ -217,7 +216,7 @@ class LinkKeeper:
         at_risk_dbm = max(endangered_dbm, lost_dbm + 1e-9)
         self._endangered_proximity = swarm.robot_proximity_by_signal(at_risk_dbm, lost_dbm, self._reference_dbm)
         needs_field = self._c4 > 0.0 or control.adaptation != "none"
-        self._field = setup.building.shared(_radio_field, scenario.radio.model_dump_json()) if needs_field else None
+        self._field = shared_radio_field(setup.building, scenario.radio) if needs_field else None
 
     def pull(
         self, position: Vector, heard: Mapping[int, Vector], missing: Mapping[int, Vector], c4: float | None = None
@@ -331,8 +330,3 @@ def strongest_tree(strength: np.ndarray) -> list[tuple[int, int]]:
         best[stronger] = strength[node][stronger]
         parent[stronger] = node
     return links
-
-
-def _radio_field(building: Building, radio_json: str) -> RadioField:
-    """Return the radio field that all robots share; its doors must not be changed."""
-    return RadioField(building.plan, Radio.model_validate_json(radio_json))
