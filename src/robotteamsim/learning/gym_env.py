@@ -8,7 +8,8 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
+from gymnasium.spaces import Discrete, MultiDiscrete, Space, Tuple
+from gymnasium.spaces.utils import flatten, flatten_space, unflatten
 
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.team_env import TeamEnv, parallel_env
@@ -34,10 +35,12 @@ class CentralEnv(gymnasium.Env[np.ndarray, Any]):
         """Drive the robots of a team."""
         self.team = team
         self.metadata, self.render_mode = team.metadata, team.render_mode
-        agents = team.possible_agents
-        self._shapes = [team.observation_space(agent).shape or () for agent in agents]
-        self.observation_space: Space[Any] = _joined([team.observation_space(agent) for agent in agents])
-        self.action_space: Space[Any] = _joined([team.action_space(agent) for agent in agents])
+        self._observations = Tuple(map(team.observation_space, team.possible_agents))
+        self._actions = Tuple(map(team.action_space, team.possible_agents))
+        numbers = [space.n for space in self._actions if isinstance(space, Discrete)]
+        self._are_discrete = len(numbers) == len(self._actions)
+        self.observation_space: Space[Any] = flatten_space(self._observations)
+        self.action_space: Space[Any] = MultiDiscrete(numbers) if self._are_discrete else flatten_space(self._actions)
 
     def reset(
         self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
@@ -65,30 +68,17 @@ class CentralEnv(gymnasium.Env[np.ndarray, Any]):
         self.team.close()
 
     def _observation(self, vectors: Mapping[str, np.ndarray]) -> np.ndarray:
-        agents = zip(self.team.possible_agents, self._shapes, strict=True)
-        return np.concatenate([vectors.get(agent, np.zeros(shape, np.float32)) for agent, shape in agents])
+        agents = zip(self.team.possible_agents, self._observations, strict=True)
+        parts = tuple(vectors.get(agent, np.zeros(space.shape or (), space.dtype)) for agent, space in agents)
+        return np.asarray(flatten(self._observations, parts))
 
     def _split(self, action: Any) -> dict[str, Any]:
         """Return the action of each agent. Raises: LearningError: an action of another size."""
-        agents, value = self.team.possible_agents, np.asarray(action)
+        value = np.asarray(action)
         if value.shape != self.action_space.shape:
             raise LearningError(f"action of shape {value.shape}; expected {self.action_space.shape}")
-        if isinstance(self.action_space, MultiDiscrete):
-            return dict(zip(agents, value, strict=True))
-        ends = np.cumsum([(self.team.action_space(agent).shape or ())[0] for agent in agents])[:-1]
-        return dict(zip(agents, np.split(value, ends), strict=True))
-
-
-def _joined(spaces: list[Space[Any]]) -> Space[Any]:
-    """Return the space of several agents, one after the other. Raises: LearningError: neither vectors nor Discrete."""
-    numbers = [space.n for space in spaces if isinstance(space, Discrete)]
-    if len(numbers) == len(spaces):
-        return MultiDiscrete(numbers)
-    boxes = [space for space in spaces if isinstance(space, Box) and len(space.shape) == 1]
-    if len(boxes) < len(spaces):
-        raise LearningError(f"spaces {', '.join(map(str, spaces))}; expected vectors, or Discrete in all")
-    low, high = (np.concatenate([getattr(box, end) for box in boxes]) for end in ("low", "high"))
-    return Box(low, high, dtype=np.float32)
+        parts = value if self._are_discrete else unflatten(self._actions, value)
+        return dict(zip(self.team.possible_agents, parts, strict=True))
 
 
 def register() -> None:
