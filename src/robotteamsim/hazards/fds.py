@@ -97,33 +97,29 @@ class _Samples:
         rows, cols = cells.states.shape
         x = cells.origin_m[0] + cells.resolution_m * (np.arange(cols) + 0.5)
         y = cells.origin_m[1] + cells.resolution_m * (np.arange(rows) + 0.5)
-        self._values = np.full((len(self._times_s), rows, cols), outside, dtype=np.float32)
+        self.values = np.full((len(self._times_s), rows, cols), outside, dtype=np.float32)
+        """Of all times, float32, shape (times, rows, cols)."""
         for part in found.subslices:
             points = part.get_coordinates()
             covered_x, near_x = _nearest(points["x"], x)
             covered_y, near_y = _nearest(points["y"], y)
             data = np.asarray(part.data)  # by time, x and y
             picked = data[:, near_x[covered_x]][:, :, near_y[covered_y]]
-            self._values[np.ix_(np.arange(len(data)), covered_y, covered_x)] = picked.transpose(0, 2, 1)
+            self.values[np.ix_(np.arange(len(data)), covered_y, covered_x)] = picked.transpose(0, 2, 1)
         if not len(self._times_s):
             raise ValueError("there are no times yet")
         if not np.isfinite(self._times_s).all():
             raise ValueError("a time is not finite")
 
-    @property
-    def values(self) -> np.ndarray:
-        """The values of all times, float32, shape (times, rows, cols)."""
-        return self._values
-
     def at(self, time_s: float) -> np.ndarray:
         """Return the values at a time, float64, shape (rows, cols)."""
         after = int(np.searchsorted(self._times_s, time_s, side="right"))
         if after == 0 or after == len(self._times_s):
-            nearest: np.ndarray = self._values[min(after, len(self._times_s) - 1)].astype(np.float64)
+            nearest: np.ndarray = self.values[min(after, len(self._times_s) - 1)].astype(np.float64)
             return nearest
         begin_s, end_s = self._times_s[after - 1 : after + 1]
         fraction = (time_s - begin_s) / (end_s - begin_s)
-        before, now = self._values[after - 1].astype(np.float64), self._values[after].astype(np.float64)
+        before, now = self.values[after - 1].astype(np.float64), self.values[after].astype(np.float64)
         # Where both are infinite, as the visibility outside the slice, their difference is not a number.
         values: np.ndarray = np.where(before == now, before, before + fraction * (now - before))
         return values

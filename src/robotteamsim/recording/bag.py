@@ -28,7 +28,7 @@ class BagTopic(NamedTuple):
     latched: bool
 
 
-def check_number(path: Path, setup: Setup) -> None:
+def check_size(path: Path, setup: Setup) -> None:
     """Raises: RecordingError: the team has too many topics for a file."""
     if len(setup.robots) > MOST_ROBOTS:
         text = f"{len(setup.robots)} robots have too many topics for one file; expected at most {MOST_ROBOTS}"

@@ -9,7 +9,7 @@ from typing import Any
 from rosbags.rosbag1 import Writer
 
 from robotteamsim.errors import RecordingError
-from robotteamsim.recording.bag import BagMessages, BagTopic, check_number
+from robotteamsim.recording.bag import BagMessages, BagTopic, check_size
 from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.recording.files import cannot_write, check_replaceable, make_folder, remove_empty
 from robotteamsim.setup import Setup
@@ -72,7 +72,7 @@ class BagWriter:
         self._make = BagTypes()
         self._contents = BagMessages(setup, self._make)
         try:
-            check_number(self._path, setup)
+            check_size(self._path, setup)
             check_replaceable(self._path)
             self._created = make_folder(self._path.parent)
             self._active.unlink(missing_ok=True)

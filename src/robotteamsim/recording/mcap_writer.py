@@ -8,7 +8,7 @@ from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, Qo
 from rosbags.rosbag2 import StoragePlugin, Writer
 
 from robotteamsim.errors import RecordingError
-from robotteamsim.recording.bag import BagMessages, BagTopic, check_number
+from robotteamsim.recording.bag import BagMessages, BagTopic, check_size
 from robotteamsim.recording.bag_types import Ros2Types
 from robotteamsim.recording.files import cannot_write, check_replaceable, make_folder, remove_empty
 from robotteamsim.setup import Setup
@@ -44,7 +44,7 @@ class McapWriter:
         self._contents = BagMessages(setup, self._make)
         self._steps = 0
         try:
-            check_number(self._path, setup)
+            check_size(self._path, setup)
             check_replaceable(self._path)
             self._created = make_folder(self._path.parent)
             self._remove_folder()
