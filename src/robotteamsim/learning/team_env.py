@@ -15,7 +15,6 @@ from robotteamsim.learning.act import Act
 from robotteamsim.learning.driven import DrivenControllers, driven_ids
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.observe import Observe, Part, in_bounds
-from robotteamsim.learning.picture import picture
 from robotteamsim.learning.reward import Reward, SearchReward
 from robotteamsim.mission.status import END_TEXTS, OUT_OF_DANGER
 from robotteamsim.rng import stream
@@ -224,6 +223,8 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         """Return the mission as a picture, uint8, shape (rows, columns, 3); None without a render mode."""
         if self.render_mode is None:
             return None
+        from robotteamsim.learning.picture import picture  # late, because only pictures need Matplotlib
+
         _, record = self._running()
         return picture(self._setup, record)
 

@@ -13,7 +13,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[3]
 
 OF_EXTRAS = ("PIL", "cv2", "dask", "distributed", "ezdxf", "imageio_ffmpeg", "jinja2", "matplotlib", "mujoco")
-OF_EXTRAS += ("pandas", "scipy", "statsmodels", "tornado")
+OF_EXTRAS += ("gymnasium", "pandas", "pettingzoo", "scipy", "statsmodels", "tornado")
 
 CORE_ONLY = f"""
 import sys
@@ -81,6 +81,15 @@ def test_missing_package_of_an_extra_is_one_line_with_the_command_to_install_it(
     line = rf"robotteamsim: this needs the Python package \w+, which is not installed: {remedy}\n"
     assert "Traceback" not in done.stderr
     assert re.fullmatch(line, done.stderr.splitlines(keepends=True)[-1])
+
+
+@pytest.mark.slow
+def test_policy_without_its_extra_is_one_line_with_the_command_to_install_it(folder: Path) -> None:
+    done = run(folder, "run", "tutorial_arena", "--set", "control.algorithm=robotteamsim.learning:PolicyController")
+    remedy = "`pip install 'robotteamsim[learning]'`, or `make setup` in a clone of the repository"
+    needs = f"this needs the Python package gymnasium, which is not installed: {remedy}"
+    line = f"tutorial_arena: control.algorithm: 'robotteamsim.learning:PolicyController': {needs}"
+    assert (done.returncode, done.stderr) == (2, f"robotteamsim: {line}\n")
 
 
 def test_named_extras_exist() -> None:

@@ -9,6 +9,7 @@ from robotteamsim.control.people.dispatch import DispatchController
 from robotteamsim.control.people.firefighter import FirefighterController
 from robotteamsim.control.runtime.base_station import StandingBase, controls_base, with_base
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
+from robotteamsim.extras import missing_extra
 from robotteamsim.interface import Controller
 from robotteamsim.scenario.controllers import ALGORITHMS
 from robotteamsim.scenario.scenario import Scenario
@@ -104,8 +105,8 @@ def _loaded(name: str, point: EntryPoint) -> MakeController:
         importlib.invalidate_caches()
         found = point.load()
     except ModuleNotFoundError as error:
-        missing = f"ModuleNotFoundError: {error}; is its folder in PYTHONPATH?"
-        raise _NotFoundError(f"'{name}': {missing}") from None
+        reason = missing_extra(error) or f"ModuleNotFoundError: {error}; is its folder in PYTHONPATH?"
+        raise _NotFoundError(f"'{name}': {reason}") from None
     except Exception as error:  # Any error in the user's module is reported in one line.
         raise _NotFoundError(f"'{name}': {type(error).__name__}: {error}") from None
     if not callable(found):
