@@ -146,25 +146,33 @@ def _gaps_among(lengths: np.ndarray, cells: np.ndarray, corner: tuple[int, int],
     """Yield the gaps along x of each width. Args: lengths: of connected short runs, from a corner of the cells on."""
     import cv2
 
-    reach = max(round(_LEAST_END * sizes.least), 1)
     most = min(sizes.most, lengths.shape[1])
     for width_cells in range(math.ceil(min(sizes.least, most + 1)), math.floor(most) + 1):
         narrower = ((lengths > 0) & (lengths <= width_cells)).astype(np.uint8)
         _, _, statistics, _ = cv2.connectedComponentsWithStats(narrower, connectivity=4)
         for x, y, width, depth, area in statistics[1:].tolist():
-            column, row = corner[0] + x, corner[1] + y
-            right, top = column + width, row + depth
-            if width != width_cells or area < _LEAST_CLEAR * width * depth:
-                continue
-            if depth > sizes.deepest or row == 0 or top == len(cells):
-                continue
-            jambs = min(cells[row:top, column - 1].mean(), cells[row:top, right].mean())
-            beside = max(cells[row - 1, column:right].mean(), cells[top, column:right].mean())
-            if jambs < _LEAST_JAMB or beside > 1.0 - _LEAST_OPEN:
-                continue
-            ends = slice(max(column - reach, 0), column), slice(right, right + reach)
-            corners = [
-                cells[side, end].mean() for side in (max(row - 3, 0), min(top + 2, len(cells) - 1)) for end in ends
-            ]
-            if min(corners) <= 1.0 - _LEAST_OPEN:
-                yield Gap(column, row, width, depth, along_x=True)
+            gap = Gap(corner[0] + x, corner[1] + y, width, depth, along_x=True)
+            is_clear = width == width_cells and area >= _LEAST_CLEAR * width * depth
+            if (
+                is_clear
+                and depth <= sizes.deepest
+                and _is_in_a_wall(gap, cells, max(round(_LEAST_END * sizes.least), 1))
+            ):
+                yield gap
+
+
+def _is_in_a_wall(gap: Gap, cells: np.ndarray, reach: int) -> bool:
+    """Whether a gap along x has solid ends, is open on both sides, and one of its ends stands out from a wall.
+
+    Args: reach: so far beside the gap, the cells past an end that stands out are open.
+    """
+    left, right, low, top = gap.column, gap.column + gap.columns, gap.row, gap.row + gap.rows
+    if low == 0 or top == len(cells):
+        return False
+    jambs = min(cells[low:top, left - 1].mean(), cells[low:top, right].mean())
+    beside = max(cells[low - 1, left:right].mean(), cells[top, left:right].mean())
+    # Two cells away, because ends that are drawn by hand are round.
+    sides = max(low - 3, 0), min(top + 2, len(cells) - 1)
+    ends = slice(max(left - reach, 0), left), slice(right, right + reach)
+    past = min(cells[side, end].mean() for side in sides for end in ends)
+    return bool(jambs >= _LEAST_JAMB and max(beside, past) <= 1.0 - _LEAST_OPEN)
