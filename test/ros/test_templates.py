@@ -51,6 +51,29 @@ print("backs away at", commands[-1])
 """
 
 
+WATCH = """
+import rospy
+from geometry_msgs.msg import Twist
+
+rospy.init_node("watcher", disable_rostime=True)
+print("drives at", rospy.wait_for_message("/robot_0/cmd_vel", Twist, timeout=120.0).linear.x)
+"""
+
+
+def test_new_package_is_built_and_started_by_catkin(tmp_path):
+    (tmp_path / "ws" / "src").mkdir(parents=True)
+    new = "cd ws/src && robotteamsim new package wanderer && cd .. && catkin_make -DPYTHON_EXECUTABLE=/usr/bin/python3"
+    done = subprocess.run(("bash", "-c", new), cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    (tmp_path / "watch.py").write_text(WATCH)
+    start = "source ws/devel/setup.bash && exec roslaunch -p ${ROS_MASTER_URI##*:} wanderer wanderer.launch"
+    with running(("bash", "-c", start), tmp_path) as program:
+        program.wait_for(lambda line: "process[robot_0/wanderer" in line, "the start of the node")
+        with running((sys.executable, "watch.py"), tmp_path, program.port) as watcher:
+            assert watcher.wait() == 0, watcher.output + program.output
+    assert "drives at 0.4" in watcher.output
+
+
 @pytest.fixture(scope="module")
 def cpp_driver(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder in which the C++ template is built."""

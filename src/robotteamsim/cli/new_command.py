@@ -16,17 +16,30 @@ _EPILOG = """\
 examples:
   robotteamsim new scenario house          house.yaml and house_plan.yaml
   robotteamsim new controller wanderer     wanderer.py with the class Wanderer
-  robotteamsim new package wanderer        wanderer/ with pyproject.toml and wanderer.py, for pip install"""
+  robotteamsim new package wanderer        wanderer/ with wanderer.py for pip install, and my_node.py for catkin_make"""
 
 _FILES = {
-    "scenario": ("scenario/my_scenario.yaml", "scenario/my_scenario_plan.yaml"),
-    "controller": ("controller/my_controller.py",),
-    "package": ("controller/pyproject.toml", "controller/my_controller.py"),
+    "scenario": {
+        "scenario/my_scenario.yaml": "my_scenario.yaml",
+        "scenario/my_scenario_plan.yaml": "my_scenario_plan.yaml",
+    },
+    "controller": {"controller/my_controller.py": "my_controller.py"},
+    "package": {
+        "controller/pyproject.toml": "my_controller/pyproject.toml",
+        "controller/my_controller.py": "my_controller/my_controller.py",
+        "controller/my_node.py": "my_controller/my_node.py",
+        "package/package.xml": "my_controller/package.xml",
+        "package/CMakeLists.txt": "my_controller/CMakeLists.txt",
+        "package/launch/my_controller.launch": "my_controller/launch/my_controller.launch",
+    },
 }
+"""Templates by kind, and the names of the files that are made of them."""
 _NEXT = {
     "scenario": "robotteamsim run {name}.yaml",
     "controller": "PYTHONPATH=$PWD:$PYTHONPATH robotteamsim run tutorial_arena --set control.algorithm={name}:{title}",
-    "package": "pip install ./{name} && robotteamsim run tutorial_arena --set control.algorithm={name}",
+    "package": "pip install ./{name} && robotteamsim run tutorial_arena --set control.algorithm={name}\n"
+    "or, with {name}/ in the src/ of a catkin workspace: catkin_make && source devel/setup.bash && "
+    "roslaunch {name} {name}.launch",
 }
 
 
@@ -50,21 +63,21 @@ def run(options: argparse.Namespace) -> None:
         keyword.iskeyword(name) or keyword.iskeyword(title) or name in ALGORITHMS or find_spec(name) is not None
     ):
         raise UsageError(f"NAME: '{name}' is the name of something else in Python or robotteamsim; expected a new name")
-    folder = Path(name) if options.kind == "package" else Path()
-    texts = {folder / _renamed(Path(file).name, name, title): _template(file) for file in _FILES[options.kind]}
-    for path in (Path(name) if options.kind == "package" else path for path in texts):
+    templates = {Path(_renamed(path, name, title)): _template(file) for file, path in _FILES[options.kind].items()}
+    for path in dict.fromkeys(Path(path.parts[0]) for path in templates):
         if path.exists() or path.is_symlink():
             raise UsageError(f"{path}: exists already; expected a new name")
-    make_folder(folder)
-    for path, text in texts.items():
-        write_atomically(path, _renamed(text, name, title))
+    for path, template in templates.items():
+        make_folder(path.parent)
+        write_atomically(path, _renamed(template.read_text(encoding="utf-8"), name, title))
+        path.chmod(template.stat().st_mode & 0o777)  # nodes can be executed
         print(path)
     print(f"next: {_NEXT[options.kind].format(name=name, title=title)}")
 
 
-def _template(file: str) -> str:
+def _template(file: str) -> Path:
     (first, *_) = (root for root in share_roots() if (root / "templates" / file).is_file())
-    return (first / "templates" / file).read_text(encoding="utf-8")
+    return first / "templates" / file
 
 
 def _renamed(text: str, name: str, title: str) -> str:

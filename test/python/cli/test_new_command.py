@@ -6,6 +6,7 @@ import os
 import sys
 import tomllib
 from pathlib import Path
+from xml.etree.ElementTree import parse
 
 import pytest
 
@@ -52,8 +53,23 @@ def test_new_package_registers_its_controller_by_name(name, title):
     assert project["name"] == name.replace("_", "-")
     assert project["entry-points"]["robotteamsim.controllers"] == {name: f"{name}:{title}"}
     assert os.listdir() == [name]
-    assert sorted(os.listdir(name)) == sorted(["pyproject.toml", f"{name}.py"])
     assert f"class {title}" in Path(name, f"{name}.py").read_text()
+
+
+def test_new_package_is_a_catkin_package_too():
+    """test/ros/test_templates.py builds and starts it."""
+    assert main(["new", "package", "wall_walker"]) == 0
+    files = {str(path.relative_to("wall_walker")) for path in Path("wall_walker").rglob("*") if path.is_file()}
+    assert files == {
+        "pyproject.toml",
+        "wall_walker.py",
+        "package.xml",
+        "CMakeLists.txt",
+        "my_node.py",
+        "launch/wall_walker.launch",
+    }
+    assert parse(Path("wall_walker", "package.xml")).findtext("name") == "wall_walker"
+    assert os.access(Path("wall_walker", "my_node.py"), os.X_OK)
 
 
 @pytest.mark.parametrize(
