@@ -20,6 +20,9 @@ class Make(Protocol):
     def time(self, time_ns: int) -> Any:
         """Return the stamp of a time [ns]."""
 
+    def duration(self, duration_ns: int) -> Any:
+        """Return a duration [ns]."""
+
 
 def robot_name(robot_id: int) -> str:
     """Return the namespace and frame prefix of a robot: robot_0."""

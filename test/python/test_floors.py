@@ -30,12 +30,15 @@ FLOORS = (
     ("campaign",),
     ("analysis",),
     ("view",),
-    ("node_parts",),
-    ("cli", "learning", "notebook", "ros"),
+    ("nodes",),
+    ("cli", "learning", "notebook", "ros", "ros2"),
 )
 FLOOR_OF = {part: floor for floor, parts in enumerate(FLOORS) for part in parts}
 
-ROS = re.compile(r"(rospy|roslib|roslaunch|rosgraph|rospkg|rosbag|genpy|tf|tf2_ros|\w+_(msgs|srvs))(\.|$)")
+SHELLS = ("ros", "ros2")
+ROS = re.compile(
+    r"(rclpy|rcl_interfaces|rospy|roslib|roslaunch|rosgraph|rospkg|rosbag|genpy|tf|tf2_ros|\w+_(msgs|srvs))(\.|$)"
+)
 ROS_MESSAGES = re.compile(r"robotteamsim\.(msg|srv|_ros_publisher)(\.|$)")
 NOT_OF_THE_LIBRARY = re.compile(r"(ros/|pybind11|nanobind|Python\.h|numpy/|\w+_msgs/)")
 
@@ -140,12 +143,12 @@ def test_cpp_library_knows_neither_ros_nor_python():
 
 
 @pytest.mark.slow
-def test_ros_is_imported_only_in_the_ros_shell():
+def test_ros_is_imported_only_in_its_shells():
     offenders = [
         f"{path.relative_to(ROOT)} imports {name}"
         for path in PYTHON_FILES
         for name in imports(path)
-        if part_of(path) != "ros" and (ROS.match(name) or ROS_MESSAGES.match(name))
+        if part_of(path) not in SHELLS and (ROS.match(name) or ROS_MESSAGES.match(name))
     ]
     assert offenders == []
 
@@ -169,11 +172,11 @@ def test_nothing_is_random_but_by_the_named_streams_of_a_seed():
 
 
 @pytest.mark.slow
-def test_every_module_below_the_ros_shell_imports_without_ros():
+def test_every_module_below_the_shells_of_ros_imports_without_ros():
     names = [
         ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__")
         for path in PYTHON_FILES
-        if part_of(path) != "ros" and path.name != "__main__.py"
+        if part_of(path) not in SHELLS and path.name != "__main__.py"
     ]
     code = (
         "import importlib, sys; sys.modules['rospy'] = None; [importlib.import_module(name) for name in sys.argv[1:]]"

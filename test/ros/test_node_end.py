@@ -23,7 +23,7 @@ import sys
 from std_msgs.msg import String
 from robotteamsim.ros.node import on_shutdown, run
 from robotteamsim.ros.topics import RoscppOutput
-from robotteamsim.node_parts.steps import Steps
+from robotteamsim.nodes.steps import Steps
 
 def serve():
     words = RoscppOutput("/words", String, latched=True)

@@ -4,6 +4,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
@@ -20,6 +21,7 @@ class BagTypes:
         self.typestore = bag_typestore() if typestore is None else typestore
         self._classes = {name.replace("/msg/", "/"): cls for name, cls in self.typestore.types.items()}
         self._time = self._classes["builtin_interfaces/Time"]
+        self._duration = self._classes["builtin_interfaces/Duration"]
 
     def __call__(self, type_name: str, /, **attributes: Any) -> Any:
         """Return a message of a type such as "nav_msgs/Odometry"."""
@@ -29,9 +31,13 @@ class BagTypes:
         """Return the stamp of a time [ns]."""
         return self._time(*divmod(time_ns, 10**9))
 
+    def duration(self, duration_ns: int) -> Any:
+        """Return a duration [ns]."""
+        return self._duration(*divmod(duration_ns, 10**9))
+
 
 class Ros2Types(BagTypes):
-    """Builds messages of ROS 2, for MCAP files."""
+    """Builds messages of ROS 2, for MCAP files and nodes."""
 
     def __init__(self) -> None:
         super().__init__(bag_typestore(Stores.ROS2_HUMBLE))
@@ -42,6 +48,11 @@ class Ros2Types(BagTypes):
             del attributes["seq"]
         if type_name == "sensor_msgs/CameraInfo":  # ROS 1 writes its matrices with capitals
             attributes = {name.lower(): value for name, value in attributes.items()}
+        if type_name == "visualization_msgs/Marker":  # in ROS 2 it may have a texture, and the file of its mesh
+            no_data = np.zeros(0, np.uint8)
+            texture = self("sensor_msgs/CompressedImage", header=attributes["header"], format="", data=no_data)
+            mesh = self("visualization_msgs/MeshFile", filename="", data=no_data)
+            attributes |= {"texture_resource": "", "texture": texture, "uv_coordinates": [], "mesh_file": mesh}
         return super().__call__(type_name, **attributes)
 
 

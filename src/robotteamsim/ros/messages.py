@@ -11,11 +11,15 @@ import rosgraph_msgs.msg
 import sensor_msgs.msg
 import std_msgs.msg
 import tf2_msgs.msg
-from genpy import Time
+import visualization_msgs.msg
+from genpy import Duration, Time
 
 import robotteamsim.msg
 
-_PACKAGES = (std_msgs, geometry_msgs, nav_msgs, sensor_msgs, tf2_msgs, rosgraph_msgs, robotteamsim)
+_PACKAGES = (std_msgs, geometry_msgs, nav_msgs, sensor_msgs, tf2_msgs, rosgraph_msgs, visualization_msgs, robotteamsim)
+
+_LATEST_S = 2**32
+"""A header has 32 bits for the seconds."""
 
 
 class RosTypes:
@@ -39,8 +43,22 @@ class RosTypes:
         """Return the stamp of a time [ns]."""
         return Time(*divmod(time_ns, 10**9))
 
+    def duration(self, duration_ns: int) -> Duration:
+        """Return a duration [ns]."""
+        return Duration(*divmod(duration_ns, 10**9))
+
     def message_class(self, type_name: str) -> Any:
         """Return the class of a type such as "nav_msgs/Odometry"."""
         package_name, class_name = type_name.split("/")
         package = next(package for package in _PACKAGES if package.__name__ == package_name)
         return self._classes.setdefault(type_name, getattr(package.msg, class_name))
+
+
+def stamp_ns(message: Any) -> int:
+    """Return the stamp of a message [ns], 0 without a header. Raises: ValueError: an answer could not have it."""
+    if not hasattr(message, "header"):
+        return 0
+    stamp = message.header.stamp
+    if stamp.secs + 1 >= _LATEST_S:
+        raise ValueError(f"stamp: {stamp.secs} s; expected below 2^32 s")
+    return int(stamp.secs * 10**9 + stamp.nsecs)

@@ -1,20 +1,17 @@
 """Start, log, parameters and end of a node."""
 
-import contextlib
 import logging
 import signal
 import sys
 import threading
-from collections import deque
 from collections.abc import Callable
 from typing import Any
 
 import rosgraph
 import rospy
 
-from robotteamsim.errors import RobotTeamSimError
-from robotteamsim.extras import missing_extra
-from robotteamsim.ros.launched import ParameterError
+from robotteamsim.nodes.node import ParameterError
+from robotteamsim.nodes.shutdown import Shutdown
 
 MASTER_PERIOD_S = 0.2
 """Interval of checks whether the master has started [s, wall]."""
@@ -36,20 +33,12 @@ __all__ = [
 logger = logging.getLogger(__name__)
 
 
-class _Shutdown:
-    """Whether the node should stop, and what to close then."""
+class _Shutdown(Shutdown):
+    """The end of a node of rospy."""
 
     def __init__(self) -> None:
-        self._begun = threading.Event()
+        super().__init__()
         self._unregistering = threading.current_thread()
-        self._to_close: deque[Callable[[], None]] = deque()
-
-    def begin(self) -> None:
-        """Close everything; from any thread, and from a signal handler."""
-        self._begun.set()
-        with contextlib.suppress(IndexError):
-            while True:
-                self._to_close.popleft()()
 
     def begin_by_rospy(self) -> None:
         """Close everything; in this thread, often one of its own, rospy unregisters the node next."""
@@ -60,16 +49,6 @@ class _Shutdown:
         """Wait until the node is unregistered; the end of the process would stop that."""
         if self._unregistering is not threading.current_thread():
             self._unregistering.join(UNREGISTER_TIMEOUT_S)
-
-    def wait(self, timeout_s: float) -> bool:
-        """Wait until the node is shut down, with a timeout [s, wall]; return whether it was."""
-        return self._begun.wait(timeout_s)
-
-    def call(self, close: Callable[[], None]) -> None:
-        """Register a callback for the shutdown; it must not block, because a signal handler may call it."""
-        self._to_close.append(close)
-        if self._begun.is_set():
-            self.begin()
 
 
 _shutdown = _Shutdown()
@@ -87,17 +66,8 @@ def run(name: str, serve: Callable[[], None]) -> None:
     rospy.on_shutdown(_shutdown.begin_by_rospy)
     _forward_logging()
     try:
-        serve()
-    except RobotTeamSimError as error:
-        if is_running():
-            logger.critical("%s", error)
-        sys.exit(2)
-    except ModuleNotFoundError as error:
-        line = missing_extra(error)
-        if line is None:
-            raise
-        logger.critical("%s", line)
-        sys.exit(1)
+        with _shutdown.after_mistakes():
+            serve()
     finally:
         _shutdown.begin()
         rospy.signal_shutdown("the node is done")

@@ -2,15 +2,13 @@
 
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 from xmlrpc.client import ServerProxy
 
 import rosgraph
 import rospy
 
-from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS
-from robotteamsim.ros.settings import Settings
 from robotteamsim.ros.topics import publishing_node
 
 logger = logging.getLogger(__name__)
@@ -24,16 +22,7 @@ Connections = frozenset[tuple[str, str]]
 """Pairs of subscriber and topic."""
 
 
-def recorded_topics(settings: Settings) -> list[str]:
-    """Return the topics of a bag. They are listed, because rosbag takes seconds to discover them."""
-    names = ["/tf_static", *(topic.name for topic in TEAM_TOPICS)]
-    for robot_id, robot in enumerate(settings.setup.robots):
-        names += [settings.robot_topic(robot_id, topic.name) for topic in ROBOT_TOPICS if topic.in_bags]
-        names += [settings.robot_topic(robot_id, name) for sensor in robot.sensors for name in sensor.topics]
-    return names
-
-
-def wait_for_subscribers(recorded: list[str], timeout_s: float, sleep: Callable[[float], object]) -> None:
+def wait_for_subscribers(recorded: Sequence[str], timeout_s: float, sleep: Callable[[float], object]) -> None:
     """Wait until the recorder receives what this node publishes, and nobody else subscribes any more.
 
     On a busy machine, a recorder may pause before it has connected to all topics, so they are counted. Other nodes that
@@ -60,7 +49,7 @@ def _connections() -> Connections:
     return frozenset((link[1], link[4]) for link in links if link[2] == "o")
 
 
-def _missing(recorded: list[str], connected: Connections) -> list[str]:
+def _missing(recorded: Sequence[str], connected: Connections) -> list[str]:
     """Return the topics that the recorder does not receive yet."""
     if not recorded:
         return []

@@ -3,8 +3,8 @@ from __future__ import annotations
 import pytest
 
 from robotteamsim.geometry import Twist
-from robotteamsim.ros import answers
-from robotteamsim.ros.answers import STOP, CommandsByTopic
+from robotteamsim.nodes import answers
+from robotteamsim.nodes.answers import STOP, CommandsByTopic
 from robotteamsim.scenario.sections import PlacedRobot
 
 FORWARD, TURN = Twist(0.5), Twist(0.0, 0.0, 0.3)
@@ -19,9 +19,9 @@ class Team:
         self._receivers = {}
         monkeypatch.setattr(answers, "Input", self)
         robots = [PlacedRobot(start_pose=(0.0, 0.0, 0.0), cmd_vel_hold_s=hold_s) for hold_s in (800e-9, 100e-9)]
-        self.commands = CommandsByTopic(self, robots)
+        self.commands = CommandsByTopic(None, self, robots)
 
-    def of(self, _, settings, robot_id):
+    def of(self, _, __, ___, robot_id):
         self._robot_id = robot_id
         return self
 

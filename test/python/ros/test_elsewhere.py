@@ -12,9 +12,10 @@ import rospy
 from nav_msgs.msg import Odometry
 
 from robotteamsim.geometry import PoseReading
-from robotteamsim.ros import elsewhere
-from robotteamsim.ros.elsewhere import RobotsElsewhere, SensorsElsewhere
-from robotteamsim.ros.settings import Settings
+from robotteamsim.nodes import elsewhere
+from robotteamsim.nodes.elsewhere import RobotsElsewhere, SensorsElsewhere
+from robotteamsim.nodes.settings import Settings
+from robotteamsim.ros.ros1 import Ros1Node
 from robotteamsim.scenario import load
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.setup import resolve
@@ -48,7 +49,7 @@ def test_removed_robot_is_absent_wherever_it_lies():
 
 def test_steps_go_on_when_no_robot_is_left_so_that_the_mission_ends(monkeypatch):
     monkeypatch.setattr(rospy, "Subscriber", lambda *_, **__: None)
-    robots = RobotsElsewhere(Settings(load("garage_sar", ["robots.count=2"]), elsewhere=(0, 1)))
+    robots = RobotsElsewhere(Ros1Node(), Settings(load("garage_sar", ["robots.count=2"]), elsewhere=(0, 1)))
     stamps_ns = [robots.wait(lambda _: False) for _ in range(3)]
     assert stamps_ns == [0, 100_000_000, 200_000_000]
 
@@ -80,7 +81,7 @@ def send(monkeypatch):
 )
 def test_each_step_of_the_other_world_is_taken_once_and_those_left_out_are_counted(send, monkeypatch, sent_ms, skipped):
     monkeypatch.setattr(elsewhere, "CHECK_PERIOD_S", 0.01)
-    robots = RobotsElsewhere(Settings(load("garage_sar", ["robots.count=1"]), elsewhere=(0,)))
+    robots = RobotsElsewhere(Ros1Node(), Settings(load("garage_sar", ["robots.count=1"]), elsewhere=(0,)))
 
     def take(time_ms):
         """Wait for a step whose message comes during the wait."""

@@ -34,8 +34,7 @@ from robotteamsim.mission.status import MissionStatus as Status
 from robotteamsim.network.messages import Message
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.topics import base, decisions, mission, radio, robots, world
-from robotteamsim.ros.inputs import stamp_ns
-from robotteamsim.ros.messages import RosTypes
+from robotteamsim.ros.messages import RosTypes, stamp_ns
 from robotteamsim.ros.topics import read
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import Area, Laser, Victim

@@ -1,9 +1,9 @@
 """What `record:=true` records."""
 
+from robotteamsim.nodes.recorded import recorded_topics
+from robotteamsim.nodes.settings import Settings
 from robotteamsim.recording.bag import BagMessages
 from robotteamsim.recording.bag_types import BagTypes
-from robotteamsim.ros.settings import Settings
-from robotteamsim.ros.subscriptions import recorded_topics
 from robotteamsim.scenario import load
 from robotteamsim.setup import resolve
 

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.nodes.inputs import RobotInputs
+from robotteamsim.nodes.settings import Settings
 from robotteamsim.recording.topics import robots
-from robotteamsim.ros.inputs import RobotInputs
 from robotteamsim.ros.messages import RosTypes
-from robotteamsim.ros.settings import Settings
+from robotteamsim.ros.ros1 import Ros1Node
 from robotteamsim.ros.topics import read
 from robotteamsim.scenario import load
 from robotteamsim.sensing.readings import OdometryReading
@@ -36,7 +37,7 @@ def course():
     team = resolve(scenario).robots
     world = World(scenario.plan, team, scenario.run)
     sensors = RobotSensors(world, team, 3)
-    inputs = RobotInputs(Settings(scenario), 0)
+    inputs = RobotInputs(Ros1Node(), Settings(scenario), 0)
     steps = []
     for _ in range(24):
         world.step([Twist(0.3, 0.0, 0.2)])
@@ -105,6 +106,6 @@ def test_robot_without_truth_or_contact_has_its_odometry(course):
 
 def test_robot_without_additional_sensors_needs_no_topics():
     scenario = load("tutorial_arena")
-    inputs = RobotInputs(Settings(scenario), 0)
+    inputs = RobotInputs(Ros1Node(), Settings(scenario), 0)
     assert inputs.additional == []
     assert inputs.reading({inputs.odometry.topic: STILL}).sensors == {}

@@ -7,10 +7,12 @@ import pytest
 import rospy
 
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
-from robotteamsim.ros import settings
-from robotteamsim.ros.node import ParameterError, parameter
-from robotteamsim.ros.settings import read_seed, read_settings
+from robotteamsim.nodes.node import ParameterError
+from robotteamsim.nodes.settings import read_seed, read_settings
+from robotteamsim.ros.node import parameter
+from robotteamsim.ros.ros1 import Ros1Node
 
+NODE = Ros1Node()
 TF = "control.localisation=tf"
 ALONE = {"robots": 1, "controllers": "false", "mission": False, "prefix": False}
 """Names without a prefix, in a world that runs alone."""
@@ -22,7 +24,7 @@ def parameters(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     values: dict[str, Any] = {"/robotteamsim/scenario": "garage_sar"}
     monkeypatch.setattr(rospy, "get_param", values.get)
     monkeypatch.setattr(rospy, "resolve_name", lambda name: name.replace("~", "/node/"))
-    monkeypatch.setattr(settings, "wait_for_shutdown", lambda _: True)
+    monkeypatch.setattr(Ros1Node, "wait_for_shutdown", staticmethod(lambda _: True))
     return values
 
 
@@ -56,7 +58,7 @@ def test_settings_follow_the_parameters(parameters):
         "/robotteamsim/lockstep": True,
         "/robotteamsim/teleop": 1,
     }
-    read = read_settings()
+    read = read_settings(NODE)
     assert (read.scenario.run.seed, read.scenario.voice.noise_db) == (7, 20.0)
     assert (read.num_robots, read.lockstep, read.step_ns) == (5, True, 100_000_000)
     assert [read.is_driven_by_hand(robot_id) for robot_id in range(5)] == [False, True, False, False, False]
@@ -64,16 +66,16 @@ def test_settings_follow_the_parameters(parameters):
 
 def test_names_without_a_prefix_are_for_a_single_robot_of_the_world_alone(parameters):
     parameters |= {f"/robotteamsim/{name}": value for name, value in ALONE.items()}
-    assert not read_settings().prefix
+    assert not read_settings(NODE).prefix
 
 
 def test_seed_of_a_reset_reaches_the_nodes_that_start_again(parameters):
     parameters["/robotteamsim/set"] = "run.seed=7 run.step_s=0.05"
-    read = read_settings()
-    assert read_seed(read) == read
+    read = read_settings(NODE)
+    assert read_seed(NODE, read) == read
     parameters["/robotteamsim/seed"] = str(2**40)
-    assert read_seed(read).scenario.run.seed == read_settings().scenario.run.seed == 2**40
-    assert read_seed(read).with_seed(7) == read
+    assert read_seed(NODE, read).scenario.run.seed == read_settings(NODE).scenario.run.seed == 2**40
+    assert read_seed(NODE, read).with_seed(7) == read
 
 
 @pytest.mark.parametrize(
@@ -92,7 +94,7 @@ def test_controllers_are_nodes_or_not_and_without_them_every_robot_is_driven_by_
     parameters, hosted, meant, nodes
 ):
     parameters["/robotteamsim/controllers"] = hosted
-    read = read_settings()
+    read = read_settings(NODE)
     assert (read.controllers, len(read.controlled)) == (meant, nodes)
     assert read.is_driven_by_hand(0) == (meant == "none")
 
@@ -100,7 +102,7 @@ def test_controllers_are_nodes_or_not_and_without_them_every_robot_is_driven_by_
 @pytest.mark.parametrize(("text", "ids"), [("", ()), ("all", (0, 1, 2)), ("2 0", (0, 2))])
 def test_robots_elsewhere_are_all_or_listed(parameters, text, ids):
     parameters["/robotteamsim/elsewhere"] = text
-    read = read_settings()
+    read = read_settings(NODE)
     assert (read.elsewhere, read.is_another_world) == (ids, text == "all")
 
 
@@ -145,20 +147,20 @@ def test_robots_elsewhere_are_all_or_listed(parameters, text, ids):
 def test_settings_that_are_wrong_or_do_not_fit_are_rejected(parameters, given, line):
     parameters |= {f"/robotteamsim/{name}": value for name, value in given.items()}
     with pytest.raises(RobotTeamSimError, match="^" + re.escape(line)):
-        read_settings()
+        read_settings(NODE)
 
 
 def test_times_of_a_scenario_go_with_poses_from_tf_by_the_simulated_clock(parameters):
     parameters |= {"/robotteamsim/set": TF + ' schedule=[{"at_s":9.0,"noise_db":20.0}]', "/use_sim_time": True}
-    assert read_settings().scenario.control.tf_timeout_s == 0.3
+    assert read_settings(NODE).scenario.control.tf_timeout_s == 0.3
 
 
 def test_other_nodes_leave_a_mistake_to_the_simulation(parameters, monkeypatch):
     waited_s: list[float] = []
-    monkeypatch.setattr(settings, "wait_for_shutdown", waited_s.append)
+    monkeypatch.setattr(Ros1Node, "wait_for_shutdown", staticmethod(waited_s.append))
     parameters["/robotteamsim/set"] = "voice.noise_db=99"
     with pytest.raises(ScenarioError, match="99 is above 80"):
-        read_settings()
+        read_settings(NODE)
     assert waited_s == [10.0]
 
 
@@ -167,9 +169,9 @@ def test_number_of_robots_must_fit_a_list_of_robots(parameters, tmp_path):
     file.write_text("name: two\nplan: garage\nrobots: [{start_pose: [4, 5, 0]}, {start_pose: [6, 5, 0]}]\n")
     parameters |= {"/robotteamsim/scenario": str(file), "/robotteamsim/robots": 3}
     with pytest.raises(ParameterError, match=r"/robotteamsim/robots: 3; expected 2, the length of the robots' list"):
-        read_settings()
+        read_settings(NODE)
     parameters["/robotteamsim/robots"] = 2
-    assert read_settings().num_robots == 2
+    assert read_settings(NODE).num_robots == 2
 
 
 def test_code_that_a_scenario_file_names_is_rejected_unless_it_is_allowed(parameters, tmp_path):
@@ -178,6 +180,6 @@ def test_code_that_a_scenario_file_names_is_rejected_unless_it_is_allowed(parame
     path.write_text(f"name: my\nplan: garage\n{robots}\ncontrol: {{algorithm: 'somewhere:Mine'}}\n", encoding="utf-8")
     parameters["/robotteamsim/scenario"] = str(path)
     with pytest.raises(ScenarioError, match=r"'somewhere:Mine' runs any code; .* add allow_code:=true$"):
-        read_settings()
+        read_settings(NODE)
     parameters["/robotteamsim/allow_code"] = True
-    assert read_settings().scenario.control.algorithm == "somewhere:Mine"
+    assert read_settings(NODE).scenario.control.algorithm == "somewhere:Mine"

@@ -6,10 +6,12 @@ import pytest
 import rospy
 
 from robotteamsim.geometry import PoseReading, Twist
-from robotteamsim.node_parts.gate import Pacer
+from robotteamsim.nodes.gate import Pacer
+from robotteamsim.nodes.settings import Settings
+from robotteamsim.nodes.stage import StageRequests, Unprefixed
 from robotteamsim.recording.topics import robots
-from robotteamsim.ros.settings import Settings
-from robotteamsim.ros.stage import StageRequests, UnprefixedTypes
+from robotteamsim.ros.messages import RosTypes
+from robotteamsim.ros.ros1 import Ros1Node
 from robotteamsim.scenario import load
 from robotteamsim.sensing.readings import OdometryReading
 
@@ -20,7 +22,7 @@ def follow(monkeypatch):
     monkeypatch.setattr(rospy, "Subscriber", lambda *_, **__: None)
 
     def follow(request, set_speed):
-        StageRequests(set_speed).follow(request)
+        StageRequests(Ros1Node(), set_speed).follow(request)
 
     return follow
 
@@ -49,7 +51,7 @@ def test_wrong_speedup_is_ignored_with_one_line(follow, caplog, request_, reason
 
 
 def test_single_robot_of_stage_has_topics_and_frames_without_a_prefix(hall_scenario):
-    make, robot = UnprefixedTypes(), hall_scenario().robots[0]
+    make, robot = Unprefixed(RosTypes(), 0), hall_scenario().robots[0]
     links = robots.transforms(make, 0, [robot], [OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())]).transforms
     frames = [(link.header.frame_id, link.child_frame_id) for link in links]
     assert frames == [("odom", "base_footprint"), ("base_footprint", "base_link"), ("base_link", "base_laser_link")]

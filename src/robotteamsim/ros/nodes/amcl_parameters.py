@@ -6,7 +6,7 @@ from typing import Any
 
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.message_parts import MAP_FRAME, robot_name
-from robotteamsim.ros.launched import PARAMETERS, read_scenario
+from robotteamsim.nodes.launched import read_scenario
 from robotteamsim.ros.programs import installed
 from robotteamsim.scenario.yaml_text import read_mapping, write
 from robotteamsim.setup import resolve
@@ -32,7 +32,7 @@ def main() -> None:
 def parameters_of(robot_id: int, launched: dict[str, Any]) -> dict[str, Any]:
     """Return the frames and the start of a robot, as parameters of amcl.
 
-    Args:   launched: the scenario, by the names of the parameters of nodes, see `read_scenario`.
+    Args:   launched: the scenario, by the names of the settings of nodes, see `read_scenario`.
     Raises: RobotTeamSimError: amcl is not installed, the scenario has a mistake, or there is no such robot.
     """
     if installed("amcl", "amcl") is None:
@@ -40,9 +40,7 @@ def parameters_of(robot_id: int, launched: dict[str, Any]) -> dict[str, Any]:
             "amcl (ROS package amcl) is not installed; install it, or use scenario.launch with another program that"
             " publishes map -> odom"
         )
-    robots = resolve(
-        read_scenario(lambda name, default: launched.get(name.removeprefix(f"{PARAMETERS}/"), default))
-    ).robots
+    robots = resolve(read_scenario(launched.get, str)).robots
     if not 0 <= robot_id < len(robots):
         raise RobotTeamSimError(f"robot: {robot_id}; expected 0 to {len(robots) - 1}")
     x_m, y_m, yaw_rad = robots[robot_id].start_pose

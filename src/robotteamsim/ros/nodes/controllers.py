@@ -15,12 +15,12 @@ import rosgraph
 
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.message_parts import robot_name
-from robotteamsim.ros.launched import PARAMETERS, read_scenario
+from robotteamsim.nodes.launched import read_scenario, ros1_setting
 
 
 def main() -> None:
     """Run all controllers in this process, or fork one for each robot but the first, whose controller runs here."""
-    if _parameter(f"{PARAMETERS}/controllers", "nodes") == "team":
+    if _parameter(ros1_setting("controllers"), "nodes") == "team":
         importlib.import_module("robotteamsim.ros.nodes.controller").main_of_team()
         return
     try:

@@ -15,8 +15,9 @@ from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.gazebo import export_world
 from robotteamsim.gazebo.robots import DriveKind
 from robotteamsim.message_parts import robot_name
+from robotteamsim.nodes.settings import Settings, read_settings
 from robotteamsim.ros.node import ParameterError, parameter, run, wait_for_shutdown
-from robotteamsim.ros.settings import Settings, read_settings
+from robotteamsim.ros.ros1 import Ros1Node
 
 logger = logging.getLogger(__name__)
 
@@ -42,7 +43,7 @@ def main() -> None:
 
 def _prepare() -> list[str]:
     """Write the world, wait for the controllers, and return the command that runs the world."""
-    settings = read_settings()
+    settings = read_settings(Ros1Node())
     _check(settings)
     drive = parameter("~drive", "velocity")
     if drive not in get_args(DriveKind):

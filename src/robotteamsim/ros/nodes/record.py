@@ -4,9 +4,11 @@ import os
 
 import roslib.packages
 
+from robotteamsim.nodes.recorded import recorded_topics
+from robotteamsim.nodes.settings import read_settings
 from robotteamsim.ros.node import parameter, run
-from robotteamsim.ros.settings import read_settings
-from robotteamsim.ros.subscriptions import RECORDER, recorded_topics
+from robotteamsim.ros.ros1 import Ros1Node
+from robotteamsim.ros.subscriptions import RECORDER
 
 
 def main() -> None:
@@ -18,7 +20,7 @@ def main() -> None:
 
 
 def _command() -> list[str]:
-    topics = recorded_topics(read_settings())
+    topics = recorded_topics(read_settings(Ros1Node()))
     program = roslib.packages.find_node("rosbag", "record")[0]
     bag = parameter("~bag", "mission.bag")
     return [program, "--tcpnodelay", "--buffsize", "0", "--output-name", bag, *topics, f"__name:={RECORDER}"]

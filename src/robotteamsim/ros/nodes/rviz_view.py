@@ -11,7 +11,7 @@ import yaml
 
 from robotteamsim import palette
 from robotteamsim.errors import RobotTeamSimError
-from robotteamsim.ros.launched import read_scenario
+from robotteamsim.nodes.launched import read_scenario
 from robotteamsim.ros.scene.shapes import unit
 from robotteamsim.scenario import Scenario
 from robotteamsim.scenario.sections import Team

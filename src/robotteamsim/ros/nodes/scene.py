@@ -19,8 +19,8 @@ from robotteamsim import msg
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.message_parts import robot_name
+from robotteamsim.nodes.launched import read_scenario
 from robotteamsim.recording.topics.world import FIRE, SMOKE
-from robotteamsim.ros.launched import read_scenario
 from robotteamsim.ros.scene.building import building_markers, door_markers, openings_at_start
 from robotteamsim.ros.scene.maps import fire_markers, smoke_markers, voice_markers
 from robotteamsim.ros.scene.mission import (

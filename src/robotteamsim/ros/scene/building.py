@@ -1,22 +1,19 @@
 """The building in the 3D scene: floor, walls, pillars, doors, and the boxes and barrels in it."""
 
 import itertools
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 
 import shapely
-from visualization_msgs.msg import Marker, MarkerArray
+from visualization_msgs.msg import Marker
 
 from robotteamsim import palette
-from robotteamsim.geometry import Pose
-from robotteamsim.ros.scene.shapes import Colour, Mesh, Position, colour, faded, lines, marker
+from robotteamsim.ros.scene.shapes import Colour, Mesh, Position, colour, faded, lines
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import leaf_corners, solids
 
 FLOOR = colour(palette.DARK_FLOOR)
 FLOOR_EDGE = colour(palette.DARK_FLOOR_EDGE)
 WALL_EDGE = colour(palette.WALL_EDGE)
-BOX, BARREL = colour(palette.BOX), colour(palette.BARREL)
 
 FLOOR_MARGIN_M = 1.2
 
@@ -76,16 +73,3 @@ def _wall_markers(plan: FloorPlan, cut_height_m: float) -> Iterator[Marker]:
     if edges:
         yield body.marker("walls", 0)
         yield lines("walls", 1, edges, 0.05)
-
-
-def object_markers(objects: Sequence[MovableObject], poses: Sequence[Pose], *, replace: bool = False) -> MarkerArray:
-    """Return one marker per object, with its index as id. Args: replace: first delete all other markers."""
-    markers = [_marker(i, obj, pose) for i, (obj, pose) in enumerate(zip(objects, poses, strict=True))]
-    return MarkerArray([Marker(action=Marker.DELETEALL), *markers] if replace else markers)
-
-
-def _marker(marker_id: int, obj: MovableObject, pose: Pose) -> Marker:
-    kind, tint = (Marker.CUBE, BOX) if obj.size_m else (Marker.CYLINDER, BARREL)
-    length_m, width_m = obj.size_m or (2.0 * obj.reach_m, 2.0 * obj.reach_m)
-    at, scale = (pose.x_m, pose.y_m, 0.5 * obj.height_m), (length_m, width_m, obj.height_m)
-    return marker("objects", marker_id, kind, tint, position=at, yaw_rad=pose.yaw_rad, scale=scale)

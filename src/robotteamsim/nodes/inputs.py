@@ -9,22 +9,18 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import rospy
 
 from robotteamsim.geometry import PoseReading
 from robotteamsim.message_parts import robot_name
+from robotteamsim.nodes.node import Node
+from robotteamsim.nodes.settings import Settings
 from robotteamsim.recording.topics import Topic
 from robotteamsim.recording.topics.robots import CONTACT, ODOM, SCAN, TRUTH, ContactReading
-from robotteamsim.ros.messages import RosTypes
-from robotteamsim.ros.settings import Settings
-from robotteamsim.ros.topics import read, received_class
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.sensors import Sensor
 from robotteamsim.scenario.sensors.base import Moment
 from robotteamsim.sensing.readings import OdometryReading, RobotReading
 
-LATEST_S = 2**32
-"""A header has 32 bits for the seconds."""
 QUEUED = 100
 """Largest number of messages of a publisher that wait to be read; older ones are dropped."""
 
@@ -32,16 +28,6 @@ _NO_CONTACT = ContactReading()
 _NO_RANGES = np.zeros(0, dtype=np.float32)
 
 logger = logging.getLogger(__name__)
-
-
-def stamp_ns(message: Any) -> int:
-    """Return the stamp of a message [ns], 0 without a header. Raises: ValueError: an answer could not have it."""
-    if not hasattr(message, "header"):
-        return 0
-    stamp = message.header.stamp
-    if stamp.secs + 1 >= LATEST_S:
-        raise ValueError(f"stamp: {stamp.secs} s; expected below 2^32 s")
-    return int(stamp.secs * 10**9 + stamp.nsecs)
 
 
 def _always(_: int) -> bool:
@@ -52,60 +38,63 @@ def _always(_: int) -> bool:
 class Input:
     """A topic that a node receives.
 
-    decode: returns the value of a message. Raises: ValueError.
-    is_due: whether there is a message in the step with a stamp [ns].
+    decode:  returns the value of a message. Raises: ValueError.
+    is_due:  whether there is a message in the step with a stamp [ns].
+    latched: whether the publisher keeps the last message.
     """
 
+    node: Node
     topic: str
-    message_class: type
+    type_name: str
     decode: Callable[[Any], Any]
     is_due: Callable[[int], bool] = _always
+    latched: bool = False
 
     @classmethod
-    def of(cls, topic: Topic, settings: Settings, robot_id: int | None = None) -> Input:
+    def of(cls, node: Node, topic: Topic, settings: Settings, robot_id: int | None = None) -> Input:
         """Return a topic of the team, or of a robot."""
         assert topic.read is not None
         reader, setup, name = topic.read, settings.setup, topic.name
         if robot_id is not None:
             name = settings.robot_topic(robot_id, topic.name)
-        message_class = RosTypes().message_class(topic.type_name)
-        return cls(name, message_class, lambda message: reader(message, setup, robot_id))
+        latched = settings.is_latched(topic)
+        return cls(node, name, topic.type_name, lambda message: reader(message, setup, robot_id), latched=latched)
 
     def listen(self, put: Callable[[str, int, Any], None], queue_size: int | None = None) -> None:
         """Subscribe. Args: put: called with topic, stamp [ns] and value, in a thread of the publisher."""
         is_warned = False
 
-        def receive(raw: Any) -> None:
+        def receive(data: bytes) -> None:
             nonlocal is_warned
             try:
-                message = read(self.message_class, raw.data)
-                stamp, value = stamp_ns(message), self.decode(message)
+                stamp_ns, message = self.node.read(self.type_name, data)
+                value = self.decode(message)
             except ValueError as error:
                 if not is_warned:
                     is_warned = True
                     logger.warning("%s: ignoring messages that cannot be read: %s", self.topic, error)
             else:
-                put(self.topic, stamp, value)
+                put(self.topic, stamp_ns, value)
 
-        rospy.Subscriber(
-            self.topic, received_class(self.message_class), receive, queue_size=queue_size, tcp_nodelay=True
-        )
+        self.node.listen(self.topic, self.type_name, receive, latched=self.latched, queue_size=queue_size)
 
 
 class RobotInputs:
     """Makes `RobotReading` from the topics of one robot."""
 
-    def __init__(self, settings: Settings, robot_id: int) -> None:
-        robot, make, fire = settings.setup.robots[robot_id], RosTypes(), settings.scenario.fire
+    def __init__(self, node: Node, settings: Settings, robot_id: int) -> None:
+        robot, fire = settings.setup.robots[robot_id], settings.scenario.fire
         self.odometry, self.truth, self.scan, self.contact = (
-            Input.of(topic, settings, robot_id) for topic in (ODOM, TRUTH, SCAN, CONTACT)
+            Input.of(node, topic, settings, robot_id) for topic in (ODOM, TRUTH, SCAN, CONTACT)
         )
         self._sensors = {
             sensor.name: Input(
+                node,
                 f"/{robot_name(robot_id)}/{topic}",
-                make.message_class(type_name),
+                type_name,
                 sensor.reading,
                 partial(_is_due, sensor, settings.step_ns, fire),
+                latched=settings.lockstep,
             )
             for sensor in robot.sensors
             if fire is not None or not sensor.needs_fire

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from robotteamsim.node_parts.tf_pose import TfPose
+from robotteamsim.nodes.tf_pose import TfPose
 
 S = 10**9
 LOST = "/tf: no transform map -> robot_1/base_link for 0.3 s (control.tf_timeout_s)"

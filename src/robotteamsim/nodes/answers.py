@@ -15,12 +15,12 @@ from robotteamsim.geometry import Twist
 from robotteamsim.interface import Decision
 from robotteamsim.message_parts import robot_name
 from robotteamsim.network.messages import Message
+from robotteamsim.nodes.inputs import QUEUED, Input
+from robotteamsim.nodes.node import Node
+from robotteamsim.nodes.outputs import Decided, decision_outputs
+from robotteamsim.nodes.settings import Settings
 from robotteamsim.recording.topics import Topic
 from robotteamsim.recording.topics.decisions import COMMAND, OUTBOX, STAMPED_COMMAND, STATUS
-from robotteamsim.ros.inputs import QUEUED, Input
-from robotteamsim.ros.outputs import Decided, decision_outputs
-from robotteamsim.ros.settings import Settings
-from robotteamsim.ros.topics import RoscppOutput
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.simulation import TeamControllers, TeamInputs
 
@@ -42,7 +42,8 @@ logger = logging.getLogger(__name__)
 class CommandsByTopic:
     """The last `cmd_vel` of each robot; it holds for some time, then the robot stops."""
 
-    def __init__(self, settings: Settings, robots: Sequence[PlacedRobot]) -> None:
+    def __init__(self, node: Node, settings: Settings, robots: Sequence[PlacedRobot]) -> None:
+        """Subscribe."""
         # In lockstep and with the controllers inside, only robots driven by hand obey `cmd_vel`.
         is_free = settings.controllers in ("nodes", "team") and not settings.lockstep
         self._hold_ns = [round(robot.cmd_vel_hold_s * 1e9) for robot in robots]
@@ -53,7 +54,7 @@ class CommandsByTopic:
         """The newest ones, with the time [ns] of the step from which on they hold."""
         self._changed = threading.Lock()
         for robot_id in self._driven:
-            Input.of(COMMAND, settings, robot_id).listen(partial(self._receive, robot_id), QUEUED)
+            Input.of(node, COMMAND, settings, robot_id).listen(partial(self._receive, robot_id), QUEUED)
 
     def at(self, sim_time_ns: int) -> dict[int, Twist]:
         """Return the commands that hold at a time, by id of the robots that obey them."""
@@ -93,6 +94,7 @@ class ControllersByTopic:
 
     def __init__(
         self,
+        node: Node,
         settings: Settings,
         publish: Callable[[TeamInputs], None],
         patience_s: Callable[[], float],
@@ -119,7 +121,7 @@ class ControllersByTopic:
         for topic in ANSWERS if settings.mission else ():
             if topic is not STAMPED_COMMAND or settings.controlled:
                 for robot_id in range(settings.num_robots):
-                    Input.of(topic, settings, robot_id).listen(partial(self._receive, (robot_id, topic)))
+                    Input.of(node, topic, settings, robot_id).listen(partial(self._receive, (robot_id, topic)))
 
     def wait_for_all(self, timeout_s: float) -> list[str]:
         """Wait until all controllers have started, with a timeout [s, wall]; return those that have not."""
@@ -219,11 +221,11 @@ class ControllersByTopic:
 class ControllersInside:
     """The controllers of the scenario in this process, with all their topics."""
 
-    def __init__(self, settings: Settings, publish: Callable[[TeamInputs], None]) -> None:
+    def __init__(self, node: Node, settings: Settings, publish: Callable[[TeamInputs], None]) -> None:
         """Advertise. Args: publish: publishes the inputs of the controllers."""
         self.restart(settings)
         self._publish = publish
-        self._outputs = decision_outputs(settings, range(settings.num_robots), RoscppOutput)
+        self._outputs = decision_outputs(node, settings, range(settings.num_robots))
 
     @property
     def faults(self) -> Sequence[str]:

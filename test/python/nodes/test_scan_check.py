@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from robotteamsim.geometry import Pose, PoseReading
-from robotteamsim.node_parts.scan_check import ScanCheck
+from robotteamsim.nodes.scan_check import ScanCheck
 from robotteamsim.scenario import Bounds, Door, FloorPlan
 from robotteamsim.scenario.floor_plan import Wall
 from robotteamsim.scenario.sections import Laser

@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from robotteamsim.node_parts.steps import MAX_STEPS, Steps
+from robotteamsim.nodes.steps import MAX_STEPS, Steps
 
 PACE, OTHER = "pace", "other"
 
@@ -103,8 +103,8 @@ def steps_that_end_with_a_warning(warned: list[str]) -> Steps:
 
 
 def test_wait_is_reported_with_the_missing_topics(warned, monkeypatch):
-    monkeypatch.setattr("robotteamsim.node_parts.steps.REPORT_TIMEOUT_S", 0.0)
-    monkeypatch.setattr("robotteamsim.node_parts.steps.CHECK_PERIOD_S", 0.0)
+    monkeypatch.setattr("robotteamsim.nodes.steps.REPORT_TIMEOUT_S", 0.0)
+    monkeypatch.setattr("robotteamsim.nodes.steps.CHECK_PERIOD_S", 0.0)
     steps = steps_that_end_with_a_warning(warned)
     add(steps, 1, PACE)
     assert steps.take() is None

@@ -1,25 +1,26 @@
-"""Common settings of all nodes of a launch, from the parameter server."""
+"""Common settings of all nodes of a launch."""
 
 from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
 from functools import cached_property
-
-import rospy
+from typing import Any
 
 from robotteamsim.control import foreign_code
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.message_parts import robot_name
-from robotteamsim.ros.launched import NOT_SET, PARAMETERS, ParameterError, read_scenario
-from robotteamsim.ros.node import parameter, wait_for_shutdown
+from robotteamsim.nodes.launched import NOT_SET, read_scenario
+from robotteamsim.nodes.node import Node, ParameterError
+from robotteamsim.recording.topics import Topic, When
+from robotteamsim.recording.topics.robots import TF
 from robotteamsim.scenario import Scenario
 from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.sections import Run
 from robotteamsim.setup import Setup, resolve
 
-SEED = f"{PARAMETERS}/seed"
-"""The parameter of the seed for all nodes; a string, because XML-RPC has only 32-bit integers."""
+SEED = "seed"
+"""The setting of the seed; a string, because XML-RPC has only 32-bit integers."""
 
 OTHERS_REPORT_S = 10.0
 """Delay before a node other than the simulation reports a mistake in the settings [s, wall]."""
@@ -50,6 +51,11 @@ class Settings:
     def robot_topic(self, robot_id: int, name: str) -> str:
         """Return the full name of a robot's topic: /robot_0/odom, or /odom without a prefix."""
         return f"/{robot_name(robot_id)}/{name}" if self.prefix else f"/{name}"
+
+    def is_latched(self, topic: Topic) -> bool:
+        """Whether later subscribers of a topic get its last message."""
+        # In lockstep a late subscriber must still get the step that all nodes wait for.
+        return topic.latched or (self.lockstep and topic.when is When.STEP and topic is not TF)
 
     @property
     def controlled(self) -> range:
@@ -97,8 +103,8 @@ def _with_instant_doors(scenario: Scenario) -> Scenario:
     return scenario.model_copy(update={"plan": scenario.plan.model_copy(update={"doors": doors})})
 
 
-def read_settings(report_s: float = OTHERS_REPORT_S) -> Settings:
-    """Return the settings from the parameter server.
+def read_settings(node: Node, report_s: float = OTHERS_REPORT_S) -> Settings:
+    """Return the settings of a launch.
 
     All nodes of a launch find the same mistake: the simulation reports it at once, which ends the launch.
 
@@ -106,81 +112,89 @@ def read_settings(report_s: float = OTHERS_REPORT_S) -> Settings:
     Raises: ParameterError, ScenarioError.
     """
     try:
-        return _read_settings()
+        return _read_settings(node)
     except RobotTeamSimError:
-        wait_for_shutdown(report_s)
+        node.wait_for_shutdown(report_s)
         raise
 
 
-def read_seed(settings: Settings) -> Settings:
+def read_seed(node: Node, settings: Settings) -> Settings:
     """Return the settings with the seed of the last reset, for a node that starts again. Raises: ParameterError."""
-    text = parameter(SEED, "")
+    text = node.parameter(node.setting(SEED), "")
     try:
         return settings.with_seed(int(text) if re.fullmatch("-?[0-9]{1,20}", text) else text) if text else settings
     except ParameterError as error:
-        raise ParameterError(f"{PARAMETERS}/{error}") from None
+        raise ParameterError(f"{node.setting(str(error))}") from None
 
 
-def _read_settings() -> Settings:
-    scenario = read_scenario(parameter)
-    hosted = parameter(f"{PARAMETERS}/controllers", "nodes").lower()
+def _read_settings(node: Node) -> Settings:
+    scenario = read_scenario(node.parameter, node.setting)
+    hosted = _value(node, "controllers", "nodes").lower()
     settings = Settings(
         scenario,
-        lockstep=parameter(f"{PARAMETERS}/lockstep", False),
+        lockstep=_value(node, "lockstep", False),
         controllers=OLD_NAMES.get(hosted, hosted),
-        teleop=parameter(f"{PARAMETERS}/teleop", NOT_SET),
-        silence_limit_s=float(parameter(f"{PARAMETERS}/silence_limit_s", 5.0)),
-        elsewhere=_elsewhere(scenario.team_size),
-        mission=parameter(f"{PARAMETERS}/mission", True),
-        prefix=parameter(f"{PARAMETERS}/prefix", True),
+        teleop=_value(node, "teleop", NOT_SET),
+        silence_limit_s=float(_value(node, "silence_limit_s", 5.0)),
+        elsewhere=_elsewhere(node, scenario.team_size),
+        mission=_value(node, "mission", True),
+        prefix=_value(node, "prefix", True),
     )
-    _check(settings)
-    return read_seed(settings)
+    _check(node, settings)
+    return read_seed(node, settings)
 
 
-def _elsewhere(num_robots: int) -> tuple[int, ...]:
-    text = parameter(f"{PARAMETERS}/elsewhere", "")
+def _value(node: Node, key: str, default: Any) -> Any:
+    return node.parameter(node.setting(key), default)
+
+
+def _wrong(node: Node, key: str, what: str) -> ParameterError:
+    return ParameterError(f"{node.setting(key)}: {what}")
+
+
+def _elsewhere(node: Node, num_robots: int) -> tuple[int, ...]:
+    text = _value(node, "elsewhere", "")
     if text == EVERYBODY:
         return tuple(range(num_robots))
     try:
         ids = tuple(sorted(set(map(int, text.split()))))
     except ValueError:
-        raise ParameterError(
-            f"{PARAMETERS}/elsewhere: {text!r}; expected ids of robots, separated by blanks, or {EVERYBODY}"
+        raise _wrong(
+            node, "elsewhere", f"{text!r}; expected ids of robots, separated by blanks, or {EVERYBODY}"
         ) from None
     for robot_id in ids:
         if robot_id not in range(num_robots):
-            raise ParameterError(f"{PARAMETERS}/elsewhere: {robot_id}; expected 0 to {num_robots - 1}")
+            raise _wrong(node, "elsewhere", f"{robot_id}; expected 0 to {num_robots - 1}")
     return ids
 
 
-def _check(settings: Settings) -> None:
+def _check(node: Node, settings: Settings) -> None:
     """Raise ParameterError if the settings do not fit together."""
     if settings.controllers not in HOSTED:
-        raise ParameterError(f"{PARAMETERS}/controllers: {settings.controllers}; expected {', '.join(HOSTED)}")
-    if settings.controllers != "none" and not parameter(f"{PARAMETERS}/allow_code", False):
+        raise _wrong(node, "controllers", f"{settings.controllers}; expected {', '.join(HOSTED)}")
+    if settings.controllers != "none" and not _value(node, "allow_code", False):
         foreign_code.check_scenario(settings.scenario, "allow_code:=true")
     if not settings.prefix and (settings.num_robots > 1 or settings.mission or settings.controllers != "none"):
-        raise ParameterError(f"{PARAMETERS}/prefix: false; expected true unless world.launch runs a single robot")
+        raise _wrong(node, "prefix", "false; expected true unless world.launch runs a single robot")
     if settings.lockstep and not settings.mission:
-        raise ParameterError(f"{PARAMETERS}/lockstep: true; expected false without a mission")
+        raise _wrong(node, "lockstep", "true; expected false without a mission")
     if settings.lockstep and settings.elsewhere:
-        raise ParameterError(f"{PARAMETERS}/lockstep: true; expected false with robots in another world")
+        raise _wrong(node, "lockstep", "true; expected false with robots in another world")
     if settings.by_tf:
-        _check_tf(settings)
+        _check_tf(node, settings)
     if settings.teleop not in range(NOT_SET, settings.num_robots):
-        raise ParameterError(f"{PARAMETERS}/teleop: {settings.teleop}; expected 0 to {settings.num_robots - 1}")
+        raise _wrong(node, "teleop", f"{settings.teleop}; expected 0 to {settings.num_robots - 1}")
 
 
-def _check_tf(settings: Settings) -> None:
+def _check_tf(node: Node, settings: Settings) -> None:
     """Raise ParameterError if the settings do not fit to poses from tf, as of real robots."""
     if settings.lockstep:
-        raise ParameterError(f"{PARAMETERS}/lockstep: true; expected false with control.localisation=tf")
+        raise _wrong(node, "lockstep", "true; expected false with control.localisation=tf")
     if settings.controllers == "inside":
-        raise ParameterError(f"{PARAMETERS}/controllers: inside; expected nodes or team with control.localisation=tf")
+        raise _wrong(node, "controllers", "inside; expected nodes or team with control.localisation=tf")
     scenario = settings.scenario
     walking = [f"victim {victim.name} who walks" for victim in scenario.mission.victims if victim.walks]
     timed = ["schedule", *walking] if scenario.schedule else walking
     # Their times begin at 0.
-    if timed and not rospy.get_param("/use_sim_time", False):
+    if timed and not node.parameter("/use_sim_time", False):
         raise ParameterError(f"/use_sim_time: false; expected true, because the scenario has a {timed[0]}")

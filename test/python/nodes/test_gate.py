@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 import pytest
 
-from robotteamsim.node_parts.gate import REANCHOR_S, FairLock, Gate, Pacer
+from robotteamsim.nodes.gate import REANCHOR_S, FairLock, Gate, Pacer
 
 
 class World:

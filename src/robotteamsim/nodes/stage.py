@@ -6,11 +6,9 @@ import logging
 from collections.abc import Callable
 from typing import Any
 
-from std_msgs.msg import String
-
-from robotteamsim.message_parts import robot_name
-from robotteamsim.ros.inputs import Input
-from robotteamsim.ros.messages import RosTypes
+from robotteamsim.message_parts import Make, robot_name
+from robotteamsim.nodes.inputs import Input
+from robotteamsim.nodes.node import Node
 
 REQUESTS = "/stageGUIRequest"
 SPEEDUP = "speedup"
@@ -20,15 +18,21 @@ DEFAULT_SPEEDUP = 2.0
 logger = logging.getLogger(__name__)
 
 
-class UnprefixedTypes(RosTypes):
-    """Messages of a single robot, whose frames have no prefix: base_link instead of robot_0/base_link."""
+class Unprefixed:
+    """Makes messages of a robot whose frames have no prefix: base_link instead of robot_0/base_link."""
+
+    def __init__(self, make: Make, robot_id: int) -> None:
+        """Args: make: makes the messages."""
+        self._make = make
+        self._prefix = f"{robot_name(robot_id)}/"
+        self.time, self.duration = make.time, make.duration
 
     def __call__(self, type_name: str, /, **attributes: Any) -> Any:
         """Return a message, as `Make` does."""
         for key in ("frame_id", "child_frame_id"):
             if key in attributes:
-                attributes[key] = attributes[key].removeprefix(f"{robot_name(0)}/")
-        return super().__call__(type_name, **attributes)
+                attributes[key] = attributes[key].removeprefix(self._prefix)
+        return self._make(type_name, **attributes)
 
 
 def requested_speed(request: str) -> float | None:
@@ -48,10 +52,11 @@ def requested_speed(request: str) -> float | None:
 class StageRequests:
     """Follows the requests on /stageGUIRequest."""
 
-    def __init__(self, set_speed: Callable[[float], None]) -> None:
+    def __init__(self, node: Node, set_speed: Callable[[float], None]) -> None:
         """Args: set_speed: sets simulated over wall time; raises ValueError for a wrong one."""
         self._set_speed = set_speed
-        Input(REQUESTS, String, lambda message: message.data).listen(lambda _, __, request: self.follow(request))
+        requests = Input(node, REQUESTS, "std_msgs/String", lambda message: message.data)
+        requests.listen(lambda _, __, request: self.follow(request))
 
     def follow(self, request: str) -> None:
         """Set the requested speed; ignore requests about Stage's window, such as `footprints` and `screenshot`."""

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from robotteamsim._core.sensing import OdometryState
 
-from robotteamsim.node_parts.motion import StepMotion
+from robotteamsim.nodes.motion import StepMotion
 
 
 def _odometry(*yaws_rad: float, x_m: float = 0.0, sign: float = 1.0) -> OdometryState:

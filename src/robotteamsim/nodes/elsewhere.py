@@ -13,11 +13,11 @@ from typing import Any
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import PoseReading
 from robotteamsim.message_parts import robot_name
-from robotteamsim.node_parts.steps import REPORT_TIMEOUT_S
-from robotteamsim.node_parts.tf_pose import TfPose
-from robotteamsim.ros.inputs import RobotInputs
-from robotteamsim.ros.settings import Settings
-from robotteamsim.ros.transforms import TfTransforms
+from robotteamsim.nodes.inputs import RobotInputs
+from robotteamsim.nodes.node import Node, Transforms
+from robotteamsim.nodes.settings import Settings
+from robotteamsim.nodes.steps import REPORT_TIMEOUT_S
+from robotteamsim.nodes.tf_pose import TfPose
 from robotteamsim.sensing.readings import RobotReading, TeamReadings
 from robotteamsim.sensing.robots import Sensors
 from robotteamsim.world.contract import AnyWorld
@@ -33,8 +33,8 @@ logger = logging.getLogger(__name__)
 class _Robot:
     """The topics and the newest pose of one robot."""
 
-    def __init__(self, settings: Settings, robot_id: int, transforms: TfTransforms | None) -> None:
-        self.inputs = RobotInputs(settings, robot_id)
+    def __init__(self, node: Node, settings: Settings, robot_id: int, transforms: Transforms | None) -> None:
+        self.inputs = RobotInputs(node, settings, robot_id)
         self.values: dict[str, Any] = {}
         timeout_s = settings.scenario.control.tf_timeout_s
         self._timeout_ns = round(timeout_s * 1e9)
@@ -78,12 +78,12 @@ class _Robot:
 class RobotsElsewhere:
     """The robots of the setting `elsewhere`: where they are, and what they sense."""
 
-    def __init__(self, settings: Settings) -> None:
+    def __init__(self, node: Node, settings: Settings) -> None:
         """Subscribe."""
         self._step_ns = settings.step_ns
         self._has_time = settings.is_another_world
-        self._transforms = TfTransforms() if settings.by_tf else None
-        self._robots = {i: _Robot(settings, i, self._transforms) for i in settings.elsewhere}
+        self._transforms = node.transforms() if settings.by_tf else None
+        self._robots = {i: _Robot(node, settings, i, self._transforms) for i in settings.elsewhere}
         self._changed = threading.Condition()
         self._closed = False
         self._due_ns = 0

@@ -1,1 +1,0 @@
-"""Parts of the nodes of ROS that need no ROS."""

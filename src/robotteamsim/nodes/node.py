@@ -1,0 +1,106 @@
+"""What nodes need of a version of ROS."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, Protocol
+
+from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.message_parts import Make
+from robotteamsim.nodes.tf_pose import Newest
+
+
+class ParameterError(RobotTeamSimError):
+    """A parameter of a node is missing or wrong."""
+
+
+class Output(Protocol):
+    """A topic that a node publishes."""
+
+    @property
+    def wanted(self) -> bool:
+        """Whether there is a receiver for the next message, now or (latched) later."""
+
+    def publish(self, message: Any) -> None:
+        """Publish a message that the node's `make` has made."""
+
+
+class Transforms(Protocol):
+    """The newest transforms from tf."""
+
+    @property
+    def newest(self) -> Newest:
+        """Returns the newest transform between two frames."""
+
+    def clear(self) -> None:
+        """Forget all transforms but static ones."""
+
+
+class Node(Protocol):
+    """A node of one version of ROS: parameters, topics, services, and its end.
+
+    Names of topics and services are complete, or begin with ~ and lie below the node's name. Types are named as in
+    "nav_msgs/Odometry".
+    """
+
+    @property
+    def make(self) -> Make:
+        """Makes the messages that the node publishes."""
+
+    @property
+    def last_words(self) -> str:
+        """What the user should know about the end of a launch; "" for nothing."""
+
+    def setting(self, key: str) -> str:
+        """Return the full name of a setting that the nodes of a launch share, a parameter."""
+
+    def parameter(self, name: str, default: Any) -> Any:
+        """Return a parameter of the type of its default. Raises: ParameterError."""
+
+    def change_setting(self, key: str, value: str) -> None:
+        """Change a setting for all nodes."""
+
+    def output(self, topic: str, type_name: str, *, latched: bool = False) -> Output:
+        """Advertise a topic. Raises: ParameterError: it has another type already."""
+
+    def listen(
+        self,
+        topic: str,
+        type_name: str,
+        receive: Callable[[bytes], None],
+        *,
+        latched: bool = False,
+        queue_size: int | None = None,
+    ) -> None:
+        """Subscribe. Args: receive: called with each message as it was sent, in a thread of its own.
+
+        latched: whether the publisher keeps the last message.  queue_size: of messages that wait; None: all of them.
+        """
+
+    def read(self, type_name: str, data: bytes) -> tuple[int, Any]:
+        """Return the stamp of a message [ns], 0 without a header, and the message. Raises: ValueError."""
+
+    def offer(self, name: str, type_name: str, serve: Callable[[Any], Mapping[str, Any]]) -> None:
+        """Offer a service. Args: serve: returns the attributes of the response to a request."""
+
+    def call(self, name: str, type_name: str, request: Mapping[str, Any]) -> Any:
+        """Call a service that another node may offer, with attributes; return the response, or None without one."""
+
+    def transforms(self) -> Transforms:
+        """Listen to tf. Raises: ParameterError: this version of ROS cannot."""
+
+    def wait_for_subscribers(self, recorded: Sequence[str], timeout_s: float, sleep: Callable[[float], object]) -> None:
+        """Wait until nobody subscribes any more, with a timeout [s, wall].
+
+        Args: recorded: topics that the recorder must receive, too.
+              sleep:    waits [s, wall], and returns early when the node ends.
+        """
+
+    def is_running(self) -> bool:
+        """Whether the node is running and not shutting down."""
+
+    def wait_for_shutdown(self, timeout_s: float) -> bool:
+        """Wait until the node is shut down, with a timeout [s, wall]; return whether it was."""
+
+    def on_shutdown(self, close: Callable[[], None]) -> None:
+        """Register a callback for the shutdown; it must not block, because a signal handler may call it."""

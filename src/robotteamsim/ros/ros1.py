@@ -1,0 +1,107 @@
+"""A node of ROS 1."""
+
+from __future__ import annotations
+
+import importlib
+import logging
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import rospy
+
+from robotteamsim.nodes.launched import ros1_setting
+from robotteamsim.nodes.node import Output, Transforms
+from robotteamsim.ros.messages import RosTypes, stamp_ns
+from robotteamsim.ros.node import is_running, on_shutdown, parameter, wait_for_shutdown
+from robotteamsim.ros.subscriptions import wait_for_subscribers
+from robotteamsim.ros.topics import RoscppOutput, RospyOutput, read, received_class
+from robotteamsim.ros.transforms import TfTransforms
+
+LAST_WORDS = (
+    "The mission has ended, and this ends the launch. roslaunch reports it in red, as 'REQUIRED process [simulation] "
+    "has died'; this is the normal end."
+)
+
+logger = logging.getLogger(__name__)
+
+
+class Ros1Node:
+    """A `Node` of ROS 1: rospy, and roscpp for topics."""
+
+    def __init__(self, kind: type[RospyOutput] | type[RoscppOutput] = RospyOutput) -> None:
+        """Args: kind: of the topics that it publishes."""
+        self.make = RosTypes()
+        self._kind = kind
+
+    last_words = LAST_WORDS
+    setting = staticmethod(ros1_setting)
+    parameter = staticmethod(parameter)
+    is_running = staticmethod(is_running)
+    on_shutdown = staticmethod(on_shutdown)
+    wait_for_shutdown = staticmethod(wait_for_shutdown)
+    wait_for_subscribers = staticmethod(wait_for_subscribers)
+
+    def change_setting(self, key: str, value: str) -> None:
+        """As for all nodes."""
+        rospy.set_param(self.setting(key), value)
+
+    def output(self, topic: str, type_name: str, *, latched: bool = False) -> Output:
+        """As for all nodes."""
+        return self._kind(topic, self.make.message_class(type_name), latched=latched)
+
+    def listen(
+        self,
+        topic: str,
+        type_name: str,
+        receive: Callable[[bytes], None],
+        *,
+        latched: bool = False,
+        queue_size: int | None = None,
+    ) -> None:
+        """As for all nodes."""
+        message_class = received_class(self.make.message_class(type_name))
+        rospy.Subscriber(
+            topic, message_class, lambda message: receive(message.data), queue_size=queue_size, tcp_nodelay=True
+        )
+
+    def read(self, type_name: str, data: bytes) -> tuple[int, Any]:
+        """As for all nodes."""
+        message = read(self.make.message_class(type_name), data)
+        return stamp_ns(message), message
+
+    def offer(self, name: str, type_name: str, serve: Callable[[Any], Mapping[str, Any]]) -> None:
+        """As for all nodes.
+
+        A service below the node's name, such as /simulation/pause, has its old name in the root namespace, /pause, too;
+        the first call of that logs a warning.
+        """
+        service_class = _service_class(type_name)
+        service = rospy.Service(name, service_class, serve)
+        if not name.startswith("~"):
+            return
+        old_name, warned = name.replace("~", "/"), False
+
+        def serve_old(request: Any) -> Any:
+            nonlocal warned
+            if not warned:
+                warned = True
+                logger.warning("%s: old name of %s; call that instead", old_name, service.resolved_name)
+            return serve(request)
+
+        rospy.Service(old_name, service_class, serve_old)
+
+    def call(self, name: str, type_name: str, request: Mapping[str, Any]) -> Any:
+        """As for all nodes."""
+        try:
+            return rospy.ServiceProxy(name, _service_class(type_name))(**request)
+        except rospy.ServiceException:
+            return None
+
+    def transforms(self) -> Transforms:
+        """As for all nodes."""
+        return TfTransforms()
+
+
+def _service_class(type_name: str) -> Any:
+    package, name = type_name.split("/")
+    return getattr(importlib.import_module(f"{package}.srv"), name)

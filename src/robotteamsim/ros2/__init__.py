@@ -1,0 +1,1 @@
+"""The nodes of ROS 2, on rclpy."""

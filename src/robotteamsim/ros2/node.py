@@ -1,0 +1,269 @@
+"""Start, parameters, log and end of a node of ROS 2."""
+
+from __future__ import annotations
+
+import logging
+import signal
+import sys
+import threading
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import rclpy
+from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
+from rclpy.experimental.events_executor import EventsExecutor
+from rclpy.node import Node as RclpyNode
+from rclpy.parameter import Parameter, parameter_value_to_python
+from rclpy.signals import SignalHandlerOptions
+
+from robotteamsim.nodes.node import ParameterError, Transforms
+from robotteamsim.nodes.shutdown import Shutdown
+from robotteamsim.recording.bag_types import Ros2Types
+from robotteamsim.ros2.topics import Ros2Output, ServiceValues, interface, quality
+
+SIMULATION = "/simulation"
+"""The node whose parameters all nodes of a launch share."""
+CALL_TIMEOUT_S = 10.0
+"""A call of a service that is there waits this long for the response [s, wall]."""
+WAIT_S = 0.2
+"""Interval of checks whether a service is there [s, wall]."""
+REPORT_TIMEOUT_S = 10.0
+"""A longer wait for the simulation is reported once [s, wall]."""
+SPIN_S = 0.1
+"""A node that waits for topics and requests looks so often whether it should end [s, wall]."""
+QUIET_S = 1.0
+"""The simulation starts when there was no new subscriber for this time [s, wall]."""
+LATEST_S = 2**31 - 1
+"""A header has 31 bits for the seconds."""
+
+_RANGES = {"speed": (0.0, 1e6)}
+"""Of parameters that are numbers."""
+
+logger = logging.getLogger(__name__)
+
+
+def run(name: str, serve: Callable[[Ros2Node], None], *, owns_settings: bool = False) -> None:
+    """Run a node until it is done or shut down; a user's mistake ends it with one line and status 2.
+
+    Args: owns_settings: whether the settings that all nodes share are parameters of this one.
+    """
+    shutdown = Shutdown()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: shutdown.begin())
+    rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
+    node = Ros2Node(name, shutdown, owns_settings=owns_settings)
+    _forward_logging(node)
+    try:
+        with shutdown.after_mistakes():
+            serve(node)
+    finally:
+        shutdown.begin()
+        node.close()
+        rclpy.try_shutdown()
+
+
+class Ros2Node:
+    """A `Node` of ROS 2.
+
+    Topics arrive at a node of their own, a hidden one: services of the simulation may wait for a step, and a step for
+    topics.
+    """
+
+    last_words = ""
+
+    def __init__(self, name: str, shutdown: Shutdown, *, owns_settings: bool) -> None:
+        """Args: owns_settings: whether the settings that all nodes share are parameters of this one."""
+        self.make = Ros2Types()
+        self._owns_settings = owns_settings
+        self._shutdown = shutdown
+        self._values = ServiceValues(self.make)
+        self._node = RclpyNode(name)
+        self._inputs = RclpyNode(f"_{name}_inputs", start_parameter_services=False, enable_rosout=False)
+        self._outputs: list[Ros2Output] = []
+        self._changing: str | None = None
+        self._threads: list[threading.Thread] = []
+        self.wait_for_shutdown = shutdown.wait
+        self.on_shutdown = shutdown.call
+        if not owns_settings:
+            self.spin()
+
+    def is_running(self) -> bool:
+        """As for all nodes."""
+        return not self._shutdown.wait(0.0)
+
+    def spin(self) -> None:
+        """Begin to serve: from now on the node answers. One that owns settings does so when it has read them all."""
+        self._node.add_on_set_parameters_callback(self._judge)
+        for node in (self._node, self._inputs):
+            executor = EventsExecutor()
+            executor.add_node(node)
+            self._threads.append(threading.Thread(target=self._spin, args=(executor,), daemon=True))
+            self._threads[-1].start()
+
+    def close(self) -> None:
+        """End all threads, and leave the network."""
+        for thread in self._threads:
+            thread.join(CALL_TIMEOUT_S)
+        failed = sum(output.failed for output in self._outputs)
+        if failed:
+            logger.warning("%d messages could not be sent, because receivers were too slow", failed)
+        for node in (self._inputs, self._node):
+            node.destroy_node()
+
+    @property
+    def log(self) -> Any:
+        """The logger of rclpy, whose lines go to the console and to /rosout."""
+        return self._node.get_logger()
+
+    def setting(self, key: str) -> str:
+        """As for all nodes; a parameter of the simulation."""
+        return key if self._owns_settings else f"{SIMULATION} {key}"
+
+    def parameter(self, name: str, default: Any) -> Any:
+        """As for all nodes."""
+        owner, _, key = name.rpartition(" ")
+        if owner:
+            return self._setting_of_simulation(key, default)
+        key = key.strip("~/")
+        if self._node.has_parameter(key):
+            return self._node.get_parameter(key).value
+        ranges = [FloatingPointRange(from_value=low, to_value=high) for low, high in _ranges_of(key)]
+        descriptor = ParameterDescriptor(read_only=key != "seed", floating_point_range=ranges)
+        try:
+            return self._node.declare_parameter(key, default, descriptor).value
+        except InvalidParameterTypeException:
+            kind = Parameter.Type.from_parameter_value(default).name.lower()
+            raise ParameterError(f"{key}: expected a {kind}, such as {default!r}") from None
+        except InvalidParameterValueException as error:
+            raise ParameterError(f"{key}: {error}") from None
+
+    def change_setting(self, key: str, value: str) -> None:
+        """As for all nodes."""
+        self._changing = key
+        self._node.set_parameters([Parameter(key, value=value)])
+        self._changing = None
+
+    def output(self, topic: str, type_name: str, *, latched: bool = False) -> Ros2Output:
+        """As for all nodes."""
+        self._outputs.append(Ros2Output(self._node, self.make, topic, type_name, latched=latched))
+        return self._outputs[-1]
+
+    def listen(
+        self,
+        topic: str,
+        type_name: str,
+        receive: Callable[[bytes], None],
+        *,
+        latched: bool = False,
+        queue_size: int | None = None,
+    ) -> None:
+        """As for all nodes. A latched topic is received from latching publishers only."""
+        profile = quality(latched=False, queue_size=queue_size)
+        if latched:
+            profile.durability = quality(latched=True).durability
+        self._inputs.create_subscription(interface("msg", type_name), topic, receive, profile, raw=True)
+
+    def read(self, type_name: str, data: bytes) -> tuple[int, Any]:
+        """As for all nodes."""
+        try:
+            message = self.make.typestore.deserialize_cdr(data, type_name.replace("/", "/msg/"))
+        except Exception as error:  # rosbags lets through whatever damaged bytes raise
+            raise ValueError(f"not a {type_name}: {error}") from None
+        if not hasattr(message, "header"):
+            return 0, message
+        stamp = message.header.stamp
+        if not 0 <= stamp.sec < LATEST_S:
+            raise ValueError(f"stamp: {stamp.sec} s; expected 0 to 2^31 s")
+        return stamp.sec * 10**9 + stamp.nanosec, message
+
+    def offer(self, name: str, type_name: str, serve: Callable[[Any], Mapping[str, Any]]) -> None:
+        """As for all nodes."""
+
+        def respond(request: Any, response: Any) -> Any:
+            return self._values.fill(response, serve(request))
+
+        # In ROS 2, ~ needs a slash.
+        self._node.create_service(interface("srv", type_name), name.replace("~", "~/"), respond)
+
+    def call(self, name: str, type_name: str, request: Mapping[str, Any]) -> Any:
+        """As for all nodes."""
+        service = interface("srv", type_name)
+        client = self._inputs.create_client(service, name)
+        try:
+            if not client.wait_for_service(WAIT_S):
+                return None
+            answered = threading.Event()
+            future = client.call_async(service.Request(**request))
+            future.add_done_callback(lambda _: answered.set())
+            return future.result() if answered.wait(CALL_TIMEOUT_S) else None
+        finally:
+            self._inputs.destroy_client(client)
+
+    def transforms(self) -> Transforms:
+        """As for all nodes. Raises: ParameterError: always."""
+        raise ParameterError("control.localisation: tf is not available in ROS 2; expected ground_truth or odometry")
+
+    def wait_for_subscribers(self, recorded: Sequence[str], timeout_s: float, sleep: Callable[[float], object]) -> None:
+        """As for all nodes; recorders are subscribers as others are."""
+        known, waited_s = -1, 0.0
+        while known != (now_known := sum(output.receivers for output in self._outputs)) and waited_s < timeout_s:
+            known = now_known
+            sleep(QUIET_S)
+            waited_s += QUIET_S
+
+    def _spin(self, executor: Any) -> None:
+        # EventsExecutor.spin() without a timeout waits busily in rclpy 7.1.
+        while self.is_running():
+            executor.spin_once(timeout_sec=SPIN_S)
+        executor.shutdown()
+
+    def _setting_of_simulation(self, key: str, default: Any) -> Any:
+        waited_s = 0.0
+        while self.is_running():
+            answer = self.call(f"{SIMULATION}/get_parameters", "rcl_interfaces/GetParameters", {"names": [key]})
+            if answer is not None:
+                value = parameter_value_to_python(answer.values[0]) if answer.values else None
+                return default if value is None else value
+            waited_s += WAIT_S
+            if REPORT_TIMEOUT_S <= waited_s < REPORT_TIMEOUT_S + WAIT_S:
+                logger.warning("waiting for the node %s", SIMULATION)
+        return default
+
+    def _judge(self, parameters: Sequence[Parameter]) -> SetParametersResult:
+        """Refuse changes from outside: all nodes would have to follow at the same step."""
+        for parameter in parameters:
+            if parameter.name == "seed" and self._changing != "seed":
+                reason = "call the service ~/reset_seed instead, which starts all nodes again"
+                return SetParametersResult(successful=False, reason=reason)
+        return SetParametersResult(successful=True)
+
+
+def _ranges_of(key: str) -> list[tuple[float, float]]:
+    return [_RANGES[key]] if key in _RANGES else []
+
+
+def _forward_logging(node: Ros2Node) -> None:
+    """Send the package's log to the console and to /rosout."""
+    package = logging.getLogger("robotteamsim")
+    package.addHandler(_Rosout(node.log))
+    package.setLevel(logging.INFO)
+    package.propagate = False
+
+
+class _Rosout(logging.Handler):
+    def __init__(self, log: Any) -> None:
+        super().__init__()
+        self._log = log
+
+    def emit(self, record: logging.LogRecord) -> None:
+        # rclpy allows one level for each line of code that logs.
+        text = self.format(record)
+        if record.levelno >= logging.CRITICAL:
+            self._log.fatal(text)
+        elif record.levelno >= logging.ERROR:
+            self._log.error(text)
+        elif record.levelno >= logging.WARNING:
+            self._log.warning(text)
+        else:
+            self._log.info(text)

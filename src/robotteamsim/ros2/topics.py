@@ -1,0 +1,105 @@
+"""Topics and services in ROS 2: their types, qualities of service, and messages as the bytes that are sent."""
+
+from __future__ import annotations
+
+import importlib
+import logging
+from collections.abc import Mapping
+from typing import Any
+
+from rclpy.node import Node as RclpyNode
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos_overriding_options import QoSOverridingOptions
+from rclpy.serialization import deserialize_message
+
+from robotteamsim.nodes.node import ParameterError
+from robotteamsim.recording.bag_types import Ros2Types
+
+QUEUE = 10
+"""Number of messages of a topic that wait for a slow reader."""
+
+logger = logging.getLogger(__name__)
+
+
+def quality(*, latched: bool, queue_size: int | None = QUEUE) -> QoSProfile:
+    """Return the quality of service of a topic. Args: queue_size: None: of all messages."""
+    durability = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
+    keep = HistoryPolicy.KEEP_ALL if queue_size is None else HistoryPolicy.KEEP_LAST
+    depth = 1 if latched else (queue_size or 0)
+    return QoSProfile(history=keep, depth=depth, durability=durability, reliability=ReliabilityPolicy.RELIABLE)
+
+
+def interface(kind: str, type_name: str) -> Any:
+    """Return the class of rclpy of a type such as "nav_msgs/Odometry". Args: kind: msg or srv.
+
+    Raises: ParameterError: it is not installed.
+    """
+    package, name = type_name.split("/")
+    try:
+        return getattr(importlib.import_module(f"{package}.{kind}"), name)
+    except (ImportError, AttributeError):
+        raise ParameterError(
+            f"{package}/{kind}/{name} is not installed for this Python; expected a ROS 2 with {package} to be sourced "
+            "(docs/ros2.md)"
+        ) from None
+
+
+class Ros2Output:
+    """A topic of a node."""
+
+    def __init__(self, node: RclpyNode, make: Ros2Types, topic: str, type_name: str, *, latched: bool) -> None:
+        """Advertise. Raises: ParameterError: its type is not installed."""
+        self._topic = topic
+        self._latched = latched
+        self._make = make
+        self._type = type_name.replace("/", "/msg/")
+        self._publisher = node.create_publisher(
+            interface("msg", type_name),
+            topic,
+            quality(latched=latched),
+            # Users may ask for best effort: qos_overrides./robot_0/base_scan.publisher.reliability.
+            qos_overriding_options=None if latched else QoSOverridingOptions.with_default_policies(),
+        )
+        self.failed = 0
+        """Number of messages that could not be sent."""
+
+    @property
+    def receivers(self) -> int:
+        """Number of those who receive it now."""
+        return int(self._publisher.get_subscription_count())
+
+    @property
+    def wanted(self) -> bool:
+        """Whether there is a receiver for the next message, now or (latched) later."""
+        return self._latched or self.receivers > 0
+
+    def publish(self, message: Any) -> None:
+        """Publish a message. One that cannot be sent, as to a receiver that is too slow, is counted."""
+        try:
+            self._publisher.publish(bytes(self._make.typestore.serialize_cdr(message, self._type)))
+        except RuntimeError as error:  # RCLError, which has no public name
+            self.failed += 1
+            if self.failed == 1:
+                logger.warning("%s: a message could not be sent: %s", self._topic, error)
+
+
+class ServiceValues:
+    """Fills in responses of rclpy's classes."""
+
+    def __init__(self, make: Ros2Types) -> None:
+        """Args: make: has made the messages in the values."""
+        self._typestore = make.typestore
+
+    def fill(self, response: Any, values: Mapping[str, Any]) -> Any:
+        """Return a response with these attributes."""
+        for name, value in values.items():
+            setattr(response, name, self._converted(value))
+        return response
+
+    def _converted(self, value: Any) -> Any:
+        """Return a message of rosbags' classes as one of rclpy's; anything else as it is."""
+        type_name = getattr(value, "__msgtype__", None)
+        if type_name is None:
+            return value
+        data = bytes(self._typestore.serialize_cdr(value, type_name))
+        return deserialize_message(data, interface("msg", type_name.replace("/msg/", "/")))
