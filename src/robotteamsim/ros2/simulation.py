@@ -16,6 +16,8 @@ def _serve(node: Ros2Node) -> None:
     settings = read_settings(node, report_s=0.0)
     if settings.elsewhere:
         raise ParameterError("elsewhere: robots in another world are not available in ROS 2; expected none")
+    if settings.by_tf:
+        node.transforms()
     simulation = SteppedSimulation(node, settings, Ros2TeamOutputs)
     node.spin()
     simulation.serve()

@@ -16,7 +16,7 @@ from robotteamsim.nodes.node import ParameterError
 from robotteamsim.recording.bag_types import Ros2Types
 
 QUEUE = 10
-"""Number of messages of a topic that wait for a slow reader."""
+"""Number of messages of a topic that wait for a slow reader, and of a latched one that a late reader may get."""
 
 logger = logging.getLogger(__name__)
 
@@ -25,8 +25,9 @@ def quality(*, latched: bool, queue_size: int | None = QUEUE) -> QoSProfile:
     """Return the quality of service of a topic. Args: queue_size: None: of all messages."""
     durability = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
     keep = HistoryPolicy.KEEP_ALL if queue_size is None else HistoryPolicy.KEEP_LAST
-    depth = 1 if latched else (queue_size or 0)
-    return QoSProfile(history=keep, depth=depth, durability=durability, reliability=ReliabilityPolicy.RELIABLE)
+    return QoSProfile(
+        history=keep, depth=queue_size or 0, durability=durability, reliability=ReliabilityPolicy.RELIABLE
+    )
 
 
 def interface(kind: str, type_name: str) -> Any:

@@ -10,13 +10,13 @@ import pytest
 
 NODE = """
 import os, sys, types
-import robotteamsim.ros.start
+import robotteamsim.nodes.start
 
 def main():
     print(os.environ["OPENBLAS_NUM_THREADS"])
 
 sys.modules["robotteamsim.ros.nodes.made_up"] = types.SimpleNamespace(main=main)
-robotteamsim.ros.start.start("made_up")
+robotteamsim.nodes.start.start("made_up")
 """
 
 

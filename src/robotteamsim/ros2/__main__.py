@@ -1,0 +1,98 @@
+"""Runs a mission with all its nodes, as `ros2 launch robotteamsim mission.launch.py` does."""
+
+import argparse
+import contextlib
+import json
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from typing import Any
+
+from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.message_parts import robot_name
+from robotteamsim.nodes.launched import NOT_SET, read_scenario
+from robotteamsim.nodes.settings import HOSTED
+
+CHECK_S = 0.1
+"""Interval of checks whether a node has ended [s, wall]."""
+GRACE_S = 10.0
+"""A node that does not end by then is killed [s, wall]."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run until the simulation has ended; return its exit status."""
+    options = _parser().parse_args(arguments)
+    seed = [] if options.seed is None else [f"run.seed={options.seed}"]
+    settings = {
+        "scenario": options.scenario,
+        "robots": options.robots,
+        "set": "".join(f"{one}\n" for one in (*options.set, *seed)),
+        "controllers": options.controllers,
+        "teleop": options.teleop,
+        "lockstep": options.lockstep,
+        "allow_code": options.allow_code,
+    }
+    own = {"speed": options.speed, "out": options.out, "stays": options.stays, "paused": options.paused}
+    try:
+        num_robots = read_scenario(lambda key, default: settings.get(key, default), str).team_size
+    except RobotTeamSimError as error:
+        sys.stderr.write(f"robotteamsim.ros2: {error}\n")
+        return 2
+    nodes = [_node("simulation", settings | own)]
+    if options.controllers == "team":
+        nodes.append(_node("controllers", {}))
+    elif options.controllers == "nodes":
+        nodes += [_node("controller", {"robot_id": i}, namespace=f"/{robot_name(i)}") for i in range(num_robots)]
+    return _run(nodes)
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = argparse.ArgumentParser(prog="python -m robotteamsim.ros2", description=__doc__)
+    parser.add_argument("scenario", help="name or file of a scenario")
+    parser.add_argument("--robots", type=int, default=NOT_SET, metavar="N", help="number of robots")
+    parser.add_argument("--seed", type=int, metavar="S", help="seed of all random numbers")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="changes a key of the scenario")
+    parser.add_argument("--speed", type=float, default=5.0, help="times real time; 0: as fast as possible (default: 5)")
+    parser.add_argument("--lockstep", action="store_true", help="each step waits for all controllers")
+    parser.add_argument("--controllers", choices=HOSTED, default="nodes", help="where they run (default: nodes)")
+    parser.add_argument("--teleop", type=int, default=NOT_SET, metavar="ID", help="id of a robot driven by cmd_vel")
+    parser.add_argument("--out", default="", metavar="FOLDER", help="where mission.json and trajectories go")
+    parser.add_argument("--stays", action="store_true", help="go on after the end of the mission")
+    parser.add_argument("--paused", action="store_true", help="start paused, see the service /simulation/resume")
+    parser.add_argument("--allow-code", action="store_true", help="allow code that the scenario's file names")
+    return parser
+
+
+def _node(module: str, parameters: dict[str, Any], namespace: str = "/") -> subprocess.Popen[bytes]:
+    values = [part for key, value in parameters.items() for part in ("-p", f"{key}:={json.dumps(value)}")]
+    command = (sys.executable, "-m", f"robotteamsim.ros2.{module}", "--ros-args", "-r", f"__ns:={namespace}", *values)
+    return subprocess.Popen(command)
+
+
+def _run(nodes: Sequence[subprocess.Popen[bytes]]) -> int:
+    """Wait until one of the nodes has ended, and end the others; return the status of the first, the simulation."""
+    # Ctrl-C reaches all nodes, and they end by themselves.
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: _terminate(nodes))
+    simulation = nodes[0]
+    while all(node.poll() is None for node in nodes):
+        time.sleep(CHECK_S)
+    if simulation.poll() is None:
+        sys.stderr.write("robotteamsim.ros2: a controller has ended, and this ends the mission\n")
+    _terminate(nodes)
+    for node in nodes:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            node.wait(GRACE_S)
+        node.kill()
+    return simulation.wait()
+
+
+def _terminate(nodes: Sequence[subprocess.Popen[bytes]]) -> None:
+    for node in nodes:
+        node.terminate()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,116 @@
+"""What other nodes of ROS 2 send: commands, and what nobody can read."""
+
+from __future__ import annotations
+
+import math
+import sys
+
+import pytest
+from geometry_msgs.msg import Twist, TwistStamped, Vector3
+from peer import MISSION
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from running import running
+
+ARENA = (*MISSION, "tutorial_arena", "--controllers", "none", "--speed", "5")
+SIMULATION = (sys.executable, "-m", "robotteamsim.ros2.simulation", "--ros-args")
+FORWARD = Twist(linear=Vector3(x=0.3))
+
+
+@pytest.fixture
+def arena(tmp_path, peer):
+    """A robot that is driven by cmd_vel."""
+    with running(ARENA, tmp_path) as mission:
+        mission.wait_for(lambda line: "mission starts" in line, "the start of the mission")
+        yield mission
+
+
+def drive(peer, publisher, message, until):
+    def moves():
+        publisher.publish(message)
+        return until()
+
+    peer.wait_until(moves, "the motion")
+
+
+def test_own_node_drives_a_robot(arena, peer):
+    truth = peer.listen("/robot_0/base_pose_ground_truth", "nav_msgs/Odometry")
+    drive(peer, peer.node.create_publisher(Twist, "/robot_0/cmd_vel", 1), FORWARD, lambda: is_driving(truth))
+    assert "Traceback" not in arena.output
+
+
+def test_stamped_commands_are_obeyed_where_they_are_asked_for(tmp_path, peer):
+    settings = ("-p", "scenario:=tutorial_arena", "-p", "controllers:=none", "-p", "stamped_cmd_vel:=true")
+    with running((*SIMULATION, *settings), tmp_path):
+        truth = peer.listen("/robot_0/base_pose_ground_truth", "nav_msgs/Odometry")
+        publisher = peer.node.create_publisher(TwistStamped, "/robot_0/cmd_vel", 1)
+        drive(peer, publisher, TwistStamped(twist=FORWARD), lambda: is_driving(truth))
+
+
+def is_driving(truth):
+    return truth and abs(truth[-1].twist.twist.linear.x - 0.3) < 0.01
+
+
+def test_command_that_is_not_finite_is_ignored_with_one_warning(arena, peer):
+    truth = peer.listen("/robot_0/base_pose_ground_truth", "nav_msgs/Odometry")
+    publisher = peer.node.create_publisher(Twist, "/robot_0/cmd_vel", 10)
+    bad = Twist(linear=Vector3(x=math.nan))
+    drive(peer, publisher, bad, lambda: "ignoring messages that cannot be read" in arena.output)
+    for _ in range(20):
+        publisher.publish(bad)
+    drive(peer, publisher, FORWARD, lambda: is_driving(truth))
+    assert arena.output.count("ignoring messages that cannot be read") == 1
+    assert "/robot_0/cmd_vel: ignoring messages that cannot be read: a command that is not finite" in arena.output
+
+
+@pytest.mark.parametrize("data", [b"\x00", b"\x00\x01\x00\x00", b"\xff" * 40, b"\x00\x01\x00\x00" + b"\x07" * 9])
+def test_bytes_that_are_no_message_are_ignored_with_one_warning(arena, peer, data):
+    publisher = peer.node.create_publisher(Twist, "/robot_0/cmd_vel", 10)
+    drive(peer, publisher, data, lambda: "ignoring messages that cannot be read" in arena.output)
+    assert "Traceback" not in arena.output
+    assert arena.process.poll() is None
+
+
+def test_reader_may_ask_for_best_effort(arena, peer):
+    profile = QoSProfile(depth=5, reliability=ReliabilityPolicy.BEST_EFFORT)
+    scans = peer.listen("/robot_0/base_scan", "sensor_msgs/LaserScan", profile)
+    peer.wait_until(lambda: len(scans) > 3, "scans")
+    assert len(scans[-1].ranges) == 181
+
+
+def test_scans_are_sent_by_best_effort_on_request(tmp_path, peer):
+    topic = "/robot_0/base_scan"
+    override = f"qos_overrides.{topic}.publisher.reliability:=best_effort"
+    with running((*SIMULATION, "-p", "scenario:=tutorial_arena", "-p", "controllers:=none", "-p", override), tmp_path):
+        (info,) = peer.wait_until(lambda: peer.node.get_publishers_info_by_topic(topic), topic)
+        assert info.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT
+
+
+@pytest.mark.parametrize(
+    ("settings", "line"),
+    [
+        (("scenario:=garage_sra",), "garage_sra"),
+        ((), "scenario: is not set; expected the name or file of a scenario"),
+        (("scenario:=garage_sar", "set:=voice.noise_bd=20"), "voice.noise_bd: unknown key; did you mean 'noise_db'"),
+        (("scenario:=garage_sar", "controllers:=tema"), "controllers: tema; expected nodes, team, inside, none"),
+        (("scenario:=garage_sar", "speed:=fast"), "speed: expected a double, such as 1.0"),
+        (("scenario:=garage_sar", "speed:=-1.0"), "speed: "),
+        (("scenario:=garage_sar", "elsewhere:=all"), "elsewhere: robots in another world are not"),
+        (
+            ("scenario:=garage_sar", "set:=control.localisation=tf"),
+            "control.localisation: tf is not available in ROS 2",
+        ),
+    ],
+)
+def test_mistake_ends_the_simulation_with_one_line(tmp_path, settings, line):
+    parameters = [part for setting in settings for part in ("-p", setting)]
+    with running((*SIMULATION, *parameters), tmp_path) as node:
+        assert node.wait() == 2, node.output
+    assert line in node.output
+    assert "Traceback" not in node.output
+    assert len(node.output.splitlines()) == 1, node.output
+
+
+def test_second_simulation_on_the_same_names_is_refused(arena, tmp_path, peer):
+    with running((*SIMULATION, "-p", "scenario:=tutorial_arena", "-p", "controllers:=none"), tmp_path) as second:
+        assert second.wait() == 2, second.output
+    assert "/clock: published by another node, too; expected another ROS_DOMAIN_ID" in second.output

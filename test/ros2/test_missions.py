@@ -1,0 +1,66 @@
+"""Missions in ROS 2 are those of a run without ROS, to the bit."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import signal
+
+import pytest
+from peer import MISSION
+from running import descendants, running
+
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation
+
+SHORT = ("--seed", "7", "--set", "mission.time_limit_s=30", "--speed", "0")
+
+
+def headless_hash(name: str) -> str:
+    return Simulation(load(name, ["run.seed=7", "mission.time_limit_s=30"])).run().trajectory_hash
+
+
+@pytest.mark.parametrize("controllers", ["nodes", "team", "inside"])
+def test_mission_in_lockstep_has_the_hash_of_a_run_without_ros(tmp_path, controllers):
+    command = (*MISSION, "garage_sar", *SHORT, "--lockstep", "--controllers", controllers, "--out", "there")
+    with running(command, tmp_path) as mission:
+        assert mission.wait() == 0, mission.output
+    assert headless_hash("garage_sar") in mission.output
+    result = json.loads((tmp_path / "there" / "mission.json").read_text())
+    assert result["result"]["trajectory_hash"] == headless_hash("garage_sar")
+
+
+def test_fire_with_additional_sensors_has_the_hash_of_a_run_without_ros(tmp_path):
+    sensors = "robots.sensors=[{kind: sonar, name: front}, {kind: gps, datum_lat_deg: 40, datum_lon_deg: -8}]"
+    command = (*MISSION, "garage_fire", *SHORT, "--set", sensors, "--lockstep")
+    with running(command, tmp_path) as mission:
+        assert mission.wait() == 0, mission.output
+    overrides = ["run.seed=7", "mission.time_limit_s=30", sensors]
+    assert Simulation(load("garage_fire", overrides)).run().trajectory_hash in mission.output
+
+
+def test_mission_without_lockstep_ends_well(tmp_path):
+    command = (*MISSION, "tutorial_arena", "--seed", "7", "--set", "mission.time_limit_s=20", "--speed", "10")
+    with running(command, tmp_path) as mission:
+        assert mission.wait() == 0, mission.output
+    assert re.search(r"driven\s+[1-9]", mission.output), mission.output
+
+
+def test_mission_ends_when_a_controller_is_killed(tmp_path):
+    with running((*MISSION, "garage_sar", "--speed", "1"), tmp_path) as mission:
+        mission.wait_for(lambda line: "mission starts" in line, "the start of the mission")
+        *_, last = descendants(mission.process.pid)
+        os.kill(last, signal.SIGKILL)
+        assert mission.wait() == 0, mission.output
+    assert "a controller has ended, and this ends the mission" in mission.output
+    assert "Traceback" not in mission.output
+
+
+def test_ctrl_c_ends_a_mission_without_a_traceback(tmp_path):
+    with running((*MISSION, "garage_sar", "--speed", "1"), tmp_path) as mission:
+        mission.wait_for(lambda line: "mission starts" in line, "the start of the mission")
+        for pid in (mission.process.pid, *descendants(mission.process.pid)):
+            os.kill(pid, signal.SIGINT)
+        mission.wait()
+    assert "Traceback" not in mission.output
