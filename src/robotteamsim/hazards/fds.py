@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.user_files import open_regular
 
 _KEY = "fire.fds"
 _TEMPERATURE = "TEMPERATURE"
@@ -24,6 +26,13 @@ _MIN_VISIBILITY_M = 1e-3
 _MOST_SOOT_G_M3 = 1e9
 _ROUNDING = 1e-6
 """Values of FDS may be below 0 by so little."""
+
+_LINE_COUNTS = {
+    ".smv": {"TRN": 1, "CLASS_OF_PARTICLES": 3, "CLASS_OF_HUMANS": 3, "PRT5": 2, "EVA5": 2},
+    ".bnd": {"": 0},
+}
+"""Where fdsreader reads as many lines as a number says: by the suffix of the file, the beginning of a line, and how
+many lines after that the number is. In a .bnd file the other numbers are not whole."""
 
 
 def _soot_of(fire: Fire) -> dict[str, Callable[[np.ndarray], np.ndarray]]:
@@ -180,11 +189,42 @@ def _horizontal_slices(folder: str) -> list[Any]:
             raise _mistake(f"'{each}' is not a regular file")
     # Its caches are pickles: a folder from elsewhere could run code.
     fdsreader.settings.ENABLE_CACHING = False
+    # It prints a traceback for each part that it cannot read, such as vents, which are not used here.
+    fdsreader.settings.IGNORE_ERRORS = True
     try:
+        _check_counts(Path(folder))
         found = fdsreader.Simulation(folder).slices
         return [each for each in found if each.orientation == 3]
+    except PlacementError:
+        raise
     except Exception as error:  # fdsreader has no error class for files that it cannot read
         raise _unreadable(folder, error) from None
+
+
+def _check_counts(folder: Path) -> None:
+    """Raises: PlacementError: a number of lines is larger than its file; fdsreader would read on after the end."""
+    for path in sorted(folder.iterdir()):
+        places = _LINE_COUNTS.get(path.suffix)
+        if places is None:
+            continue
+        with io.TextIOWrapper(open_regular(path), errors="replace") as file:
+            lines = [line.split() for line in file]
+        for number, words in enumerate(lines, start=1):
+            for keyword, offset in places.items():
+                if " ".join(words).startswith(keyword) and (count := _first_number(lines, number + offset)) > len(
+                    lines
+                ):
+                    raise _mistake(
+                        f"'{path}', line {number + offset}: says that {count} lines follow; the file has {len(lines)}"
+                    )
+
+
+def _first_number(lines: Sequence[Sequence[str]], number: int) -> int:
+    """Return the whole number with which a line, by its number from 1 on, begins; 0 if there is none."""
+    try:
+        return int(lines[number - 1][0])
+    except (IndexError, ValueError):
+        return 0
 
 
 def _unreadable(folder: str, error: Exception) -> PlacementError:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from pathlib import Path
 
@@ -96,6 +97,31 @@ def test_file_that_breaks_off_is_rejected(tmp_path):
         file.write_bytes(file.read_bytes()[:100])
     with pytest.raises(ScenarioError, match=r"fire\.fds: '.*' cannot be read as results of FDS: "):
         Simulation(scenario(PLAN, {"fds": str(folder)}))
+
+
+@pytest.mark.parametrize("axis", ["TRNX", "TRNY", "TRNZ"])
+def test_number_of_lines_that_the_file_does_not_have_is_rejected_before_they_are_read(tmp_path, axis):
+    file = Path(write_run(tmp_path, [HEAT, SOOT])) / "room.smv"
+    file.write_text(file.read_text().replace(f"{axis}\n    0\n", f"{axis}\n  999999999\n"))
+    lines = file.read_text().splitlines()
+    place = f"line {lines.index('  999999999') + 1}"
+    message = f"room.smv', {place}: says that 999999999 lines follow; the file has {len(lines)}"
+    with pytest.raises(ScenarioError, match=f"{re.escape(message)}$"):
+        Simulation(scenario(PLAN, {"fds": str(tmp_path)}))
+
+
+def test_number_of_limits_of_particles_is_checked_too(tmp_path):
+    write_run(tmp_path, [HEAT, SOOT])
+    (tmp_path / "room_1.prt5.bnd").write_text(" 0.000000E+00    1\n 999999999   0\n")
+    with pytest.raises(ScenarioError, match=r"room_1\.prt5\.bnd', line 2: says that 999999999 lines follow; .* has 2$"):
+        Simulation(scenario(PLAN, {"fds": str(tmp_path)}))
+
+
+def test_part_of_the_results_that_is_not_needed_may_be_unreadable_without_a_traceback(tmp_path, caplog):
+    file = Path(write_run(tmp_path, [HEAT, SOOT])) / "room.smv"
+    file.write_text(file.read_text().replace("VENT\n    0    0", "VENT\n    9    0"))
+    Simulation(scenario(PLAN, {"fds": str(tmp_path)}))
+    assert caplog.text == ""
 
 
 @pytest.mark.parametrize(
