@@ -1,4 +1,4 @@
-"""Texts of messages: plurals, foreign text made safe to print, and tables that fit a terminal."""
+"""Texts of messages: plurals, errors, foreign text made safe to print, and tables that fit a terminal."""
 
 import re
 from collections.abc import Sequence
@@ -17,6 +17,17 @@ def printable(text: str) -> str:
     r"""Return a text for one line of a terminal: control characters as \x1b, words of 120 characters shortened."""
     escaped = "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
     return _LONG.sub(lambda word: f"{word[0][:_SHOWN_OF_LONG]}...", escaped)
+
+
+def described(error: BaseException) -> str:
+    """Return the class and the text of an error in one line; only the class if it has no text or fails to give it."""
+    try:
+        text = " ".join(str(error).split())
+    except KeyboardInterrupt:
+        raise
+    except BaseException:  # `__str__` of a user's class runs any code
+        text = ""
+    return ": ".join(filter(None, (type(error).__name__, text)))
 
 
 def safe_cell(value: object) -> object:

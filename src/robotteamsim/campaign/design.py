@@ -186,7 +186,9 @@ def _check_algorithm(of: Scenario, settings: Sequence[Factor], allow_code: bool)
     except RobotTeamSimError as error:
         message = str(error).removeprefix(f"{of.name}: ")
         raise CampaignError(f"{matching[-1].place if matching else of.name}: {message}") from None
-    except (Exception, SystemExit):
+    except KeyboardInterrupt:
+        raise
+    except BaseException:
         return  # In a mission, a class that fails stops its robot, which is an event.
 
 

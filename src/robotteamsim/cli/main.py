@@ -29,7 +29,7 @@ from robotteamsim.cli.output import close_stdout, open_streams
 from robotteamsim.cli.parser import Parser
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.extras import missing_extra
-from robotteamsim.wording import printable
+from robotteamsim.wording import described, printable
 
 EXIT_ERROR = 1
 EXIT_MISTAKE = 2
@@ -122,7 +122,7 @@ def _reported(error: BaseException) -> int:
         case _:
             *_, last = traceback.extract_tb(error.__traceback__)
             where = f"{os.path.basename(last.filename)}:{last.lineno}"
-            line = f"internal error: {type(error).__name__}: {error} ({where}); {_DEBUG} shows more"
+            line = f"internal error: {described(error)} ({where}); {_DEBUG} shows more"
             status = EXIT_ERROR
     print(f"robotteamsim: {printable(line)}", file=sys.stderr)
     return status

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import math
 import re
 import sys
@@ -38,6 +39,13 @@ class Wrong:
         pass
 """
 FORWARD = Decision(Twist(0.5))
+
+
+class WithoutTextError(Exception):
+    """Its text cannot be made."""
+
+    def __str__(self) -> str:
+        raise SystemExit
 
 
 class Scripted:
@@ -111,6 +119,9 @@ def test_decisions_of_a_sound_controller_pass_unchanged():
         (Decision(done="\udc00"), "step returned done = '\\udc00', which cannot be encoded as UTF-8"),
         (OSError("no file \udcff.txt"), "OSError: no file \\udcff.txt (test_guard.py:"),
         (SystemExit(3), "SystemExit: 3 (test_guard.py:"),
+        (asyncio.CancelledError(), "CancelledError (test_guard.py:"),
+        (GeneratorExit(), "GeneratorExit (test_guard.py:"),
+        (WithoutTextError(), "WithoutTextError (test_guard.py:"),
     ],
 )
 def test_faulty_decision_stops_the_robot_for_good_and_reports_why(decision, fault):

@@ -48,6 +48,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A folder on Python's path with the modules `others` and `broken`, and a package that names some of them."""
     (tmp_path / "others_of_test.py").write_text(OTHERS)
     (tmp_path / "broken_of_test.py").write_text("import no_such_module_at_all\n")
+    (tmp_path / "exiting_of_test.py").write_text("raise SystemExit(3)\n")
     info = tmp_path / "others-1.0.dist-info"
     info.mkdir()
     (info / "METADATA").write_text("Metadata-Version: 2.1\nName: others\nVersion: 1.0\n")
@@ -152,6 +153,7 @@ KNOWN = ", ".join([*ALGORITHMS, "still"])
             "'others_of_test:Former' makes a others_of_test.Former, which has observe and decide; "
             "step(observation, inbox, task) replaces both",
         ),
+        ("exiting_of_test:Class", "'exiting_of_test:Class': SystemExit: 3"),
         (":Still", f"':Still' is not known; expected one of: {KNOWN}, or module:Class"),
     ],
 )

@@ -17,6 +17,7 @@ from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.geometry import Twist
 from robotteamsim.interface import EVERYBODY, OUTSIDE, Controller, Decision, Message, Observation, SwarmContext, Task
 from robotteamsim.propagation import FieldMap
+from robotteamsim.wording import described
 
 _PACKAGE = "robotteamsim."
 _REGISTRY = "robotteamsim.control.runtime.registry"
@@ -52,9 +53,9 @@ class Guard:
         """None where it could not be made."""
         try:
             self.controller = make()
-        except RobotTeamSimError:
+        except (RobotTeamSimError, KeyboardInterrupt):
             raise
-        except (Exception, SystemExit) as error:
+        except BaseException as error:
             self._stop(error)
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
@@ -64,13 +65,14 @@ class Guard:
         try:
             decision = self.controller.step(observation, inbox, task)
             self.fault = problem_of(decision, self._robot_id, self._num_robots)
-        except (Exception, SystemExit) as error:
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # also SystemExit, and what asyncio raises
             self._stop(error)
         return Decision(fault=self.fault) if self.fault else decision
 
     def _stop(self, error: BaseException) -> None:
-        text = ": ".join(filter(None, (type(error).__name__, " ".join(str(error).split()))))
-        self.fault = f"{text}{_place(error)}".encode(errors="backslashreplace").decode()
+        self.fault = f"{described(error)}{_place(error)}".encode(errors="backslashreplace").decode()
         _logger.debug("controller of robot %d failed", self._robot_id, exc_info=error)
 
 

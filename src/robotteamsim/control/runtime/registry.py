@@ -14,6 +14,7 @@ from robotteamsim.interface import Controller
 from robotteamsim.scenario.controllers import ALGORITHMS
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import Setup
+from robotteamsim.wording import described
 
 MakeController = Callable[..., Controller]
 """A controller class, or another callable that makes the controller of one robot from its id and the scenario.
@@ -107,8 +108,10 @@ def _loaded(name: str, point: EntryPoint) -> MakeController:
     except ModuleNotFoundError as error:
         reason = missing_extra(error) or f"ModuleNotFoundError: {error}; is its folder in PYTHONPATH?"
         raise _NotFoundError(f"'{name}': {reason}") from None
-    except Exception as error:  # Any error in the user's module is reported in one line.
-        raise _NotFoundError(f"'{name}': {type(error).__name__}: {error}") from None
+    except KeyboardInterrupt:
+        raise
+    except BaseException as error:  # Any error in the user's module is reported in one line.
+        raise _NotFoundError(f"'{name}': {described(error)}") from None
     if not callable(found):
         raise _NotFoundError(f"'{name}' is {found!r:.40}; expected a class")
     made: MakeController = found
