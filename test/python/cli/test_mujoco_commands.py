@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import mujoco
@@ -52,6 +55,23 @@ def test_body_that_mujoco_refuses_is_one_line(capsys):
     assert main(["run", "tutorial_arena", "--set", "run.world=mujoco", *light]) == 2
     for line in capsys.readouterr().err.splitlines():
         assert line.startswith("robotteamsim: MuJoCo rejects a robot or object (too small or too light?): ")
+
+
+@pytest.mark.parametrize(
+    "command", ["run tutorial_arena --set run.world=mujoco", "plan export-mujoco tutorial_arena --out out"]
+)
+def test_value_of_mujoco_gl_that_mujoco_refuses_is_one_line(command):
+    done = subprocess.run(
+        [sys.executable, "-m", "robotteamsim.cli", *command.split()],
+        env={**os.environ, "MUJOCO_GL": "nonsense"},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert done.returncode == 2
+    assert done.stderr.splitlines()[-1].startswith("robotteamsim: MUJOCO_GL=nonsense: mujoco cannot be imported ")
+    assert "Traceback" not in done.stderr
 
 
 def test_open_leaf_that_swings_is_at_its_open_place():
