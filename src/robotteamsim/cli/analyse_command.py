@@ -14,9 +14,9 @@ from rich.console import Console
 from rich.progress import track
 
 from robotteamsim import scenario
-from robotteamsim.cli.output import OutputConsole, add_png_option
+from robotteamsim.cli.output import OutputConsole, add_png_option, check_outputs
 from robotteamsim.cli.parser import UsageError, path_of, positive_number
-from robotteamsim.recording.files import check_replaceable, write_atomically
+from robotteamsim.recording.files import write_atomically
 
 if TYPE_CHECKING:
     import numpy as np
@@ -88,6 +88,7 @@ def analyse(options: argparse.Namespace) -> None:
 
     _check(options)
     loaded = scenario.load(options.scenario) if options.scenario else None
+    check_outputs(_outputs(options), [*options.bags, *(loaded.origin.files if loaded else ())])
     plan = loaded.plan if loaded else None
     runs = [read_run(paths) for paths in ([options.bags] if options.join else [[bag] for bag in options.bags])]
     if len({run.name for run in runs}) < len(runs):  # Folders distinguish bags of the same name.
@@ -113,19 +114,11 @@ def analyse(options: argparse.Namespace) -> None:
 
 
 def _check(options: argparse.Namespace) -> None:
-    """Reject options that would fail only after the bags are read. Raises: UsageError, RecordingError."""
+    """Reject options that would fail only after the bags are read. Raises: UsageError."""
     names = [os.path.realpath(bag) for bag in options.bags]
     twice = next((bag for bag, name in zip(options.bags, names, strict=True) if names.count(name) > 1), None)
     if twice:
         raise UsageError(f"{twice} is given twice")
-    used = set(names)
-    for file in _files(options):
-        check_replaceable(file)
-        if not file.parent.is_dir():
-            raise UsageError(f"{file}: cannot be written: {file.parent} is not a folder")
-        if os.path.realpath(file) in used:
-            raise UsageError(f"{file}: would overwrite a bag or another file of this command")
-        used.add(os.path.realpath(file))
     if options.png and not options.join and len(options.bags) > MAX_DRAWN:
         raise UsageError(f"--png: {len(options.bags)} bags do not fit side by side; expected at most {MAX_DRAWN}")
     if options.gif or options.mp4:
@@ -145,9 +138,10 @@ def _check_film(options: argparse.Namespace) -> None:
         find_ffmpeg()
 
 
-def _files(options: argparse.Namespace) -> list[Path]:
-    """Return the files to be written."""
-    return [file for file in (options.json, options.png, options.gif, options.mp4) if file and file != Path("-")]
+def _outputs(options: argparse.Namespace) -> dict[str, Path | None]:
+    """Return the files to be written, by option."""
+    json_file = None if options.json == Path("-") else options.json
+    return {"--json": json_file, "--png": options.png, "--gif": options.gif, "--mp4": options.mp4}
 
 
 def _write(options: argparse.Namespace, runs: Sequence[RecordedRun], all_totals: Sequence[RunTotals]) -> list[Path]:

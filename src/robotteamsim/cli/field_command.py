@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from robotteamsim import scenario
-from robotteamsim.cli.output import add_png_option, save
+from robotteamsim.cli.output import add_png_option, check_outputs, save
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, number, path_of, point
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.errors import ScenarioError
@@ -166,6 +166,9 @@ def _draw(
 
     variants = _variants(options)
     scenarios = [variant.load(options) for variant in variants]
+    check_outputs(
+        {"--png": options.png, "--out": options.out}, [file for one in scenarios for file in one.origin.files]
+    )
     panels = []
     for variant, loaded in zip(variants, scenarios, strict=True):
         drawn = panel(loaded, variant, _resolution_m(options, loaded))

@@ -6,12 +6,14 @@ import argparse
 import io
 import os
 import sys
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
 from rich.console import Console
 
-from robotteamsim.cli.parser import PICTURES, picture_of
+from robotteamsim.cli.parser import PICTURES, UsageError, picture_of
+from robotteamsim.recording.files import check_replaceable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -58,6 +60,28 @@ def add_png_option(parser: argparse.ArgumentParser, text: str = "the picture to 
     """Add --png, also for PDF and SVG. Args: text: its help."""
     kinds = f"{', '.join(PICTURES[:-1])} or {PICTURES[-1]}"
     parser.add_argument("--png", type=picture_of, required=required, metavar="FILE", help=f"{text}: {kinds}")
+
+
+def check_outputs(
+    outputs: Mapping[str, Path | None], inputs: Iterable[str | Path], *, new_folders: bool = False
+) -> None:
+    """Check that files can be written, and over neither an input nor each other; call this before writing any.
+
+    Args:   outputs: by option; None if it is not given.
+            inputs: files that the command reads. new_folders: whether it creates the folders of outputs.
+    Raises: UsageError, RecordingError.
+    """
+    used = {os.path.realpath(file): "a file that this command reads" for file in inputs}
+    for option, path in outputs.items():
+        if path is None:
+            continue
+        check_replaceable(path)
+        if not new_folders and not path.parent.is_dir():
+            raise UsageError(f"{path}: cannot be written: {path.parent} is not a folder")
+        file = os.path.realpath(path)
+        if file in used:
+            raise UsageError(f"{option} {path}: would overwrite {used[file]}; choose another file")
+        used[file] = f"the file of {option}"
 
 
 def save(figure: Figure, path: Path) -> None:

@@ -2,20 +2,20 @@
 
 import argparse
 import math
-import os
 import sys
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
-from robotteamsim.cli.output import add_png_option, save
+from robotteamsim.cli.output import add_png_option, check_outputs, save
 from robotteamsim.cli.parser import PLAN_HELP, SCENARIO_HELP, UsageError, number, path_of, positive_number
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
 from robotteamsim.scenario.door_places import without_misplaced_doors
 from robotteamsim.scenario.dxf import DxfRules, import_dxf
 from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.loading import floor_plan_and_files
 from robotteamsim.scenario.map_image import (
     DrawingRules,
     MapImage,
@@ -251,16 +251,12 @@ def import_plan(options: argparse.Namespace) -> None:
     out = options.out or Path("plan.yaml")
     if options.out is None and out.exists():
         raise UsageError(f"{out} already exists; choose a file with --out")
-    if os.path.realpath(out) == os.path.realpath(options.map):
-        raise UsageError(f"--out {out}: would overwrite the map")
-    if options.png and os.path.realpath(options.png) in (os.path.realpath(options.map), os.path.realpath(out)):
-        raise UsageError(f"--png {options.png}: would overwrite the map or the plan")
     image, rules = None, DrawingRules()
-    if options.map.suffix.lower() == ".dxf":
-        found = _import_dxf(options)
-    else:
+    if options.map.suffix.lower() != ".dxf":
         image, rules = _read_image(options)
-        found = import_image(image, options.map, rules)
+    inputs = [options.map, *([options.map.parent / image.settings.image] if image else [])]
+    check_outputs({"--out": out, "--png": options.png}, inputs)
+    found = import_image(image, options.map, rules) if image else _import_dxf(options)
     plan = without_misplaced_doors(found)
     parts = floor_parts(plan, _ROBOT_M)
     with atomically(out) as part:
@@ -284,13 +280,14 @@ def import_stage(options: argparse.Namespace) -> None:
 
     name = options.world.stem
     folder = options.out or Path(name)
-    if options.out is None and folder.exists():
-        raise UsageError(f"{folder} already exists; choose a folder with --out")
-    found = import_world(options.world)
-    _warn(found.notes)
     plan_file, scenario_file = folder / "plan.yaml", folder / f"{name}.yaml"
     if scenario_file == plan_file:
         scenario_file = folder / "scenario.yaml"
+    for path in (plan_file, scenario_file) if options.out else (folder,):
+        if path.exists():
+            raise UsageError(f"{path} already exists; choose another folder with --out")
+    found = import_world(options.world)
+    _warn(found.notes)
     keys = {"name": found.keys["name"], "plan": plan_file.name, **found.keys}
     prepare_folder(folder)
     with atomically(plan_file) as plan_part, atomically(scenario_file) as scenario_part:
@@ -310,11 +307,12 @@ def export_gazebo(options: argparse.Namespace) -> None:
     loaded = scenario.load(options.scenario, options.overrides)
     export = export_world(resolve(loaded), options.drive)
     _warn(export.notes)
+    # The scenario's own name may not be a valid file name.
+    path = options.out / f"{Path(options.scenario).stem}.world"
+    check_outputs({"--out": path}, loaded.origin.files, new_folders=True)
     prepare_folder(options.out)
     for name, text in export.absent.items():
         write_atomically(options.out / f"{name}.sdf", text)
-    # The scenario's own name may not be a valid file name.
-    path = options.out / f"{Path(options.scenario).stem}.world"
     write_atomically(path, export.world)
     robots = loaded.num_robots - len(export.absent)
     print(f"{path}: {counted(robots, 'robot')}, {counted(len(loaded.plan.doors), 'door')}")
@@ -327,8 +325,9 @@ def export_mujoco(options: argparse.Namespace) -> None:
     loaded = scenario.load(options.scenario, options.overrides)
     setup = resolve(loaded)
     text = mjcf(setup.scenario, setup.robots)
-    prepare_folder(options.out)
     path = options.out / f"{Path(options.scenario).stem}.xml"
+    check_outputs({"--out": path}, loaded.origin.files, new_folders=True)
+    prepare_folder(options.out)
     write_atomically(path, text)
     robots = sum(robot.present for robot in setup.robots)
     print(f"{path}: {counted(robots, 'robot')}, {counted(len(loaded.objects), 'object')}")
@@ -338,7 +337,9 @@ def render_plan(options: argparse.Namespace) -> None:
     """Draw a floor plan."""
     from robotteamsim.analysis.plan_picture import draw_plan
 
-    save(draw_plan(scenario.load_floor_plan(options.plan)), options.png)
+    plan, files = floor_plan_and_files(options.plan)
+    check_outputs({"--png": options.png}, files)
+    save(draw_plan(plan), options.png)
 
 
 def _warn(notes: Iterable[str]) -> None:

@@ -2,8 +2,6 @@
 
 import argparse
 import json
-import os
-from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -11,7 +9,7 @@ from rich.console import Console
 from robotteamsim import scenario
 from robotteamsim.analysis.runs.tables import print_result
 from robotteamsim.cli.interrupt import InterruptBetweenSteps
-from robotteamsim.cli.output import OutputConsole
+from robotteamsim.cli.output import OutputConsole, check_outputs
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, number, path_of, whole_number
 from robotteamsim.cli.progress import ProgressBar, preparing
 from robotteamsim.control import foreign_code
@@ -97,8 +95,8 @@ def check_code(options: argparse.Namespace, loaded: scenario.Scenario) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Run the mission."""
-    _check_files(options)
     loaded = load_scenario(options, options.scenario)
+    _check_files(options, loaded)
     check_code(options, loaded)
     console = Console(stderr=True, quiet=options.quiet)
     with preparing(console, loaded.name):
@@ -120,25 +118,16 @@ def run(options: argparse.Namespace) -> None:
         print_result(OutputConsole(), result, events.events, written, idleness.idleness)
 
 
-def _check_files(options: argparse.Namespace) -> None:
-    """Raises: UsageError: a file would be overwritten by another one of this command."""
+def _check_files(options: argparse.Namespace, loaded: scenario.Scenario) -> None:
+    """Raises: UsageError: a file would be overwritten that this command reads, or writes as well."""
     if options.mcap and options.mcap.suffix != ".mcap":
         raise UsageError(f"--mcap {options.mcap}: expected a name that ends in .mcap")
-    named = {"--bag": options.bag, "--mcap": options.mcap, "--html": options.html}
-    files: dict[str, Path] = {}
-    for option, path in named.items():
-        if not path:
-            continue
-        file = Path(os.path.realpath(path))
-        if other := next((before for before, known in files.items() if known == file), None):
-            raise UsageError(f"{option} {path}: {other} writes this file; choose another one")
-        files[option] = file
-    if not options.out:
-        return
-    out = Path(os.path.realpath(options.out))
-    for option, file in files.items():
-        if file == out / FILE_NAME or out / TRAJECTORIES in file.parents:
-            raise UsageError(f"{option} {named[option]}: --out writes a file of this name; choose another one")
+    files = {"--bag": options.bag, "--mcap": options.mcap, "--html": options.html}
+    result = options.out / FILE_NAME if options.out else None
+    check_outputs({"--out": result, **files}, loaded.origin.files, new_folders=True)
+    for option, path in files.items():
+        if options.out and path and (options.out / TRAJECTORIES).resolve() in path.resolve().parents:
+            raise UsageError(f"{option} {path}: would be among the files of --out; choose another folder")
 
 
 def _check_controllers(simulation: Simulation) -> None:

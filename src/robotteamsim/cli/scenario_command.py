@@ -9,7 +9,7 @@ from typing import Any
 from ruamel.yaml.error import YAMLError
 
 from robotteamsim import scenario
-from robotteamsim.cli.output import add_png_option, save
+from robotteamsim.cli.output import add_png_option, check_outputs, save
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of
 from robotteamsim.cli.run_command import add_code_option, add_set_option, check_code
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
@@ -116,6 +116,7 @@ def run_render(options: argparse.Namespace) -> None:
     from robotteamsim.analysis.plan_picture import draw_plan
 
     loaded = scenario.load(options.scenario, options.overrides)
+    check_outputs({"--png": options.png}, loaded.origin.files)
     save(draw_plan(loaded.plan, resolve(loaded)), options.png)
 
 
@@ -140,6 +141,8 @@ def run_schema(options: argparse.Namespace) -> None:
     """Print or write the JSON Schema."""
     text = json.dumps(scenario.json_schema(), indent=2)
     if options.file:
+        if options.file.exists() and options.file.suffix in (".yaml", ".yml"):
+            raise UsageError(f"{options.file} already exists; choose a name for JSON, such as scenario.schema.json")
         write_atomically(options.file, text + "\n")
     else:
         print(text)

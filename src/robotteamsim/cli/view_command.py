@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from robotteamsim import scenario
+from robotteamsim.cli.output import check_outputs
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of, positive_number, whole_number
 from robotteamsim.cli.run_command import add_scenario_options, check_code, load_scenario
-from robotteamsim.recording.files import check_replaceable, write_atomically
+from robotteamsim.recording.files import write_atomically
 from robotteamsim.recording.results import FILE_NAME, read_mission
 
 if TYPE_CHECKING:
@@ -63,7 +64,7 @@ def view(options: argparse.Namespace) -> None:
     targets = [options.target, *([options.compare] if options.compare else [])]
     _check(options, targets)
     if options.html:
-        check_replaceable(options.html)
+        check_outputs({"--html": options.html}, _inputs(options, targets))
         write_atomically(options.html, _page(options, targets))
         print(options.html)
     elif options.compare or _is_recorded(options.target):
@@ -87,6 +88,14 @@ def _check(options: argparse.Namespace, targets: list[str]) -> None:
     changed += ["--set"] if options.overrides else []
     if changed and all(map(_is_recorded, targets)):
         raise UsageError(f"{changed[0]}: has no effect on recordings: {', '.join(targets)}")
+
+
+def _inputs(options: argparse.Namespace, targets: list[str]) -> list[str | Path]:
+    """Return the files of bags, folders and scenarios. Raises: ScenarioError."""
+    files: list[str | Path] = [Path(target, FILE_NAME) if Path(target).is_dir() else target for target in targets]
+    loaded = [load_scenario(options, target) for target in targets if not _is_recorded(target)]
+    loaded += [scenario.load(options.scenario)] if options.scenario else []
+    return [*files, *(file for one in loaded for file in one.origin.files)]
 
 
 def _show_live(options: argparse.Namespace) -> None:

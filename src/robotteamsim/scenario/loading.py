@@ -4,6 +4,7 @@ import copy
 import logging
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -57,7 +58,8 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
     file_control = dict(data["control"]) if isinstance(data.get("control"), dict) else None
     for change in changes:
         if change.key[0] == "plan" and len(change.key) > 1 and isinstance(data.get("plan"), str):
-            data["plan"] = _read_plan(*_plan_file(data["plan"], folder, place)).model_dump(by_alias=True, mode="json")
+            plan, _ = _read_plan(*_plan_file(data["plan"], folder, place))
+            data["plan"] = plan.model_dump(by_alias=True, mode="json")
         elif change.key == ("plan",):
             folder = Path()
         change.apply(data)
@@ -67,14 +69,16 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
         _logger.warning("%s: %s: dropped, not keys of '%s' (--set)", place, keys, data["control"]["algorithm"])
 
     plan_path: Path | None = None
+    files: tuple[Path, ...] = (path,)
     if isinstance(data.get("plan"), str):
         plan_path, plan_place = _plan_file(data["plan"], folder, "--set" if ("plan",) in origin.set_keys else place)
-        data["plan"] = _read_plan(plan_path, plan_place)
-    _read_patrol_graph(data, path.parent, origin)
+        data["plan"], plan_files = _read_plan(plan_path, plan_place)
+        files += plan_files
+    files += _read_patrol_graph(data, path.parent, origin)
     scenario = _validated(Scenario, data, origin)
     if plan_path is None:
         _check_doors(scenario.plan, "plan.", origin)
-    return scenario.read_from(origin, None if plan_path is None else str(plan_path.resolve()))
+    return scenario.read_from(replace(origin, files=files), None if plan_path is None else str(plan_path.resolve()))
 
 
 def from_mapping(data: dict[str, Any], place: str, overrides: Sequence[str] = ()) -> Scenario:
@@ -92,7 +96,7 @@ def from_mapping(data: dict[str, Any], place: str, overrides: Sequence[str] = ()
         change.apply(data)
     drop_foreign_keys(data.get("control"), old_control, origin.set_keys)
     if ("plan",) in origin.set_keys and isinstance(data["plan"], str):
-        data["plan"] = _read_plan(*_plan_file(data["plan"], Path(), "--set"))
+        data["plan"], _ = _read_plan(*_plan_file(data["plan"], Path(), "--set"))
     scenario = _validated(Scenario, data, origin)
     _check_doors(scenario.plan, "plan.", origin)
     return scenario.read_from(origin, None)
@@ -103,6 +107,11 @@ def load_floor_plan(path_or_name: str | os.PathLike[str]) -> FloorPlan:
 
     Raises: ScenarioError: one line with file, key, value and what was expected.
     """
+    return floor_plan_and_files(path_or_name)[0]
+
+
+def floor_plan_and_files(path_or_name: str | os.PathLike[str]) -> tuple[FloorPlan, tuple[Path, ...]]:
+    """Return a floor plan as `load_floor_plan`, and the files that were read for it. Raises: ScenarioError."""
     name = os.fspath(path_or_name)
     if is_bare_name(name) and not is_file(Path(name)):
         return _read_plan(shipped_plan(name), f"{name}/plan.yaml")
@@ -140,15 +149,16 @@ def _plan_file(name: str, folder: Path, place: str) -> tuple[Path, str]:
     return path, name
 
 
-def _read_plan(path: Path, place: str) -> FloorPlan:
+def _read_plan(path: Path, place: str) -> tuple[FloorPlan, tuple[Path, ...]]:
+    """Return the plan of a file, and the files that were read: it, and the image that it names."""
     data = read_mapping(path, place, "a floor plan")
     if "plan" in data and not _is_plan(data):
         raise ScenarioError(f"{place}: this is a scenario, not a floor plan; its key 'plan' names its floor plan")
     if "image" in data:
-        return import_map(path)
+        return import_map(path), (path, path.parent / str(data["image"]))
     plan = _validated(FloorPlan, data, Origin(place))
     _check_doors(plan, "", Origin(place))
-    return plan
+    return plan, (path,)
 
 
 def _is_plan(data: dict[str, Any]) -> bool:
@@ -156,19 +166,20 @@ def _is_plan(data: dict[str, Any]) -> bool:
     return "bounds" in data or {"image", "resolution"} <= data.keys()
 
 
-def _read_patrol_graph(data: Any, folder: Path, origin: Origin) -> None:
-    """Replace the name of a graph file by the graph; like a plan's, the name is relative to the folder."""
+def _read_patrol_graph(data: Any, folder: Path, origin: Origin) -> tuple[Path, ...]:
+    """Replace the name of a graph file by the graph, and return the file; the name is relative to the folder."""
     key = ("mission", "patrol", "graph")
     section = data
     for part in key[:-1]:
         section = section.get(part) if isinstance(section, dict) else None
     if not isinstance(section, dict) or not isinstance(section.get("graph"), str):
-        return
+        return ()
     name, dotted = section["graph"], ".".join(key)
     path = (Path() if key in origin.set_keys else folder) / name
     if not is_file(path):
         raise ScenarioError(origin.line(f"{dotted}: there is no file {shown(name)}", dotted))
     section["graph"] = read_patrol_graph(path, name)
+    return (path,)
 
 
 def _check_doors(plan: FloorPlan, prefix: str, origin: Origin) -> None:

@@ -1,6 +1,7 @@
 """The source of a scenario, so that errors found later still name the file or the --set."""
 
 from dataclasses import dataclass, field
+from pathlib import Path
 
 Key = tuple[str | int, ...]
 """A dotted key as a path into the YAML data: ("mission", "victims", 0, "position")."""
@@ -14,10 +15,12 @@ class Origin:
 
     place:    the name of the file in messages; empty for a scenario made in Python.
     set_keys: the keys that were set with `--set`.
+    files:    the files that were read: the scenario, its plan with the image that the plan names, its patrol graph.
     """
 
     place: str = field(default="", compare=False)
     set_keys: tuple[Key, ...] = field(default=(), compare=False)
+    files: tuple[Path, ...] = field(default=(), compare=False)
 
     def line(self, text: str, key: str) -> str:
         """Return a message about a dotted key, preceded by the file or option that set the key."""

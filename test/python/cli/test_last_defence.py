@@ -209,21 +209,6 @@ def test_jupyter_backend_is_not_used(tmp_path):
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
-def test_output_is_never_written_over_other_output_or_input(tmp_path, refusal):
-    out = tmp_path / "o"
-    assert refusal("run", "garage_sar", "--bag", out / "mission.json", "--out", out).endswith(
-        "mission.json: --out writes a file of this name; choose another one"
-    )
-    assert not out.exists()
-    bag = tmp_path / "m.bag"
-    assert main(["run", "garage_sar", *SHORT, "--bag", str(bag), "--quiet"]) == 0
-    for arguments in (["--json", bag], ["--png", tmp_path / "x.png", "--json", tmp_path / "x.png"]):
-        line = refusal("analyse", bag, *arguments)
-        assert line == f"{arguments[1]}: would overwrite a bag or another file of this command"
-    (tmp_path / "map.yaml").write_text("image: map.png\n")
-    assert "would overwrite the map" in refusal("plan", "import", tmp_path / "map.yaml", "--out", tmp_path / "map.yaml")
-
-
 CANNOT = "class Cannot:\n    def __init__(self, robot_id, scenario):\n        raise TypeError('no wheels')\n"
 
 

@@ -33,7 +33,7 @@ def test_imported_world_is_a_scenario_to_run(capsys):
 def test_existing_folder_is_kept_unless_it_is_named(refusal):
     Path("hall").mkdir()
     line = refusal("plan", "import-stage", str(WORLD))
-    assert line == "hall already exists; choose a folder with --out"
+    assert line == "hall already exists; choose another folder with --out"
     assert main(["plan", "import-stage", str(WORLD), "--out", "hall"]) == 0
     assert load("hall/hall.yaml").name == "hall"
 

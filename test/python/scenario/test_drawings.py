@@ -221,7 +221,10 @@ def test_picture_shows_what_was_taken_for_what(folder):
         ),
         (["clean.png", "--metres-per-pixel", "90"], "clean.png: resolution: 90"),
         (["none.png", "--metres-per-pixel", "0.1"], "none.png"),
-        (["clean.png", "--metres-per-pixel", "0.02", "--png", "clean.png"], "would overwrite the map or the plan"),
+        (
+            ["clean.png", "--metres-per-pixel", "0.02", "--png", "clean.png"],
+            "would overwrite a file that this command reads",
+        ),
         (["clean.png", "--metres-per-pixel", "0.02", "--png", "x.jpg"], "'x.jpg' does not end in .png, .pdf or .svg"),
     ],
 )

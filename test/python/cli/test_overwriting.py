@@ -1,0 +1,116 @@
+"""No command writes over a file that it reads, over another of its outputs, or over what a user has made."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from robotteamsim.cli import main
+
+DATA = Path(__file__).parents[2] / "data"
+WORLD = DATA / "stage" / "hall.world"
+MAP = "image: map.png\nresolution: 0.05\norigin: [0, 0, 0]\n"
+SCENARIO = "name: s\nplan: {plan}\nrobots: {{count: 1, start: [2, 2, 0]}}\nmission: {{time_limit_s: 0.5}}\n"
+PLAN = "name: p\nbounds: {min: [0, 0], max: [9, 9]}\n"
+
+
+@pytest.fixture(scope="module")
+def inputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a map, a plan, a scenario of each, and a recorded mission in each format."""
+    folder = tmp_path_factory.mktemp("inputs")
+    Image.fromarray(np.full((100, 100), 254, np.uint8)).save(folder / "map.png")
+    texts = {"map.yaml": MAP, "plan.yaml": PLAN}
+    texts |= {"on_map.yaml": SCENARIO.format(plan="map.yaml"), "s.yaml": SCENARIO.format(plan="plan.yaml")}
+    texts |= {"patrol.yaml": SCENARIO.format(plan="plan.yaml").replace("{time", "{patrol: {graph: g.graph}, time")}
+    shutil.copy(DATA / "patrol" / "three.graph", folder / "g.graph")
+    for name, text in texts.items():
+        (folder / name).write_text(text)
+    recorders = [f"--{kind}={folder}/{name}" for kind, name in (("bag", "m.bag"), ("mcap", "m.mcap"), ("out", "out"))]
+    assert main(["run", str(folder / "s.yaml"), "--quiet", *recorders]) == 0
+    return folder
+
+
+@pytest.fixture
+def _in_copy(inputs: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(shutil.copytree(inputs, tmp_path / "copy"))
+
+
+def contents() -> dict[str, bytes]:
+    return {str(path): path.read_bytes() for path in Path().rglob("*") if path.is_file()}
+
+
+@pytest.mark.usefixtures("_in_copy")
+@pytest.mark.parametrize(
+    "command",
+    [
+        "view m.bag --html m.bag",
+        "view m.mcap --html m.mcap",
+        "view m.bag --compare m.mcap --html m.mcap",
+        "view m.bag --scenario s.yaml --html s.yaml",
+        "view out --html out/mission.json",
+        "view s.yaml --html s.yaml",
+        "view s.yaml --html plan.yaml",
+        "run s.yaml --quiet --html s.yaml",
+        "run s.yaml --quiet --bag s.yaml",
+        "run s.yaml --quiet --bag ../copy/plan.yaml",
+        "run on_map.yaml --quiet --html map.png",
+        "run patrol.yaml --quiet --html g.graph",
+        "analyse m.bag --json m.bag",
+        "analyse m.bag --scenario s.yaml --json s.yaml",
+        "plan render map.yaml --png map.png",
+        "plan import map.yaml --out map.yaml",
+        "plan import map.yaml --out o.yaml --png map.png",
+        "scenario render on_map.yaml --png map.png",
+        "field radio on_map.yaml --png map.png",
+    ],
+)
+def test_file_that_a_command_reads_is_not_overwritten(refusal, command):
+    before = contents()
+    option, file = command.split()[-2:]
+    line = refusal(*command.split())
+    assert line == f"{option} {file}: would overwrite a file that this command reads; choose another file"
+    assert contents() == before
+
+
+@pytest.mark.usefixtures("_in_copy")
+@pytest.mark.parametrize(
+    ("command", "line"),
+    [
+        ("analyse m.bag --json x.png --png x.png", "--png x.png: would overwrite the file of --json"),
+        ("run s.yaml --bag x --html ./x", "--html x: would overwrite the file of --bag"),
+        ("run s.yaml --out o --bag o/mission.json", "--bag o/mission.json: would overwrite the file of --out"),
+        ("run s.yaml --out o --html o/trajectories/a", "--html o/trajectories/a: would be among the files of --out"),
+        ("plan import map.yaml --out x.png --png x.png", "--png x.png: would overwrite the file of --out"),
+        ("plan import map.yaml --out o.yaml --png no/o.png", "no/o.png: cannot be written: no is not a folder"),
+        ("field radio s.yaml --png x.png --out no/x.npz", "no/x.npz: cannot be written: no is not a folder"),
+        ("view m.bag --html no/o.html", "no/o.html: cannot be written: no is not a folder"),
+        ("scenario schema s.yaml", "s.yaml already exists; choose a name for JSON, such as scenario.schema.json"),
+    ],
+)
+def test_no_output_is_written_if_one_of_them_cannot_be(refusal, command, line):
+    before = contents()
+    assert refusal(*command.split()).startswith(line)
+    assert contents() == before
+    assert not Path("o").exists()
+
+
+@pytest.mark.usefixtures("_in_copy")
+@pytest.mark.parametrize("name", ["plan.yaml", "hall.yaml"])
+def test_imported_world_overwrites_no_plan_and_no_scenario(refusal, name):
+    Path("plan.yaml").unlink()
+    Path(name).write_text("mine")
+    before = contents()
+    line = refusal("plan", "import-stage", WORLD, "--out", ".")
+    assert line == f"{name} already exists; choose another folder with --out"
+    assert contents() == before
+
+
+@pytest.mark.usefixtures("_in_copy")
+def test_file_of_an_earlier_command_is_replaced():
+    Path("o.html").write_text("old")
+    assert main(["view", "m.bag", "--html", "o.html"]) == 0
+    assert Path("o.html").read_text() != "old"
