@@ -2,8 +2,11 @@
 
 import argparse
 import json
+import os
 import sys
+from collections.abc import Sequence
 from itertools import takewhile
+from pathlib import Path
 from typing import Any
 
 from ruamel.yaml.error import YAMLError
@@ -13,10 +16,11 @@ from robotteamsim.cli.output import add_png_option, check_outputs, save
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of
 from robotteamsim.cli.run_command import add_code_option, add_set_option, check_code
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
-from robotteamsim.recording.files import write_atomically
+from robotteamsim.recording.files import atomically, write_atomically
+from robotteamsim.scenario.loading import from_text
 from robotteamsim.scenario.shipped import shipped_scenario
 from robotteamsim.scenario.upgrade import upgraded
-from robotteamsim.scenario.yaml_text import read_mapping, read_text
+from robotteamsim.scenario.yaml_text import mapping_of, read_text
 from robotteamsim.setup import Setup, resolve
 from robotteamsim.simulation import Simulation
 from robotteamsim.wording import counted, printable
@@ -70,7 +74,7 @@ def run_check(options: argparse.Namespace) -> None:
             check_code(options, loaded)
             setup = resolve(loaded)
         except ScenarioError as error:
-            mistakes += [str(error), *getattr(error, "__notes__", [])]
+            mistakes += _lines(error)
             continue
         if mistake := _mistake_in_setting_up(setup):
             mistakes.append(f"{name}: {mistake}")
@@ -83,9 +87,18 @@ def run_check(options: argparse.Namespace) -> None:
         )
         for part in _unreachable(setup):
             print(f"{name}: no robot can get to {part_text(part)}, not even through doors")
+    _report(mistakes)
+
+
+def _lines(error: RobotTeamSimError) -> list[str]:
+    return [str(error), *getattr(error, "__notes__", [])]
+
+
+def _report(mistakes: Sequence[str]) -> None:
+    """Report mistakes in several files. Raises: UsageError: the last one, if there is one."""
+    for mistake in mistakes[:-1]:
+        print(f"robotteamsim: {printable(mistake)}", file=sys.stderr)
     if mistakes:
-        for mistake in mistakes[:-1]:
-            print(f"robotteamsim: {printable(mistake)}", file=sys.stderr)
         raise UsageError(mistakes[-1])
 
 
@@ -121,20 +134,37 @@ def run_render(options: argparse.Namespace) -> None:
 
 
 def run_upgrade(options: argparse.Namespace) -> None:
-    """Rewrite scenarios with today's keys, and report what else is wrong with one."""
+    """Rewrite scenarios with today's keys; one with another mistake stays as it is, and the mistake is reported."""
+    mistakes: list[str] = []
     for path in options.files:
-        read_mapping(path, str(path), "a scenario")
-        former = read_text(path, str(path))
         try:
-            text, changes = upgraded(former)
-        except YAMLError:
-            raise ScenarioError(f"{path}: cannot be rewritten, because it is not YAML 1.2") from None
-        if changes:
-            write_atomically(path.with_name(f"{path.name}.old"), former)
-            write_atomically(path, text)
-        for change in changes or ["has no former keys"]:
-            print(f"{path}: {change}")
-        scenario.load(path)
+            for change in _upgrade(path) or ["has no former keys"]:
+                print(f"{path}: {change}")
+        except RobotTeamSimError as error:
+            mistakes += _lines(error)
+    _report(mistakes)
+
+
+def _upgrade(path: Path) -> list[str]:
+    """Rewrite a scenario if it has former keys; return a line for each. Raises: RobotTeamSimError: nothing changed."""
+    former = read_text(path, str(path))
+    mapping_of(former, str(path), "a scenario")
+    try:
+        text, changes = upgraded(former)
+    except YAMLError:
+        raise ScenarioError(f"{path}: cannot be rewritten, because it is not YAML 1.2") from None
+    except ScenarioError as error:
+        raise ScenarioError(f"{path}: {error}") from None
+    from_text(text, path)
+    if changes:
+        kept = path.with_name(f"{path.name}.old")
+        if os.path.lexists(kept):
+            raise ScenarioError(f"{path}: its former text would overwrite {kept}; move that file first")
+        # A link stays a link.
+        with atomically(path.resolve()) as part, atomically(kept) as kept_part:
+            kept_part.write_text(former, encoding="utf-8")
+            part.write_text(text, encoding="utf-8")
+    return changes
 
 
 def run_schema(options: argparse.Namespace) -> None:

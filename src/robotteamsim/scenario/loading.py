@@ -21,7 +21,7 @@ from robotteamsim.scenario.patrol import read_patrol_graph
 from robotteamsim.scenario.problems import problems
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.shipped import is_bare_name, shipped_map_name, shipped_plan, shipped_scenario
-from robotteamsim.scenario.yaml_text import check_depth, is_file, read_mapping, shown, write
+from robotteamsim.scenario.yaml_text import check_depth, is_file, mapping_of, read_mapping, shown, write
 from robotteamsim.wording import counted
 
 _logger = logging.getLogger(__name__)
@@ -49,7 +49,16 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
     if is_bare_name(place) and not is_file(path):
         path = shipped_scenario(place)
         place = path.name
-    data = read_mapping(path, place, "a scenario")
+    return _of_file(read_mapping(path, place, "a scenario"), path, place, overrides)
+
+
+def from_text(text: str, path: Path) -> Scenario:
+    """Return the scenario that `load` would return if the file had this text. Raises: as `load`."""
+    return _of_file(mapping_of(text, str(path), "a scenario"), path, str(path), ())
+
+
+def _of_file(data: dict[str, Any], path: Path, place: str, overrides: Sequence[str]) -> Scenario:
+    """Return the scenario of the data in a file. Args: place: what messages call the file."""
     if "plan" not in data and _is_plan(data):
         raise ScenarioError(f"{place}: this is a floor plan, not a scenario; a scenario names it in its key 'plan'")
     changes = [Override.of(text) for text in overrides]

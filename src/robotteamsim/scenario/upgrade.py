@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from io import StringIO
+from types import NoneType
 from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
+from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.controllers import ALGORITHMS, DEFAULT, control_kind
 from robotteamsim.scenario.renamed_keys import CONTROLLERS, PATROL, SENSORS
 
@@ -19,7 +21,7 @@ def upgraded(text: str) -> tuple[str, list[str]]:
     Comments stay, but for those of keys that move to another section.
 
     Args:   text: YAML whose top level is a mapping.
-    Raises: YAMLError: the text is not YAML 1.2.
+    Raises: YAMLError: the text is not YAML 1.2. ScenarioError: a former key cannot move, for it would replace another.
     """
     yaml = YAML()
     yaml.preserve_quotes, yaml.width = True, 10_000
@@ -36,7 +38,8 @@ def upgraded(text: str) -> tuple[str, list[str]]:
 def _objects(data: CommentedMap) -> Iterator[str]:
     if "things" in data:
         place = list(data).index("things")
-        data.insert(place, "objects", data.pop("things"))
+        _check_absent(data, "objects", "objects", "things")
+        data.insert(place, "objects", _taken(data, "things", "things"))
         yield "things: now objects"
 
 
@@ -47,25 +50,50 @@ def _control(data: CommentedMap) -> Iterator[str]:
     algorithm = control.get("algorithm", DEFAULT)
     for key, section, name in (("relays", "relays", "count"), ("dispatch", "firefighters", "dispatch")):
         if key in control:
-            _section(data, section)[name] = control.pop(key)
-            yield f"control.{key}: now {section}.{name}"
+            yield _moved(data, _taken(control, key, f"control.{key}"), f"control.{key}", (section, name))
     for section, owner in (CONTROLLERS | {"patrol": "sebs"}).items():
         if not isinstance(control.get(section), CommentedMap):
             continue
-        for key, value in control.pop(section).items():
+        for key, value in _taken(control, section, f"control.{section}").items():
+            former = f"control.{section}.{key}"
             if section == "patrol" and key in PATROL:
-                _section(_section(data, "mission"), "patrol")[key] = value
-                yield f"control.patrol.{key}: now mission.patrol.{key}"
+                yield _moved(data, value, former, ("mission", "patrol", key))
             elif owner == algorithm:
-                control[key] = value
-                yield f"control.{section}.{key}: now control.{key}"
+                yield _moved(data, value, former, ("control", key))
             else:
-                yield f"control.{section}.{key}: dropped; it is a key of '{owner}', not of '{algorithm}'"
+                yield f"{former}: dropped; it is a key of '{owner}', not of '{algorithm}'"
     own = control_kind(algorithm).model_fields
     known = {key for kind in ALGORITHMS.values() for key in kind.model_fields}
     for key in [key for key in control if key in known and key not in own]:
-        del control[key]
+        _taken(control, key, f"control.{key}")
         yield f"control.{key}: dropped; it is not a key of '{algorithm}'"
+
+
+def _moved(data: CommentedMap, value: Any, former: str, key: tuple[str, ...]) -> str:
+    """Put the value of a former key at its new key; return the line about it. Raises: ScenarioError: it exists."""
+    section = data
+    for depth, name in enumerate(key[:-1], start=1):
+        if section.get(name) is None:
+            section[name] = CommentedMap()
+        section = section[name]
+        if not isinstance(section, CommentedMap):
+            raise ScenarioError(f"{former}: belongs into {'.'.join(key[:depth])}, which is not a section")
+    _check_absent(section, key[-1], ".".join(key), former)
+    section[key[-1]] = value
+    return f"{former}: now {'.'.join(key)}"
+
+
+def _taken(section: CommentedMap, key: str, place: str) -> Any:
+    """Remove a key and return its value. Raises: ScenarioError: the section has a merge key, which may have the key."""
+    if list(section.merge):
+        raise ScenarioError(f"{place}: cannot be moved out of a section with a merge key, <<; write out its keys")
+    return section.pop(key)
+
+
+def _check_absent(section: CommentedMap, key: str, place: str, former: str) -> None:
+    """Raises: ScenarioError: the key exists, so that a former key would replace it."""
+    if key in section:
+        raise ScenarioError(f"{former}: is now {place}, which the file has, too; remove one of both")
 
 
 def _sensors(data: CommentedMap) -> Iterator[str]:
@@ -82,22 +110,17 @@ def _sensors_of(robots: CommentedMap, place: str) -> Iterator[str]:
     for key, kind in SENSORS.items():
         if key not in robots:
             continue
-        former = robots.pop(key)
-        if isinstance(former, CommentedMap):
-            former = CommentedSeq([former])
-        added = former if isinstance(former, CommentedSeq) else CommentedSeq()
+        if not isinstance(robots[key], (CommentedMap, CommentedSeq, NoneType)):
+            continue  # the check of the scenario rejects it
+        former = _taken(robots, key, f"{place}.{key}")
+        added = CommentedSeq([former]) if isinstance(former, CommentedMap) else former or CommentedSeq()
         for sensor in added:
             if isinstance(sensor, CommentedMap):
                 sensor.insert(0, "kind", kind)
-        if isinstance(robots.get("sensors"), CommentedSeq):
+        if robots.get("sensors") is None:
+            robots["sensors"] = added
+        elif isinstance(robots["sensors"], CommentedSeq):
             robots["sensors"].extend(added)
         else:
-            robots["sensors"] = added
+            raise ScenarioError(f"{place}.{key}: belongs into {place}.sensors, which is not a list")
         yield f"{place}.{key}: now {place}.sensors, of kind {kind}"
-
-
-def _section(data: CommentedMap, name: str) -> Any:
-    """Return a section, which is added if there is none."""
-    if not isinstance(data.get(name), CommentedMap):
-        data[name] = CommentedMap()
-    return data[name]

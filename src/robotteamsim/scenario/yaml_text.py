@@ -165,7 +165,12 @@ def read_mapping(path: Path, place: str, what: str) -> dict[str, Any]:
     Args:   place: name of the file in messages. what: what it should be, such as "a scenario".
     Raises: ScenarioError: the file is missing, unreadable, too large, not YAML or not a mapping.
     """
-    data = parse(read_text(path, place), place)
+    return mapping_of(read_text(path, place), place, what)
+
+
+def mapping_of(text: str, place: str, what: str) -> dict[str, Any]:
+    """Return the keys and values of a YAML text, see `read_mapping`. Raises: ScenarioError."""
+    data = parse(text, place)
     if data is None:
         raise ScenarioError(f"{place}: file is empty; expected {what}: lines of KEY: VALUE")
     if not isinstance(data, dict):

@@ -38,6 +38,21 @@ fire: {ignitions: [{at_s: 0, position: [38, 3]}], fuel: [{name: bays, polygon: [
 """
 
 
+START = "name: x\nplan: garage\nrobots: {count: 1, start: [10, 30, 0]}\n"
+"""A scenario to which others add mistakes."""
+
+
+@pytest.fixture
+def refusal_lines(capsys):
+    """Run a command that must be rejected, and return the lines that it prints to stderr."""
+
+    def run(*arguments: object) -> list[str]:
+        assert main([str(argument) for argument in arguments]) == 2
+        return capsys.readouterr().err.splitlines()
+
+    return run
+
+
 def test_former_scenario_becomes_one_of_today_and_keeps_its_comments():
     text, changes = upgraded(FORMER)
     assert {"# The team of last year.", "# more would block the door", "# above the bumper"} <= {
@@ -100,13 +115,68 @@ def test_other_mistakes_are_left_to_the_check_of_the_scenario(text):
     [
         ("things: [", "expected the node content"),
         ("- things", "is not a scenario: lines of KEY: VALUE"),
-        ("plan: garage\nthings: []\nrobot: 3\n", "robot: unknown key; did you mean 'robots'?"),
+        (START + "things: []\nrobot: 3\n", "robot: unknown key; did you mean 'robots'?"),
+        (
+            START + "things: []\nobjects: []\n",
+            "wrong.yaml: things: is now objects, which the file has, too; remove one of both",
+        ),
+        (
+            START + "control: {relays: 2}\nrelays: {count: 1}\n",
+            "control.relays: is now relays.count, which the file has, too",
+        ),
+        (
+            START + "control: {algorithm: boustrophedon, sweep: {spacing_m: 2}, spacing_m: 3}\n",
+            "control.sweep.spacing_m: is now control.spacing_m, which the file has, too",
+        ),
+        (
+            START + "control: {relays: 2}\nrelays: 5\n",
+            "control.relays: belongs into relays, which is not a section",
+        ),
+        (
+            START + "control:\n  <<: {relays: 2}\n",
+            "control.relays: cannot be moved out of a section with a merge key, <<; write out its keys",
+        ),
+        (START.replace("0]}", "0], lasers: 5}"), "robots.lasers: renamed; use 'robots.sensors: "),
+        (
+            START.replace("0]}", "0], lasers: [], sensors: 5}"),
+            "robots.lasers: belongs into robots.sensors, which is not a list",
+        ),
     ],
 )
-def test_mistake_in_a_file_to_upgrade_is_one_line(tmp_path, capsys, text, line):
+def test_file_with_another_mistake_is_not_upgraded_and_the_mistake_is_one_line(tmp_path, capsys, text, line):
     path = tmp_path / "wrong.yaml"
     path.write_text(text)
     assert main(["scenario", "upgrade", str(path)]) == 2
     errors = capsys.readouterr().err
     assert line in errors
     assert errors.count("\n") == 1
+    assert path.read_text() == text
+    assert list(tmp_path.iterdir()) == [path]
+
+
+def test_files_after_a_refused_one_are_upgraded(tmp_path, refusal_lines):
+    wrong, former = tmp_path / "wrong.yaml", tmp_path / "former.yaml"
+    wrong.write_text("things: [")
+    former.write_text(FORMER)
+    assert len(refusal_lines("scenario", "upgrade", wrong, former, wrong)) == 2
+    assert former.with_name("former.yaml.old").read_text() == FORMER
+    assert load(former).objects[0].name == "crate"
+
+
+def test_former_text_is_not_written_over_another_file(tmp_path, refusal_lines):
+    path, kept = tmp_path / "former.yaml", tmp_path / "former.yaml.old"
+    path.write_text(FORMER)
+    kept.write_text("precious")
+    line = f"robotteamsim: {path}: its former text would overwrite {kept}; move that file first"
+    assert refusal_lines("scenario", "upgrade", path) == [line]
+    assert (path.read_text(), kept.read_text()) == (FORMER, "precious")
+
+
+def test_file_behind_a_link_is_upgraded_and_the_link_stays(tmp_path):
+    path, link = tmp_path / "former.yaml", tmp_path / "link.yaml"
+    path.write_text(FORMER)
+    link.symlink_to("former.yaml")
+    assert main(["scenario", "upgrade", str(link)]) == 0
+    assert link.is_symlink()
+    assert load(path).objects[0].name == "crate"
+    assert (tmp_path / "link.yaml.old").read_text() == FORMER
