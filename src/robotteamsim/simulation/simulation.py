@@ -190,9 +190,11 @@ class Simulation:
         Whatever interrupts the run (an observer's RecordingError, a signal) is raised after every observer that began
         has abandoned the trial.
 
-        Raises: ScenarioError: the robots' poses come from tf.
+        Raises: ScenarioError: the robots' poses come from tf. ValueError: the mission has ended.
         """
         check_headless(self.scenario)
+        if self.mission.status.state == "ended":
+            raise ValueError("run: the mission has ended; make another Simulation")
         trial = Trial(self.setup, observers)
         try:
             self.mission.start()
@@ -247,7 +249,16 @@ class Simulation:
         self.command({robot_id: Twist()})
 
     def command(self, twists: Mapping[int, Twist]) -> None:
-        """Let robots, by id, move in the next step by other commands than their controllers', as if driven by hand."""
+        """Let robots, by id, move in the next step by other commands than their controllers', as if driven by hand.
+
+        Raises: ValueError: no such robot, or a command is not finite.
+        """
+        num_robots = len(self._before.decisions)
+        for robot_id, twist in twists.items():
+            if robot_id not in range(num_robots):
+                raise ValueError(f"command: there is no robot {robot_id!r}, only 0 to {num_robots - 1}")
+            if not isinstance(twist, Twist) or not twist.is_finite:
+                raise ValueError(f"command: robot {robot_id}: {twist!r}; expected a Twist of finite numbers")
         decisions = tuple(
             msgspec.structs.replace(decision, twist=twists[robot_id]) if robot_id in twists else decision
             for robot_id, decision in enumerate(self._before.decisions)

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 
 import numpy as np
 import pytest
@@ -254,6 +255,39 @@ def test_mission_without_autostart_is_started_by_run(hall_scenario):
     mission = loaded.mission.model_copy(update={"autostart": False})
     waiting = loaded.model_copy(update={"mission": mission})
     assert Simulation(waiting).run().trajectory_hash == Simulation(loaded).run().trajectory_hash
+
+
+def test_mission_that_has_ended_is_not_run_again(hall_scenario):
+    simulation = Simulation(short(hall_scenario))
+    simulation.run()
+    witness = Witness()
+    with pytest.raises(ValueError, match=r"^run: the mission has ended; make another Simulation$"):
+        simulation.run([witness])
+    assert witness.told == []
+
+
+def test_robot_obeys_a_command_in_the_next_step(hall_scenario):
+    simulation = Simulation(short(hall_scenario))
+    simulation.command({0: Twist(0.5)})
+    simulation.step()
+    assert simulation.world.twists()[0].linear_x_mps > 0.0
+
+
+@pytest.mark.parametrize(
+    ("twists", "message"),
+    [
+        ({99: Twist()}, r"command: there is no robot 99, only 0 to \d$"),
+        ({-1: Twist()}, "command: there is no robot -1, "),
+        ({"0": Twist()}, "command: there is no robot '0', "),
+        ({0: Twist(math.nan)}, r"command: robot 0: Twist\(linear_x_mps=nan, .*; expected a Twist of finite numbers$"),
+        ({0: None}, "command: robot 0: None; expected a Twist of finite numbers"),
+    ],
+)
+def test_command_that_no_robot_can_obey_is_rejected_at_once(hall_scenario, twists, message):
+    simulation = Simulation(short(hall_scenario))
+    with pytest.raises(ValueError, match=message):
+        simulation.command(twists)
+    simulation.step()
 
 
 def test_observers_abandon_when_one_of_them_fails(hall_scenario):
