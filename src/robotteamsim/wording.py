@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 
-_LONG = re.compile(r"[^\s/]{120,}")
+_LONG = re.compile(r"[^\s/]{120,}|'[^'/]{120,}'")
 _SHOWN_OF_LONG = 80
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
@@ -14,7 +14,7 @@ def counted(number: int, noun: str) -> str:
 
 
 def printable(text: str) -> str:
-    r"""Return a text for one line of a terminal: control characters as \x1b, words of 120 characters shortened."""
+    r"""Return a text for one line of a terminal: control characters as \x1b, long words and quotes shortened."""
     escaped = "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
     return _LONG.sub(lambda word: f"{word[0][:_SHOWN_OF_LONG]}...", escaped)
 

@@ -34,7 +34,7 @@ _OUR_FILES = {STORE_NAME, f"{STORE_NAME}-wal", f"{STORE_NAME}-shm", f".part-{STO
 _OUR_FILES |= {f".part-{STORE_NAME}-journal", CSV_NAME, f".part-{CSV_NAME}"}
 
 _FORMAT = 3
-_LACKS = {1: "the robots' paths", 2: "the discoveries delivered to a base"}
+_LACKS = {"1": "the robots' paths", "2": "the discoveries delivered to a base"}
 _APPLICATION_ID = 0x52545343  # "RTSC" identifies our databases.
 _COLUMNS = tuple(field.name for field in dataclasses.fields(Outcome))
 _OF_ENDED = (
@@ -186,9 +186,9 @@ def read_store(folder: Path) -> StoredCampaign:
         rows = dict(database.execute("SELECT name, value FROM campaign").fetchall())
         with _named("campaign"):
             properties = msgspec.convert(rows, _Properties)
-        if (number := int(properties.format)) != _FORMAT:
+        if (number := properties.format) != str(_FORMAT):
             lacks = f", which lacks {_LACKS[number]}" if number in _LACKS else ""
-            raise CampaignError(f"{path}: has format {number}{lacks}; expected {_FORMAT}: choose another folder")
+            raise CampaignError(f"{path}: has format {number:.40}{lacks}; expected {_FORMAT}: choose another folder")
         with _named("settings"):
             settings = msgspec.json.decode(properties.settings, type=_Settings)
             check_depth(settings.scenario, "scenario")

@@ -2,6 +2,7 @@
 
 import argparse
 import json
+from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -95,6 +96,8 @@ def check_code(options: argparse.Namespace, loaded: scenario.Scenario) -> None:
 
 def run(options: argparse.Namespace) -> None:
     """Run the mission."""
+    if (Path(options.scenario) / FILE_NAME).is_file() and options.scenario not in scenario.scenario_names():
+        raise UsageError(f"{options.scenario}: is a folder of `run --out`; `robotteamsim view` shows its mission")
     loaded = load_scenario(options, options.scenario)
     _check_files(options, loaded)
     check_code(options, loaded)

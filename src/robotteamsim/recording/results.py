@@ -43,6 +43,7 @@ def read_mission(folder: Path) -> tuple[dict[str, Any], str]:
     Raises: RecordingError: there is none, or it is not one of `ResultWriter`.
     """
     path = folder / FILE_NAME
+    reason = f"is larger than {_MOST_BYTES // 2**20} MiB"
     try:
         with open_regular(path) as file:
             text = file.read(_MOST_BYTES + 1)
@@ -50,11 +51,12 @@ def read_mission(folder: Path) -> tuple[dict[str, Any], str]:
             document = msgspec.json.decode(text, type=_Document)
             return document.scenario, document.result.trajectory_hash
     except OSError as error:
-        reason = error.strerror or error
-        raise RecordingError(f"{path}: cannot be read: {reason}; expected a folder of `run --out`") from None
-    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
-        pass
-    raise RecordingError(f"{path}: is not a mission.json of `run --out`")
+        raise RecordingError(
+            f"{path}: cannot be read: {error.strerror or error}; expected a folder of `run --out`"
+        ) from None
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        reason = str(error)
+    raise RecordingError(f"{path}: is not a mission.json of `run --out`: {reason}")
 
 
 class EventList(Observer):

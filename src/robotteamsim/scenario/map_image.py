@@ -122,7 +122,10 @@ def read_map(path: Path) -> MapImage:
 
     Raises: ScenarioError: one line with file, key, value and what was expected.
     """
-    settings = checked(MapFile, read_mapping(path, str(path), "the yaml of a map"), place=f"{path}: ")
+    data = read_mapping(path, str(path), "the yaml of a map")
+    if "bounds" in data:
+        raise ScenarioError(f"{path}: is a floor plan already; expected the yaml of an image")
+    settings = checked(MapFile, data, place=f"{path}: ")
     image_path = path.parent / settings.image
     if not is_file(image_path):
         raise ScenarioError(f"{path}: image: there is no file {shown(settings.image)}")

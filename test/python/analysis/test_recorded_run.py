@@ -202,7 +202,7 @@ def test_bag_without_the_topics_is_rejected(write_bag, tmp_path):
     with pytest.raises(RecordingError) as refused:
         read_run([path])
     wanted = "expected odom or base_pose_ground_truth of a robot, /mission/status or /network/state"
-    assert str(refused.value) == f"{path}: {wanted}; found /clock"
+    assert str(refused.value) == f"{path}: {wanted}; found /clock of type rosgraph_msgs/Clock"
 
 
 def test_empty_bag_is_rejected(write_bag, tmp_path):

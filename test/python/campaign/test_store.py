@@ -158,7 +158,7 @@ def test_other_databases_and_files_under_the_stores_name_are_rejected(short_desi
             "trial 1 of cell 0: Expected `array`, got `int` - at `$.egress.people`",
         ),
         ("UPDATE trial SET details = '[]'", "trial 1 of cell 0: Expected `object`, got `array`"),
-        ("UPDATE campaign SET value = 'x' WHERE name = 'format'", "invalid literal for int() with base 10: 'x'"),
+        ("UPDATE campaign SET value = 'x' WHERE name = 'format'", "has format x; expected 3: choose another folder"),
         ("UPDATE campaign SET value = '{}' WHERE name = 'versions'", "versions: robotteamsim is missing"),
         ("UPDATE campaign SET value = '[3]' WHERE name = 'settings'", "settings: Expected `object`, got `array`"),
         (

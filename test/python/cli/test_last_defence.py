@@ -61,6 +61,17 @@ def test_name_that_is_too_long_is_shortened_in_one_line(refusal, command):
     assert len(line) < 200
 
 
+def test_value_that_is_too_long_is_shortened_in_one_line(refusal):
+    for option in ("--noise", "--set"):
+        assert len(refusal("run", "garage_sar", option, "x y " * 100)) < 200
+
+
+def test_folder_of_a_mission_is_not_a_scenario_but_can_be_viewed(refusal, tmp_path):
+    (tmp_path / "mission.json").touch()
+    line = refusal("run", tmp_path)
+    assert line == f"{tmp_path}: is a folder of `run --out`; `robotteamsim view` shows its mission"
+
+
 def test_control_characters_of_names_are_escaped(refusal):
     assert refusal("run", "a\x1b[31m\nb.yaml") == r"a\x1b[31m\nb.yaml: there is no such file"
     assert (
@@ -230,6 +241,10 @@ def test_controller_that_cannot_be_constructed_is_an_error(tmp_path, monkeypatch
         (
             ("plan", "render", "scenarios/garage_sar.yaml", "--png", "x.png"),
             "scenarios/garage_sar.yaml: this is a scenario, not a floor plan",
+        ),
+        (
+            ("plan", "import", "maps/garage/plan.yaml", "--out", "x.yaml"),
+            "maps/garage/plan.yaml: is a floor plan already; expected the yaml of an image",
         ),
     ],
 )

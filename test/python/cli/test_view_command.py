@@ -70,4 +70,11 @@ def test_a_mistake_gives_one_line(
 def test_mission_that_is_no_text_is_one_line(capsys, tmp_path):
     (tmp_path / "mission.json").write_bytes(b'{"scenario": {"name": "\xff"}}')
     assert main(["view", str(tmp_path), "--html", str(tmp_path / "o.html")]) == 2
-    assert capsys.readouterr().err == f"robotteamsim: {tmp_path}/mission.json: is not a mission.json of `run --out`\n"
+    line = f"robotteamsim: {tmp_path}/mission.json: is not a mission.json of `run --out`: "
+    assert capsys.readouterr().err.startswith(line)
+
+
+def test_damaged_mission_is_one_line_with_the_key(capsys, tmp_path):
+    (tmp_path / "mission.json").write_text('{"scenario": {}, "result": {"trajectory_hash": 3}}')
+    assert main(["view", str(tmp_path), "--html", str(tmp_path / "o.html")]) == 2
+    assert capsys.readouterr().err.endswith("Expected `str`, got `int` - at `$.result.trajectory_hash`\n")

@@ -126,7 +126,7 @@ def _read(bag: BagReader, name: str) -> RecordedRun:
             unread.add(topic)
         except ValueError as error:
             raise ContentError(f"{topic}: {error}") from None
-    return _run(name, samples, transforms, tuple(sorted(unread)), tuple(bag.topics))
+    return _run(name, samples, transforms, tuple(sorted(unread)), bag.topics)
 
 
 def _types_to_read(topics: Mapping[str, str]) -> dict[str, str]:
@@ -162,7 +162,7 @@ def _run(
     samples: Samples,
     transforms: tracks.Transforms,
     unread: tuple[str, ...],
-    topics: tuple[str, ...],
+    topics: Mapping[str, str],
 ) -> RecordedRun:
     samples = {topic: _in_order(topic, of_topic) for topic, of_topic in samples.items() if of_topic}
     samples = _until_end(samples)
@@ -175,7 +175,8 @@ def _run(
     stamps += [np.array([mission[0].stamp_ns, mission[-1].stamp_ns])] if mission else []
     if not stamps:
         more = ", .." if len(topics) > 6 else ""
-        found = f"found {', '.join(topics[:6])}{more}" if topics else "the bag is empty"
+        shown = [f"{topic} of type {kind}" for topic, kind in list(topics.items())[:6]]
+        found = f"found {', '.join(shown)}{more}" if topics else "the bag is empty"
         raise ContentError(f"expected odom or {TRUTH} of a robot, /mission/status or {STATE}; {found}")
     first_ns, end_ns = int(min(np.min(pair) for pair in stamps)), int(max(np.max(pair) for pair in stamps))
     started = next((status for status in mission if status.state == "running"), None)
