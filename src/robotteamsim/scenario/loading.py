@@ -45,6 +45,8 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
                 contain further mistakes in the same file. PlacementError: a door is not in a gap.
     """
     place = os.fspath(path_or_name)
+    if not place:
+        raise ScenarioError("the name of the scenario is empty")
     path = Path(place)
     if is_bare_name(place) and not is_file(path):
         path = shipped_scenario(place)
@@ -61,7 +63,7 @@ def _of_file(data: dict[str, Any], path: Path, place: str, overrides: Sequence[s
     """Return the scenario of the data in a file. Args: place: what messages call the file."""
     if "plan" not in data and _is_plan(data):
         raise ScenarioError(f"{place}: this is a floor plan, not a scenario; a scenario names it in its key 'plan'")
-    changes = [Override.of(text) for text in overrides]
+    changes = Override.all_of(overrides)
     origin = Origin(place, tuple(change.key for change in changes))
     folder = path.parent
     file_control = dict(data["control"]) if isinstance(data.get("control"), dict) else None
@@ -97,7 +99,7 @@ def from_mapping(data: dict[str, Any], place: str, overrides: Sequence[str] = ()
     Raises: ScenarioError, PlacementError: as `load`, or the values are nested too deeply.
     """
     check_depth(data, place)
-    changes = [Override.of(text) for text in overrides]
+    changes = Override.all_of(overrides)
     origin = Origin(place, tuple(change.key for change in changes))
     old_control = data.get("control")
     data = copy.deepcopy(data)

@@ -37,6 +37,13 @@ class Override:
                 raise ScenarioError(f"--set: {'.'.join(parts[:length])}: {replaced}")
         return cls(path, parse(value, f"--set: {key}"))
 
+    @classmethod
+    def all_of(cls, texts: Sequence[str]) -> list[Override]:
+        """Return the overrides of a list of "key=value". Raises: ScenarioError: one is wrong, or it is not a list."""
+        if isinstance(texts, str) or not isinstance(texts, Sequence):
+            raise ScenarioError(f"overrides: {texts!r:.60}; expected a list of KEY=VALUE, such as ['run.seed=1']")
+        return [cls.of(text) for text in texts]
+
     def apply(self, data: Any) -> None:
         """Put the value into the YAML data; missing sections are created. Raises: ScenarioError."""
         for position, part in enumerate(self.key):

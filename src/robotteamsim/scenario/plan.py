@@ -156,10 +156,10 @@ class OccupancyGrid(Grid):
 def grid_shape(plan: FloorPlan, resolution_m: float) -> tuple[int, int]:
     """Return (rows, columns) of the cells over a plan's bounds; the last ones may reach beyond.
 
-    Raises: ValueError: the resolution is not above 0.
+    Raises: ValueError: the resolution is not finite and above 0.
     """
-    if not resolution_m > 0.0:
-        raise ValueError(f"resolution_m must be > 0, got {resolution_m}")
+    if not 0.0 < resolution_m < math.inf:
+        raise ValueError(f"resolution_m must be finite and > 0, got {resolution_m}")
     (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
     columns = math.ceil((max_x - min_x) / resolution_m - _EDGE_TOLERANCE_CELLS)
     rows = math.ceil((max_y - min_y) / resolution_m - _EDGE_TOLERANCE_CELLS)
@@ -186,7 +186,7 @@ def occupancy_grid(plan: FloorPlan, resolution_m: float, closed: Mapping[str, bo
 
     Args:   resolution_m: edge of a cell; the last row and column may reach beyond the bounds.
             closed: door states by name that replace the plan's own.
-    Raises: ValueError: the resolution is not above 0. ScenarioError: `closed` names no door of the plan.
+    Raises: ValueError: the resolution is not finite and above 0. ScenarioError: `closed` names no door of the plan.
     """
     rows, columns = grid_shape(plan, resolution_m)
     min_x, min_y = plan.bounds.min

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import msgspec
 
-from robotteamsim.errors import PlacementError
+from robotteamsim.errors import PlacementError, ScenarioError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.interface import Decision, Task
 from robotteamsim.mission import Mission
@@ -77,6 +77,8 @@ class Simulation:
                 controllers:    in place of the scenario's, such as programs outside this process.
         Raises: PlacementError, ScenarioError: no room for a robot, object, area or victim.
         """
+        if not isinstance(of, (Scenario, Setup)):
+            raise ScenarioError(f"Simulation: {of!r:.60} is not a Scenario; robotteamsim.load returns one")
         setup = of if isinstance(of, Setup) else resolve(of)
         scenario, robots = setup.scenario, setup.robots
         self.setup, self.scenario = setup, scenario

@@ -90,6 +90,7 @@ def test_name_of_no_scenario_is_rejected(room: str, name: str, message: str) -> 
     Path("folder").mkdir()
     Path("binary.yaml").write_bytes(b"\xff\xfe\x00")
     assert _message(name) == f"{name}: {message}"
+    assert _message("") == "the name of the scenario is empty"
 
 
 def test_override_replaces_a_value_of_the_file(room: str) -> None:
@@ -117,6 +118,12 @@ def test_plan_given_as_override_is_relative_to_the_current_folder(room: str) -> 
     Path("folder/room.yaml").write_text(SCENARIO, encoding="utf-8")
     assert load("folder/room.yaml", ["plan=hall.yaml"]).plan.name == "hall"
     assert _message("folder/room.yaml", "plan=hull.yaml") == "--set: plan: there is no file 'hull.yaml'"
+
+
+@pytest.mark.parametrize("overrides", ["run.seed=1", {"run.seed": 1}, None])
+def test_overrides_that_are_not_a_list_are_rejected(overrides: object) -> None:
+    with pytest.raises(ScenarioError, match=r"^overrides: .*; expected a list of KEY=VALUE, such as \['run.seed=1'\]$"):
+        load("garage_sar", overrides)
 
 
 @pytest.mark.parametrize(

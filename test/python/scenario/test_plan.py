@@ -99,9 +99,9 @@ def test_cells_and_points_of_the_map_belong_together() -> None:
     assert grid.cell_at(*grid.cell_center(13, 19)) == (13, 19)
 
 
-@pytest.mark.parametrize("resolution_m", [0.0, -0.1, math.nan])
-def test_resolution_must_be_above_zero(resolution_m: float) -> None:
-    with pytest.raises(ValueError, match="resolution_m must be > 0"):
+@pytest.mark.parametrize("resolution_m", [0.0, -0.1, math.nan, math.inf])
+def test_resolution_must_be_finite_and_above_zero(resolution_m: float) -> None:
+    with pytest.raises(ValueError, match="resolution_m must be finite and > 0"):
         occupancy_grid(_plan(), resolution_m)
 
 

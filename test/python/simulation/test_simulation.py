@@ -8,7 +8,7 @@ import pytest
 from msgspec.structs import astuple
 
 from robotteamsim import scenario
-from robotteamsim.errors import PlacementError, RecordingError
+from robotteamsim.errors import PlacementError, RecordingError, ScenarioError
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Task
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
@@ -255,6 +255,13 @@ def test_mission_without_autostart_is_started_by_run(hall_scenario):
     mission = loaded.mission.model_copy(update={"autostart": False})
     waiting = loaded.model_copy(update={"mission": mission})
     assert Simulation(waiting).run().trajectory_hash == Simulation(loaded).run().trajectory_hash
+
+
+def test_name_is_not_simulated():
+    with pytest.raises(
+        ScenarioError, match=r"^Simulation: 'garage_sar' is not a Scenario; robotteamsim\.load returns one$"
+    ):
+        Simulation("garage_sar")
 
 
 def test_mission_that_has_ended_is_not_run_again(hall_scenario):
