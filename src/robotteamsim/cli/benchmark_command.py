@@ -19,7 +19,15 @@ from robotteamsim.campaign import Design, Outcome
 from robotteamsim.campaign import protocol as protocols
 from robotteamsim.campaign.summary import UNLIMITED, aligned
 from robotteamsim.cli.campaign_command import add_worker_options, command_line, run_stored
-from robotteamsim.cli.parser import SCENARIO_HELP, number, path_of, positive_number, positive_whole_number, whole_number
+from robotteamsim.cli.parser import (
+    SCENARIO_HELP,
+    folder_of,
+    number,
+    path_of,
+    positive_number,
+    positive_whole_number,
+    whole_number,
+)
 
 if TYPE_CHECKING:
     from robotteamsim.analysis.report import Report
@@ -74,7 +82,7 @@ def add_to(commands: Any) -> None:
     patrol.add_argument("--duration", type=positive_number, metavar="S", help="length of each mission [s]")
     patrol.set_defaults(command=run_patrol)
     for kind in (search, patrol):
-        kind.add_argument("--out", type=path_of, required=True, metavar="DIR", help="folder of missions and report")
+        kind.add_argument("--out", type=folder_of, required=True, metavar="DIR", help="folder of missions and report")
         size = kind.add_mutually_exclusive_group()
         size.add_argument("--quick", action="store_true", help="the small protocol, which is the default")
         size.add_argument("--full", action="store_true", help="the full protocol; see docs/benchmark.md for its time")

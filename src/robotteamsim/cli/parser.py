@@ -41,7 +41,7 @@ class Parser(argparse.ArgumentParser):
         action = super().add_argument(*names, **settings)
         if settings.get("help") == SCENARIO_HELP:
             action.complete = COMPLETE_SCENARIOS  # type: ignore[attr-defined]  # read by shtab
-        elif settings.get("type") in (path_of, picture_of):
+        elif settings.get("type") in (path_of, picture_of, folder_of):
             action.complete = COMPLETE_FILES  # type: ignore[attr-defined]
         elif "--set" in names:
             action.complete = COMPLETE_KEYS  # type: ignore[attr-defined]
@@ -102,6 +102,14 @@ def path_of(text: str) -> Path:
     if not text:
         raise argparse.ArgumentTypeError("the name is empty")
     return Path(text)
+
+
+def folder_of(text: str) -> Path:
+    """Return the path of a folder, which may not exist yet. Raises: ArgumentTypeError: it is something else."""
+    path = path_of(text)
+    if path.exists() and not path.is_dir():
+        raise argparse.ArgumentTypeError(f"'{text}' is not a folder")
+    return path
 
 
 def picture_of(text: str) -> Path:

@@ -254,6 +254,7 @@ def test_broken_pipe_is_silent(arguments):
         ("run garage_sar --bag ''", "argument --bag: the name is empty (see `robotteamsim run --help`)"),
         ("campaign garage_sar --out d --scheduler ''", "argument --scheduler: the address is empty"),
         ("campaign garage_sar --out ''", "argument --out: the name is empty"),
+        ("benchmark search --out /dev/null", "argument --out: '/dev/null' is not a folder"),
         ("run garage_sar --sed 7", "no such option '--sed'; did you mean '--seed'?"),
         ("campaign garage_sar --out d --worker=2", "no such option '--worker'; did you mean '--workers'"),
         ("run garage_sar twice", "'twice' is one argument too many"),
