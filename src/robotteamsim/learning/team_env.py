@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 from collections.abc import Mapping
 from typing import Any
@@ -51,6 +52,9 @@ def parallel_env(
             render_mode: None, or rgb_array.
     Raises: RobotTeamSimError: one line: the scenario is invalid, or has no robot that can be driven.
     """
+    for key, given, base in (("observe", observe, Observe), ("act", act, Act), ("reward", reward, Reward)):
+        if not (isinstance(given, type) and issubclass(given, base)):
+            raise LearningError(f"{key}: {given!r:.60}; expected a class derived from {base.__name__}")
     loaded = scenario if isinstance(scenario, Scenario) else load(scenario)
     classes = observe, act, reward
     return TeamEnv(loaded, classes, every=every, said=said, max_cycles=max_cycles, render_mode=render_mode)
@@ -81,7 +85,7 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
     ) -> None:
         """See `parallel_env`."""
         for key, value, least in (("every", every, 1), ("said", said, 0), ("max_cycles", max_cycles, 1)):
-            if value is not None and (not isinstance(value, int) or value < least):
+            if value is not None and (not isinstance(value, int | np.integer) or value < least):
                 raise LearningError(f"{key}: {value!r}; expected a whole number of at least {least}")
         if render_mode not in (None, "rgb_array"):
             raise LearningError(f"render_mode: {render_mode!r}; expected None or 'rgb_array'")
@@ -105,23 +109,23 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         self._classes, self._said = classes, said
         self._take(resolve(scenario))
         self._num_victims = len(self._setup.scenario.mission.victims)
-        self._observation_spaces = {agent: self._observe[i].space for agent, i in self._ids.items()}
-        self._action_spaces = {agent: self._act[i].space for agent, i in self._ids.items()}
+        self._observation_spaces = {i: self._observe[i].space for i in robot_ids}
+        self._action_spaces = {i: self._act[i].space for i in robot_ids}
         self._simulation: Simulation | None = None
         self.record: StepRecord | None = None
         """The last record of the simulation, for own measures; None before the first step."""
 
     def observation_space(self, agent: Agent) -> Space[Any]:
         """Return the space of an agent's observations; `Observe.parts` describes it."""
-        return self._observation_spaces[agent]
+        return self._observation_spaces[self._id(agent)]
 
     def action_space(self, agent: Agent) -> Space[Any]:
         """Return the space of an agent's actions."""
-        return self._action_spaces[agent]
+        return self._action_spaces[self._id(agent)]
 
     def parts(self, agent: Agent) -> tuple[Part, ...]:
         """Return the parts of an agent's observations."""
-        return self._observe[self._ids[agent]].parts
+        return self._observe[self._id(agent)].parts
 
     @property
     def state_space(self) -> Box:
@@ -192,8 +196,10 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         simulation, record = self._running()
         if not self.agents:
             raise LearningError("the mission has ended; call reset")
+        if not isinstance(actions, Mapping):
+            raise LearningError(f"actions: {actions!r:.60}; expected an action by the name of each agent")
         if set(actions) != set(self.agents):
-            given, expected = (", ".join(sorted(agents)) or "nobody" for agents in (actions, self.agents))
+            given, expected = (", ".join(sorted(map(str, agents))) or "nobody" for agents in (actions, self.agents))
             raise LearningError(f"actions of {given}; expected {expected}")
         for agent, action in actions.items():
             i = self._ids[agent]
@@ -258,16 +264,27 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         assert self.record is not None
         rewards = self._reward.of_step(self.record, list(to))
         for i in to:
+            if not math.isfinite(rewards[i]):
+                raise LearningError(f"robot_{i}: reward {rewards[i]!r}; expected a finite number")
             to[i] += rewards[i]
 
     def _vectors(self) -> Vectors:
-        inputs = self._sensed.inputs
-        return {
-            agent: self._observe[i].vector(self._perceived[i], inputs.task)
-            if inputs.present[i]
-            else np.zeros(self._observe[i].space.shape or (), np.float32)
-            for agent, i in ((agent, self._ids[agent]) for agent in self.agents)
-        }
+        return {agent: self._vector(self._ids[agent]) for agent in self.agents}
+
+    def _vector(self, robot_id: int) -> np.ndarray:
+        inputs, observe = self._sensed.inputs, self._observe[robot_id]
+        if not inputs.present[robot_id]:
+            return np.zeros(observe.space.shape, np.float32)
+        vector = observe.vector(self._perceived[robot_id], inputs.task)
+        if np.shape(vector) != observe.space.shape or not np.isfinite(vector).all():
+            raise LearningError(f"robot_{robot_id}: observation {vector!r:.60}; expected one of {observe.space}")
+        return vector
+
+    def _id(self, agent: Agent) -> int:
+        """Return the robot of an agent. Raises: LearningError: there is no such agent."""
+        if agent not in self._ids:
+            raise LearningError(f"there is no agent {agent!r}; expected one of {', '.join(self._ids)}")
+        return self._ids[agent]
 
     def _infos(self) -> Infos:
         return {agent: self._act[self._ids[agent]].info() for agent in self.agents}

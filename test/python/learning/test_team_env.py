@@ -16,6 +16,7 @@ from robotteamsim.learning import (
     Act,
     DiscreteAct,
     LearningError,
+    Observe,
     PolicyController,
     Reward,
     gym_env,
@@ -47,6 +48,23 @@ def wall_fearing(vector):
     """A policy of the laser alone: away from what is near."""
     right, ahead, left = vector[:60].min(), vector[60:121].min(), vector[121:181].min()
     return np.array((ahead, np.clip(left - right, -1.0, 1.0)), np.float32)
+
+
+class Without(Reward):
+    """A reward that is not a number."""
+
+    def of_step(self, record, robot_ids):
+        return dict.fromkeys(robot_ids, np.nan)
+
+
+class Blind(Observe):
+    """An observation that is not a number."""
+
+    def parts_of(self):
+        return [("nothing", 1, "not a number")]
+
+    def vector(self, observation, task):
+        return np.array([np.nan])
 
 
 @pytest.mark.slow
@@ -227,6 +245,27 @@ def test_what_is_said_is_heard_over_the_network():
             lambda _: parallel_env(load("garage_sar", ["robots.reserve=1"])),
             "garage_sar.yaml: robots: a robot arrives later; expected robots that are present from the start",
         ),
+        (
+            lambda env: (env.reset(), env.step(None)),
+            "actions: None; expected an action by the name of each agent",
+        ),
+        (
+            lambda env: (env.reset(), env.step({0: np.zeros(2)})),
+            "actions of 0; expected robot_0, robot_1, robot_2",
+        ),
+        (
+            lambda env: env.observation_space("nope"),
+            "there is no agent 'nope'; expected one of robot_0, robot_1, robot_2",
+        ),
+        (lambda _: parallel_env("garage_sar", act=None), "act: None; expected a class derived from Act"),
+        (
+            lambda _: parallel_env(scenario(), reward=Without).reset(seed=1),
+            "robot_0: reward nan; expected a finite number",
+        ),
+        (
+            lambda _: parallel_env(scenario("tutorial_arena"), observe=Blind).reset(seed=1),
+            "robot_0: observation array([nan]); expected one of Box(-1.0, 1.0, (1,), float32)",
+        ),
         (lambda env: env.reset(seed=-1), "seed: -1; expected a whole number from 0 to 9007199254740992"),
     ],
 )
@@ -235,6 +274,10 @@ def test_wrong_use_is_one_line(do, message):
     with pytest.raises(LearningError) as raised:
         do(env)
     assert str(raised.value) == message
+
+
+def test_numbers_of_numpy_are_whole_numbers_too():
+    assert parallel_env(scenario(), every=np.int64(3), max_cycles=np.int32(2)).reset(seed=1)
 
 
 def test_robot_that_leaves_is_terminated_and_the_others_go_on():
