@@ -27,7 +27,7 @@ unexport PYTHONDONTWRITEBYTECODE
 check test_python test_ros test_ros2: export OPENBLAS_NUM_THREADS ?= 1
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help announce setup build build_tests compile garage_sar run check test test_cpp test_python test_ros test_ros2 lint tidy bench bench_ros exactness report build_fuzz fuzz sanitize faults garbage gazebo wheel pictures docs notebook man lock clean
+.PHONY: help announce setup build build_tests compile garage_sar run check test test_cpp test_python test_ros test_ros2 lint tidy bench bench_ros bench_ros2 exactness report build_fuzz fuzz sanitize faults garbage gazebo wheel pictures docs notebook man lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -119,6 +119,8 @@ test_ros: build_tests ## rostest, each test with its own master
 	@# Twice as many as cores, because half of the time these tests wait for timeouts and for processes to end.
 	@$(ENV) $(PYTHON) -m pytest test/ros -n $$((2 * $(JOBS))) --dist worksteal $(ARGS)
 
+# Independent of a ROS that the user's shell has sourced.
+ROS2_ENV := env -u PYTHONPATH ROS_VERSION=2 AMENT_PREFIX_PATH=$(CURDIR)/$(ROS2_VENV)
 # The wheels are for Linux on x86_64 only.
 ROS2_WHEELS = $(filter Linux-x86_64,$(shell uname -sm | tr ' ' -))
 
@@ -127,8 +129,7 @@ ifeq ($(ROS2_WHEELS),)
 	@echo "-- test_ros2: skipped, because ROS 2 has wheels for Linux on x86_64 only"
 else
 	$(call step,ROS 2 and this package in $(ROS2_VENV),ros2) setup/ros2.sh $(ROS2_VENV) $(BUILD)/ros2 $(JOBS)
-	@env -u PYTHONPATH ROS_VERSION=2 AMENT_PREFIX_PATH=$(CURDIR)/$(ROS2_VENV) \
-		$(ROS2_VENV)/bin/python -m pytest -c test/ros2/pytest.ini test/ros2 -n $$((2 * $(JOBS))) --dist worksteal $(ARGS)
+	@$(ROS2_ENV) $(ROS2_VENV)/bin/python -m pytest -c test/ros2/pytest.ini test/ros2 -n $$((2 * $(JOBS))) --dist worksteal $(ARGS)
 endif
 
 lint: build_tests ## ruff, mypy, clang-format, yamllint
@@ -150,13 +151,17 @@ bench: build_tests ## measure the speed of each part relative to a straightforwa
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_bench > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@$(ENV) $(PYTHON) bench/run.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_bench --csv bench/results/speed.csv $(ARGS)
 	@$(ENV) $(PYTHON) bench/mission_bench.py --csv bench/results/missions.csv
-	@$(ENV) for script in bench/world_bench.py $(filter-out bench/ros_%.py bench/world_bench.py bench/mission_bench.py,$(wildcard bench/*_bench.py)); do $(PYTHON) $$script || exit 1; done
+	@$(ENV) for script in bench/world_bench.py $(filter-out bench/ros_%.py bench/ros2_bench.py bench/world_bench.py bench/mission_bench.py,$(wildcard bench/*_bench.py)); do $(PYTHON) $$script || exit 1; done
 
 bench_ros: build_tests ## measure worlds, missions, a team and the network of 1000 robots in ROS; ARGS="--csv bench/results/ros.csv"
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_ros_listener > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@$(ENV) $(PYTHON) bench/ros_bench.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_ros_listener $(ARGS)
 	@$(ENV) $(PYTHON) bench/ros_team_bench.py $(ARGS)
 	@$(ENV) $(PYTHON) bench/ros_network_bench.py $(ARGS)
+
+bench_ros2: build_tests ## measure missions in ROS 2, in the environment of test_ros2; ARGS="--csv bench/results/ros2.csv"
+	@setup/ros2.sh $(ROS2_VENV) $(BUILD)/ros2 $(JOBS) > $(BUILD)/log/ros2.log 2>&1 || { cat $(BUILD)/log/ros2.log; exit 1; }
+	@$(ROS2_ENV) $(ROS2_VENV)/bin/python bench/ros2_bench.py $(ARGS)
 
 exactness: build_tests ## compare 50 million cells of maps with one ray each, and links with their reverse
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_exactness > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
