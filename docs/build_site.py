@@ -46,7 +46,15 @@ SECTIONS = {
         "gazebo",
         "gazebo_missions",
     ),
-    "Reference": ("what_a_controller_sees", "scenario_keys", "python_api", "ros_api", "ros2", "ros_messages", "CHANGELOG"),
+    "Reference": (
+        "what_a_controller_sees",
+        "scenario_keys",
+        "python_api",
+        "ros_api",
+        "ros2",
+        "ros_messages",
+        "CHANGELOG",
+    ),
     "Explanation": (
         "world",
         "rescue",

@@ -1,6 +1,6 @@
 """The mission of any scenario: ros2 launch robotteamsim mission.launch.py scenario:=tutorial_arena speed:=2
 
-The arguments are the options of `python3 -m robotteamsim.ros2`, which --help describes. Blanks separate several of `set`.
+The arguments are the options of `python3 -m robotteamsim.ros2`, which --help describes. Blanks separate those of `set`.
 """
 
 import sys
