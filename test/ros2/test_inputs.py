@@ -92,7 +92,7 @@ def test_scans_are_sent_by_best_effort_on_request(tmp_path, peer):
         ((), "scenario: is not set; expected the name or file of a scenario"),
         (("scenario:=garage_sar", "set:=voice.noise_bd=20"), "voice.noise_bd: unknown key; did you mean 'noise_db'"),
         (("scenario:=garage_sar", "controllers:=tema"), "controllers: tema; expected nodes, team, inside, none"),
-        (("scenario:=garage_sar", "speed:=fast"), "speed: expected a double, such as 1.0"),
+        (("scenario:=garage_sar", "speed:=fast"), "speed: expected a number, such as 1.0"),
         (("scenario:=garage_sar", "speed:=-1.0"), "speed: "),
         (("scenario:=garage_sar", "elsewhere:=all"), "elsewhere: robots in another world are not"),
         (

@@ -9,6 +9,9 @@ from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.message_parts import Make
 from robotteamsim.nodes.tf_pose import Newest
 
+KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
+"""What is expected of a parameter, by the type of its default."""
+
 
 class ParameterError(RobotTeamSimError):
     """A parameter of a node is missing or wrong."""

@@ -10,15 +10,13 @@ from typing import Any
 import rosgraph
 import rospy
 
-from robotteamsim.nodes.node import ParameterError
+from robotteamsim.nodes.node import KINDS, ParameterError
 from robotteamsim.nodes.shutdown import Shutdown
 
 MASTER_PERIOD_S = 0.2
 """Interval of checks whether the master has started [s, wall]."""
 UNREGISTER_TIMEOUT_S = 5.0
 """A node waits this long for the end of its registration [s, wall]."""
-
-_KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
 
 __all__ = [
     "ParameterError",
@@ -92,7 +90,7 @@ def parameter(name: str, default: Any) -> Any:
     if isinstance(default, str) and isinstance(value, int | float):
         value = str(value)
     if type(value) is not type(default):
-        raise ParameterError(f"{rospy.resolve_name(name)}: {value!r}; expected {_KINDS[type(default)]}")
+        raise ParameterError(f"{rospy.resolve_name(name)}: {value!r}; expected {KINDS[type(default)]}")
     return value
 
 

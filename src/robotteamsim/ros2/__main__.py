@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import importlib
 import json
 import signal
 import subprocess
@@ -24,6 +25,13 @@ GRACE_S = 10.0
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run until the simulation has ended; return its exit status."""
     options = _parser().parse_args(arguments)
+    try:
+        importlib.import_module("rclpy")
+    except ImportError as error:
+        version = f"{sys.version_info.major}.{sys.version_info.minor}"
+        what = f"this Python {version} has no rclpy ({error}); expected a ROS 2 for it to be sourced (docs/ros2.md)"
+        sys.stderr.write(f"robotteamsim.ros2: {what}\n")
+        return 2
     seed = [] if options.seed is None else [f"run.seed={options.seed}"]
     settings = {
         "scenario": options.scenario,

@@ -18,7 +18,7 @@ from rclpy.node import Node as RclpyNode
 from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.signals import SignalHandlerOptions
 
-from robotteamsim.nodes.node import ParameterError, Transforms
+from robotteamsim.nodes.node import KINDS, ParameterError, Transforms
 from robotteamsim.nodes.shutdown import Shutdown
 from robotteamsim.recording.bag_types import Ros2Types
 from robotteamsim.recording.topics.world import CLOCK
@@ -147,8 +147,8 @@ class Ros2Node:
         try:
             return self._node.declare_parameter(key, default, descriptor).value
         except InvalidParameterTypeException:
-            kind = Parameter.Type.from_parameter_value(default).name.lower()
-            raise ParameterError(f"{key}: expected a {kind}, such as {default!r}") from None
+            example = f", such as {default}" if isinstance(default, float) else ""
+            raise ParameterError(f"{key}: expected {KINDS[type(default)]}{example}") from None
         except InvalidParameterValueException as error:
             raise ParameterError(f"{key}: {error}") from None
 
