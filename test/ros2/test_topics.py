@@ -36,7 +36,8 @@ def step(peer: Peer) -> None:
 
 
 def test_all_topics_of_a_bag_are_there_with_their_types_and_qualities_of_service(paused, peer):
-    headless = BagMessages(resolve(load("garage_sar", OVERRIDES)), Ros2Types()).topics()
+    make = Ros2Types()
+    headless, store = BagMessages(resolve(load("garage_sar", OVERRIDES)), make).topics(), make.typestore
     wanted = {topic.name: topic.type_name.replace("/", "/msg/") for topic in headless}
     peer.wait_until(lambda: wanted.keys() <= dict(peer.node.get_topic_names_and_types()).keys(), "all topics")
     types = dict(peer.node.get_topic_names_and_types())
@@ -45,6 +46,8 @@ def test_all_topics_of_a_bag_are_there_with_their_types_and_qualities_of_service
         (info,) = peer.node.get_publishers_info_by_topic(topic.name)
         assert info.node_name == "simulation"
         assert info.qos_profile.reliability == ReliabilityPolicy.RELIABLE
+        # The definitions in MCAP files are those of the nodes, to every name and type.
+        assert str(info.topic_type_hash) == store.hash_rihs01(info.topic_type), topic.name
         latched = info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
         assert latched == topic.latched, topic.name
 
