@@ -110,6 +110,30 @@ def test_mistake_ends_the_simulation_with_one_line(tmp_path, settings, line):
     assert len(node.output.splitlines()) == 1, node.output
 
 
+@pytest.mark.parametrize(
+    ("arguments", "environment", "line"),
+    [
+        (
+            ("-p", "speed"),
+            {},
+            "simulation: failed to initialize rcl: Couldn't parse parameter override rule: '-p speed'",
+        ),
+        (("--params-file", "none.yaml"), {}, "simulation: failed to initialize rcl: Couldn't parse params file"),
+        (("--nonsense",), {}, "simulation: "),
+        ((), {"ROS_DOMAIN_ID": "x"}, "simulation: failed to initialize rcl: ROS_DOMAIN_ID is not an integral number"),
+    ],
+)
+def test_arguments_of_ros_that_are_wrong_end_a_node_with_their_reason(
+    tmp_path, monkeypatch, arguments, environment, line
+):
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    with running((*SIMULATION, *arguments), tmp_path) as node:
+        assert node.wait() == 2, node.output
+    assert node.output.splitlines()[-1].startswith(line), node.output  # after one of rcl
+    assert "Traceback" not in node.output
+
+
 def test_second_simulation_on_the_same_names_is_refused(arena, tmp_path, peer):
     with running((*SIMULATION, "-p", "scenario:=tutorial_arena", "-p", "controllers:=none"), tmp_path) as second:
         assert second.wait() == 2, second.output

@@ -56,8 +56,12 @@ def run(name: str, serve: Callable[[Ros2Node], None], *, owns_settings: bool = F
     shutdown = Shutdown()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: shutdown.begin())
-    rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
-    node = Ros2Node(name, shutdown, owns_settings=owns_settings)
+    try:
+        rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)
+        node = Ros2Node(name, shutdown, owns_settings=owns_settings)
+    except RuntimeError as error:  # RCLError and others, which have no public names
+        sys.stderr.write(f"{name}: {str(error).partition(', at ')[0]}\n")
+        sys.exit(2)
     _forward_logging(node)
     try:
         with shutdown.after_mistakes():
