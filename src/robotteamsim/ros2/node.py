@@ -21,7 +21,6 @@ from rclpy.signals import SignalHandlerOptions
 from robotteamsim.nodes.node import KINDS, ParameterError, Transforms
 from robotteamsim.nodes.shutdown import Shutdown
 from robotteamsim.recording.bag_types import Ros2Types
-from robotteamsim.recording.topics.world import CLOCK
 from robotteamsim.ros2.topics import Ros2Output, ServiceValues, interface, quality
 
 SIMULATION = "/simulation"
@@ -34,8 +33,6 @@ REPORT_TIMEOUT_S = 10.0
 """A longer wait for the simulation is reported once [s, wall]."""
 SPIN_S = 0.1
 """A node that waits for topics and requests looks so often whether it should end [s, wall]."""
-WATCH_S = 10.0
-"""So long after its start a simulation looks for another one [s, wall]; to find one may take seconds."""
 QUIET_S = 1.0
 """The simulation starts when there was no new subscriber for this time [s, wall]."""
 TWIST = "geometry_msgs/Twist"
@@ -70,7 +67,6 @@ def run(name: str, serve: Callable[[Ros2Node], None], *, owns_settings: bool = F
         shutdown.begin()
         node.close()
         rclpy.try_shutdown()
-    sys.exit(node.status)
 
 
 class Ros2Node:
@@ -96,8 +92,6 @@ class Ros2Node:
         self._outputs: list[Ros2Output] = []
         self._changing: str | None = None
         self._threads: list[threading.Thread] = []
-        self.status = 0
-        """Exit status of the process."""
         self.wait_for_shutdown = shutdown.wait
         self.on_shutdown = shutdown.call
         if not owns_settings:
@@ -110,9 +104,6 @@ class Ros2Node:
     def spin(self) -> None:
         """Begin to serve: from now on the node answers. One that owns settings does so when it has read them all."""
         self._node.add_on_set_parameters_callback(self._judge)
-        if self._owns_settings:
-            self._end_watch_s = time.monotonic() + WATCH_S
-            self._watch = self._node.create_timer(WAIT_S, self._look_for_another)
         for node in (self._node, self._inputs, self._services):
             executor = EventsExecutor()
             executor.add_node(node)
@@ -254,15 +245,6 @@ class Ros2Node:
         while self.is_running():
             executor.spin_once(timeout_sec=SPIN_S)
         executor.shutdown()
-
-    def _look_for_another(self) -> None:
-        """End if there is another simulation, with which this one would mix."""
-        if self._node.count_publishers(CLOCK.name) > 1:
-            logger.critical("%s: published by another node, too; expected another ROS_DOMAIN_ID", CLOCK.name)
-            self.status = 2
-            self._shutdown.begin()
-        if not self.is_running() or time.monotonic() > self._end_watch_s:
-            self._watch.cancel()
 
     def _setting_of_simulation(self, key: str, default: Any) -> Any:
         waited_s = 0.0

@@ -1,5 +1,12 @@
 """The node `simulation` of ROS 2."""
 
+import os
+import tempfile
+from pathlib import Path
+
+from filelock import FileLock, Timeout
+from rclpy.utilities import get_default_context
+
 from robotteamsim.nodes.node import ParameterError
 from robotteamsim.nodes.settings import read_settings
 from robotteamsim.nodes.simulation import SteppedSimulation
@@ -18,9 +25,24 @@ def _serve(node: Ros2Node) -> None:
         raise ParameterError("elsewhere: robots in another world are not available in ROS 2; expected none")
     if settings.by_tf:
         node.transforms()
-    simulation = SteppedSimulation(node, settings, Ros2TeamOutputs)
-    node.spin()
-    simulation.serve()
+    with _alone():
+        simulation = SteppedSimulation(node, settings, Ros2TeamOutputs)
+        node.spin()
+        simulation.serve()
+
+
+def _alone() -> FileLock:
+    """Return a lock that no other simulation of this machine has in this domain, in which their topics would mix."""
+    domain = get_default_context().get_domain_id()
+    path = Path(tempfile.gettempdir(), f"robotteamsim-{os.getuid()}-domain-{domain}.lock")
+    lock = FileLock(path, timeout=0)
+    try:
+        lock.acquire()
+    except Timeout:
+        raise ParameterError(
+            f"ROS_DOMAIN_ID: {domain}; another simulation runs in it; expected another domain"
+        ) from None
+    return lock
 
 
 if __name__ == "__main__":
