@@ -226,9 +226,11 @@ def cell_name(settings: Mapping[str, Any], scenario_name: str) -> str:
 
 
 def setting_text(value: Any) -> str:
-    """Return the value of a setting as a short text."""
-    text = value if isinstance(value, str) else shown(value)
-    return text if len(text) <= _SHOWN_VALUE else f"{text[: _SHOWN_VALUE - 3]}..."
+    """Return the value of a setting: a name in full; long lists without their middle, so that their ends differ."""
+    if isinstance(value, str):
+        return value
+    text, end = shown(value), (_SHOWN_VALUE - 3) // 2
+    return text if len(text) <= _SHOWN_VALUE else f"{text[:end]}...{text[-end:]}"
 
 
 def settings_difference(old: Mapping[str, Any], new: Mapping[str, Any]) -> str | None:

@@ -29,7 +29,9 @@ def test_cells_are_all_combinations_the_first_key_slowest(short_design):
         ({}, "hall"),
         ({"voice.noise_db": 10.0, "control.algorithm": "pso"}, "10 dB, algorithm = pso"),
         ({"radio.exponent": 2.0, "voice.exponent": 3.0}, "radio.exponent = 2.0, voice.exponent = 3.0"),
-        ({"plan": "a/folder/with/a/long/name/plan.yaml"}, "plan = a/folder/with/a/long/..."),
+        ({"plan": "a/folder/with/a/long/name/plan.yaml"}, "plan = a/folder/with/a/long/name/plan.yaml"),
+        ({"control.algorithm": "my_controllers:PheromonePatient"}, "algorithm = my_controllers:PheromonePatient"),
+        ({"robots.start": [11.25, 12.25, 13.25, 14.25]}, "start = [11.25, 12...25, 14.25]"),
         ({"run.realtime": True, "relays.count": 3}, "realtime = true, count = 3"),
     ],
 )

@@ -57,6 +57,8 @@ _LEVEL_LETTERS = 4
 """Labels of bars that are longer would overlap and are slanted."""
 _TITLE_LETTERS = 40
 """A line of a panel's title."""
+_LABEL_LETTERS = 32
+"""A line of a label next to a row, or in a legend."""
 
 
 def styled(draw: Callable[..., Figure]) -> Callable[..., Figure]:
@@ -96,7 +98,9 @@ def draw_times(panels: Sequence[Panel]) -> Figure:
     axes = figure.subplots()
     for place, (label, sample, colour) in enumerate(rows):
         _raincloud(axes, sample, -float(place), colour, label)
-    axes.set_yticks([-float(place) for place in range(len(rows))], [label for label, _, _ in rows])
+    axes.set_yticks(
+        [-float(place) for place in range(len(rows))], [textwrap.fill(label, _LABEL_LETTERS) for label, _, _ in rows]
+    )
     limits = sorted({missions.limit_s for _, missions, _ in rows})
     if any(not sample.finished.all() for _, sample, _ in rows):
         for limit_s in limits:
@@ -172,8 +176,8 @@ def draw_saved(panels: Sequence[Panel]) -> Figure:
     dashes = itertools.cycle(("-", "--", "-.", ":"))
     for place, (name, missions) in enumerate(courses[:MAX_COURSES]):
         course, colour = mean_course(missions.saved_s, until_s, generator("saved", name)), palette.robot_colour(place)
-        line: dict[str, Any] = {"color": colour, "linewidth": 2.0, "linestyle": next(dashes), "label": name}
-        axes.step(course.time_s, course.mean, where="post", **line)
+        line: dict[str, Any] = {"color": colour, "linewidth": 2.0, "linestyle": next(dashes)}
+        axes.step(course.time_s, course.mean, where="post", label=textwrap.fill(name, _LABEL_LETTERS), **line)
         axes.fill_between(course.time_s, course.low, course.high, step="post", color=colour, alpha=0.18, linewidth=0)
     most = max(missions.num_victims for _, missions in courses)
     axes.axhline(most, color=INK, linewidth=0.9, linestyle=":")

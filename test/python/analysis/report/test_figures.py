@@ -6,7 +6,7 @@ import itertools
 import numpy as np
 import pytest
 
-from robotteamsim.analysis.report.figures import draw_counts, draw_saved
+from robotteamsim.analysis.report.figures import draw_counts, draw_saved, draw_times
 from robotteamsim.analysis.report.samples import panels_of, read_campaign
 
 pytestmark = pytest.mark.slow
@@ -38,3 +38,14 @@ def test_curves_of_saved_victims_end_at_the_mean_number_of_each_setting(garage):
     }
     unknown = dataclasses.replace(stored, outcomes=[dataclasses.replace(o, details="{}") for o in stored.outcomes])
     assert {panel.series[0].missions.saved_s for panel in panels_of(read_campaign(unknown, "here"))} == {()}
+
+
+def test_long_names_of_settings_are_complete_in_labels_and_legends(garage):
+    names = [f"algorithm = my_controllers:Pheromone{end}" for end in ("Greedy", "Patient")]
+    panels = panels_of(read_campaign(garage(10.0, 20.0, trials=4), "here"))
+    named = [dataclasses.replace(panel, name=name) for panel, name in zip(panels, names, strict=True)]
+    rows, legend = draw_times(named).axes[0].get_yticklabels(), draw_saved(named).legends[0].get_texts()
+    for texts in (rows, legend):
+        lines = [text.get_text().split("\n") for text in texts]
+        assert [" ".join(parts) for parts in lines] == names
+        assert all(len(line) <= 32 for parts in lines for line in parts)
