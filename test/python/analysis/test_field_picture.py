@@ -58,14 +58,26 @@ def test_contour_of_a_level_lies_where_the_map_has_it(hall_scenario):
     np.testing.assert_allclose(np.hypot(*(ring - (10.0, 5.0)).T), 30.0 / 8.0, atol=0.01)
 
 
-def test_speck_and_sliver_of_a_map_get_no_contour(hall_scenario):
+def test_speck_sliver_and_short_ring_of_a_map_get_no_contour(hall_scenario):
     values = np.zeros((100, 200))
     values[50, 20] = values[20, :150] = 60.0
-    values[60:64, 60:64] = 60.0
+    values[60:70, 60:70] = values[80:83, 80:83] = 60.0
     panel = Panel("", FieldMap((0.0, 0.0), 0.1, values), hall_scenario().plan)
     (contours,) = _contours(draw_fields([panel], STYLE, "").axes[0])
-    (ring,) = contours.get_paths()[0].to_polygons()
-    np.testing.assert_allclose(ring.mean(axis=0), (6.2, 6.2), atol=0.1)
+    points = np.concatenate(contours.allsegs[0])
+    np.testing.assert_allclose((points.min(axis=0), points.max(axis=0)), ((6.0, 6.0), (7.0, 7.0)), atol=0.1)
+
+
+def test_labels_of_contours_keep_clear_of_walls_borders_and_sources(hall_scenario):
+    values = np.zeros((100, 200))
+    values[4:30, 4:30] = values[45:95, 100:150] = 60.0
+    values[:, 197:] = 60.0  # along the wall
+    spot = Spot("source", (10.0, 7.0), "robot")  # on the second contour
+    panel = Panel("", FieldMap((0.0, 0.0), 0.1, values), hall_scenario().plan, (spot,))
+    (contours,) = _contours(draw_fields([panel], STYLE, "").axes[0])
+    places = [label.get_position() for label in contours.labelTexts]
+    assert len(places) == 2
+    assert all(0.4 < x < 19.6 and 0.4 < y < 9.6 and np.hypot(x - 10.0, y - 7.0) > 0.5 for x, y in places)
 
 
 def test_contours_end_at_walls(hall_scenario):

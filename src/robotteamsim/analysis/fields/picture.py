@@ -13,6 +13,7 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
+from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from scipy import ndimage
 
@@ -35,8 +36,13 @@ _TITLE_LETTERS_PER_INCH = 12
 
 _TITLE_LINE_INCHES = 0.17
 
-_SLIVER_CELLS = 3
+_SLIVER_CELLS, _SLIVER_INCHES = 3, 0.09
 """Size of the median filter: strips narrower than half of it, such as rays between furniture, get no contour."""
+
+_SHORTEST_INCHES = 0.6
+"""Length of the shortest contour that is drawn; on maps of drawings with uneven walls, shorter ones are mere specks."""
+
+_LABEL_INCHES_PER_LETTER, _LABEL_POINTS = 0.1, 8
 
 _HALO = (withStroke(linewidth=2.4, foreground=palette.PAPER),)
 
@@ -106,7 +112,7 @@ def draw_fields(panels: Sequence[Panel], style: FieldStyle, title: str) -> Figur
     for axes in all_axes.flat[len(panels) :]:
         axes.remove()
     used = list(all_axes.flat[: len(panels)])
-    images = [_draw_panel(axes, panel, style) for axes, panel in zip(used, panels, strict=True)]
+    images = [_draw_panel(axes, panel, style, scale) for axes, panel in zip(used, panels, strict=True)]
     for axes, text in zip(used, titles, strict=True):
         axes.set_title(text, loc="left", fontsize=10)
     bar = figure.colorbar(images[0], ax=used, shrink=0.92, pad=0.02, aspect=30)
@@ -153,7 +159,8 @@ def extent_m(field: FieldMap) -> tuple[float, float, float, float]:
     return x0, x0 + columns * field.resolution_m, y0, y0 + rows * field.resolution_m
 
 
-def _draw_panel(axes: Axes, panel: Panel, style: FieldStyle) -> AxesImage:
+def _draw_panel(axes: Axes, panel: Panel, style: FieldStyle, scale: float) -> AxesImage:
+    """Draw a map. Args: scale: inches per metre."""
     field = panel.field
     values = np.ma.masked_less(field.values, panel.silent_below)
     extent = extent_m(field)
@@ -161,28 +168,26 @@ def _draw_panel(axes: Axes, panel: Panel, style: FieldStyle) -> AxesImage:
     image = axes.imshow(
         values, origin="lower", extent=extent, cmap=colours, vmin=style.low, vmax=style.high, interpolation="nearest"
     )
-    lines = _draw_levels(axes, panel, style.levels)
+    lines = _draw_levels(axes, panel, style.levels, scale)
     draw_floor_plan(axes, panel.plan, floor=False)
     for spot in panel.spots:
         _draw_spot(axes, spot)
     if lines is not None:
-        texts = {level.value: str(level) for level in style.levels}
-        for label in lines.clabel(fmt=texts, fontsize=8):
-            label.set(path_effects=_HALO, color=palette.INK)
+        _label_levels(lines, panel, style.levels, scale)
     axes.set(xlabel="x [m]", ylabel="y [m]")
     return image
 
 
-def _draw_levels(axes: Axes, panel: Panel, levels: Sequence[Level]) -> ContourSet | None:
+def _draw_levels(axes: Axes, panel: Panel, levels: Sequence[Level], scale: float) -> ContourSet | None:
     """Draw the contours in free space, without levels that the map does not reach; return them, if there are any."""
     field = panel.field
     # Values inside walls differ from those next to them, so contours must end at walls.
-    grid = building_of(panel.plan).grid_without_doors(field.resolution_m)
-    solid = grid.cells == OCCUPIED
+    solid = _solid(panel)
     if solid.all():
         return None
     nearest_free = ndimage.distance_transform_edt(solid, return_distances=False, return_indices=True)
-    values = np.ma.masked_array(ndimage.median_filter(field.values[tuple(nearest_free)], _SLIVER_CELLS), solid)
+    filtered_cells = max(_SLIVER_CELLS, round(_SLIVER_INCHES / scale / field.resolution_m))
+    values = np.ma.masked_array(ndimage.median_filter(field.values[tuple(nearest_free)], filtered_cells), solid)
     present = sorted(
         (level for level in levels if max(values.min(), panel.silent_below) <= level.value < values.max()),
         key=lambda level: level.value,
@@ -196,7 +201,48 @@ def _draw_levels(axes: Axes, panel: Panel, levels: Sequence[Level]) -> ContourSe
         x, y, values, levels=[level.value for level in present], colors=palette.INK, linewidths=0.9, linestyles="solid"
     )
     lines.set(path_effects=[withStroke(linewidth=1.9, foreground=palette.PAPER)])
+    lines.set_paths([_long_parts(path, _SHORTEST_INCHES / scale) for path in lines.get_paths()])
     return lines
+
+
+def _solid(panel: Panel) -> np.ndarray:
+    """Return which cells of a map are walls, not doors."""
+    solid: np.ndarray = building_of(panel.plan).grid_without_doors(panel.field.resolution_m).cells == OCCUPIED
+    return solid
+
+
+def _long_parts(path: Path, shortest_m: float) -> Path:
+    """Return the lines of a contour that have at least a length."""
+    parts = [part for part in _parts(path) if np.hypot(*np.diff(part, axis=0).T).sum() >= shortest_m]
+    lines = [Path(part, closed=bool((part[0] == part[-1]).all())) for part in parts]
+    return Path.make_compound_path(*lines) if lines else Path(np.empty((0, 2)))
+
+
+def _parts(path: Path) -> list[np.ndarray]:
+    """Return the points of each line of a contour [m]; simplified, they would be accurate only to a decimetre."""
+    path.should_simplify = False
+    return [np.asarray(part) for part in path.to_polygons(closed_only=False)]
+
+
+def _label_levels(lines: ContourSet, panel: Panel, levels: Sequence[Level], scale: float) -> None:
+    """Label each contour where it is farthest from walls, the border and sources, if there is enough space."""
+    texts = {level.value: str(level) for level in levels}
+    half_m = {value: len(text) * _LABEL_INCHES_PER_LETTER / 2.0 / scale for value, text in texts.items()}
+    solid, (x0, _, y0, _) = np.pad(_solid(panel), 1, constant_values=True), extent_m(panel.field)
+    free_m = ndimage.distance_transform_edt(~solid) * panel.field.resolution_m
+    taken = [spot.position_m for spot in panel.spots]
+    places: list[tuple[float, float]] = []
+    for value, path in zip(lines.levels, lines.get_paths(), strict=True):
+        for points in _parts(path):
+            columns, rows = ((points - (x0, y0)) / panel.field.resolution_m + 1.0).astype(int).T
+            others_m = [np.hypot(*(points - place).T) / 2.0 for place in taken]
+            space_m = np.min([free_m[rows, columns], *others_m], axis=0)
+            if space_m.max() > half_m[value]:
+                x, y = points[space_m.argmax()].tolist()
+                places.append((x, y))
+                taken.append(places[-1])
+    for label in lines.clabel(fmt=texts, fontsize=_LABEL_POINTS, manual=places):
+        label.set(path_effects=_HALO, color=palette.INK)
 
 
 def _mark_levels(bar: Colorbar, style: FieldStyle) -> None:
