@@ -36,6 +36,16 @@ for _ in range(2000):
 """
 
 
+LOCATE = """
+import rospy
+import tf2_ros
+
+rospy.init_node("locate", anonymous=True, disable_rostime=True)
+buffer = tf2_ros.Buffer()
+listener = tf2_ros.TransformListener(buffer)
+print(buffer.lookup_transform("map", "robot_0/base_laser_link", rospy.Time(), rospy.Duration(60.0)))
+"""
+
 SEE = "rostopic echo -n 1 --noarr /scene/robots"
 
 
@@ -45,6 +55,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "plan.yaml").write_text(FILES[0])
     (tmp_path / "arena.yaml").write_text(FILES[1])
     (tmp_path / "speed.py").write_text(SPEED)
+    (tmp_path / "locate.py").write_text(LOCATE)
     for name in ("my_node.py", "careful_driver.py"):
         shutil.copy(ROOT / "templates" / "controller" / name, tmp_path)
     monkeypatch.setenv("PATH", f"{Path(sys.executable).parent}:{os.environ['PATH']}")
@@ -129,12 +140,15 @@ def test_misspelt_key_is_reported_as_printed(folder):
 
 def test_robot_is_driven_by_command_keyboard_and_nodes(folder):
     topics, scan, publish, keyboard, view, my_node, careful, careful_keyboard = COMMANDS[4:12]
-    with running((*ROSLAUNCH, *LAUNCHES[0].split()[1:]), folder) as world:
-        world.wait_for(lambda line: "process[simulation" in line, "the start of the simulation")
+    short = "set:=mission.time_limit_s=2"  # the launch outlives the mission
+    with running((*ROSLAUNCH, *LAUNCHES[0].split()[1:], short), folder) as world:
+        world.wait_for(lambda line: "mission ends" in line, "the end of the mission")
         for command, expected in ((scan, "range_max: 5.0"), (topics, "/robot_0/base_scan")):
             with running(at_master(world, command), folder) as program:
                 assert program.wait() == 0, program.output
                 assert expected in program.output
+        with running(at_master(world, f"{sys.executable} locate.py"), folder) as program:
+            assert program.wait() == 0, program.output  # otherwise rviz shows no laser
         with running(at_master(world, view), folder), running(at_master(world, SEE), folder) as program:
             assert program.wait() == 0, program.output
         for command in (publish, my_node):
