@@ -31,7 +31,10 @@ def in_terminal(setup_file: Path, command: str) -> tuple[str, ...]:
 
 @pytest.mark.parametrize(
     ("node", "line"),
-    [("simulation", "waiting for the ROS master at"), ("rviz_view", "rviz_view: rviz starts")],
+    [
+        *((node, "waiting for the ROS master at") for node in ("simulation", "controllers", "scene")),
+        ("rviz_view", "rviz_view: rviz starts"),
+    ],
 )
 def test_rosrun_starts_a_node(setup_file: Path, node: str, line: str, tmp_path: Path) -> None:
     # rviz_view does not start rviz without a display; whether it is there is rviz's affair.

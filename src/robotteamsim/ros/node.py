@@ -2,19 +2,16 @@
 
 import logging
 import signal
-import sys
 import threading
 from collections.abc import Callable
 from typing import Any
 
-import rosgraph
 import rospy
 
 from robotteamsim.nodes.node import KINDS, ParameterError
 from robotteamsim.nodes.shutdown import Shutdown
+from robotteamsim.ros.master import wait_for_master
 
-MASTER_PERIOD_S = 0.2
-"""Interval of checks whether the master has started [s, wall]."""
 UNREGISTER_TIMEOUT_S = 5.0
 """A node waits this long for the end of its registration [s, wall]."""
 
@@ -56,7 +53,7 @@ def run(name: str, serve: Callable[[], None]) -> None:
     """Run a node until it is done or shut down; a user's mistake ends it with one line and status 2."""
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: _shutdown.begin())
-    _wait_for_master()
+    wait_for_master(_shutdown.wait)
     if not is_running():
         return
     # Nodes need no time but that of their messages.
@@ -92,14 +89,6 @@ def parameter(name: str, default: Any) -> Any:
     if type(value) is not type(default):
         raise ParameterError(f"{rospy.resolve_name(name)}: {value!r}; expected {KINDS[type(default)]}")
     return value
-
-
-def _wait_for_master() -> None:
-    if rosgraph.is_master_online():
-        return
-    sys.stderr.write(f"waiting for the ROS master at {rosgraph.get_master_uri()}\n")
-    while not _shutdown.wait(MASTER_PERIOD_S) and not rosgraph.is_master_online():
-        pass
 
 
 def _forward_logging() -> None:

@@ -28,6 +28,13 @@ def printed(monkeypatch, capsys):
     return run
 
 
+def test_missing_arguments_are_named(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["amcl_parameters"])
+    with pytest.raises(SystemExit, match="2"):
+        amcl_parameters.main()
+    assert capsys.readouterr().err == "amcl_parameters: 0 arguments; expected FILE SCENARIO ROBOTS SEED SET ROBOT\n"
+
+
 @pytest.mark.parametrize(
     ("seed", "overrides", "same"),
     [

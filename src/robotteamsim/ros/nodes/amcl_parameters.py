@@ -10,6 +10,9 @@ from robotteamsim.nodes.launched import read_scenario
 from robotteamsim.ros.programs import installed
 from robotteamsim.scenario.yaml_text import read_mapping, write
 from robotteamsim.setup import resolve
+from robotteamsim.wording import counted
+
+ARGUMENTS = ("FILE", "SCENARIO", "ROBOTS", "SEED", "SET", "ROBOT")
 
 
 def main() -> None:
@@ -17,6 +20,10 @@ def main() -> None:
 
     The arguments are a file of parameters, and those of amcl_robot.launch: scenario, robots, seed, set, robot.
     """
+    if len(sys.argv) != len(ARGUMENTS) + 1:
+        given = counted(len(sys.argv) - 1, "argument")
+        sys.stderr.write(f"amcl_parameters: {given}; expected {' '.join(ARGUMENTS)}\n")
+        sys.exit(2)
     file, scenario, robots, seed, overrides, robot = sys.argv[1:]
     if seed:
         overrides += f" run.seed={seed}"

@@ -16,10 +16,15 @@ import rosgraph
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.message_parts import robot_name
 from robotteamsim.nodes.launched import read_scenario, ros1_setting
+from robotteamsim.ros.master import wait_for_master
+
+ENDING_S = 0.5
+"""In this time after the end of another process, this one receives the signal that ends a launch [s, wall]."""
 
 
 def main() -> None:
     """Run all controllers in this process, or fork one for each robot but the first, whose controller runs here."""
+    wait_for_master()
     if _parameter(ros1_setting("controllers"), "nodes") == "team":
         importlib.import_module("robotteamsim.ros.nodes.controller").main_of_team()
         return
@@ -58,6 +63,9 @@ def _run_child(robot_id: int) -> None:
 def _end_with_any(processes: Sequence[Any]) -> None:
     """End this process when one of the others has ended."""
     ended = wait_for_any([process.sentinel for process in processes]) if processes else []
+    # At the end of a launch, all processes are ended; the signal to this one may come a little later.
+    if importlib.import_module("robotteamsim.ros.node").wait_for_shutdown(ENDING_S):
+        return
     for process in processes:
         if process.sentinel in ended:
             sys.stderr.write(f"{process.name} has ended\n")

@@ -21,6 +21,7 @@ from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.message_parts import robot_name
 from robotteamsim.nodes.launched import read_scenario
 from robotteamsim.recording.topics.world import FIRE, SMOKE
+from robotteamsim.ros.master import wait_for_master
 from robotteamsim.ros.scene.building import building_markers, door_markers, openings_at_start
 from robotteamsim.ros.scene.maps import fire_markers, smoke_markers, voice_markers
 from robotteamsim.ros.scene.mission import (
@@ -60,6 +61,7 @@ TRUTH, ODOMETRY = "base_pose_ground_truth", "odom"
 
 def main() -> None:
     """Run the node. Its parameter ~wall_height_m is the height at which walls are cut, to look in from above."""
+    wait_for_master()
     rospy.init_node("scene", disable_rostime=True)
     try:
         scenario = read_scenario(rospy.get_param)

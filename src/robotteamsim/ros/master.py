@@ -1,0 +1,24 @@
+"""Waiting for the ROS master, before rospy is imported."""
+
+import sys
+import time
+from collections.abc import Callable
+
+import rosgraph
+
+MASTER_PERIOD_S = 0.2
+"""Interval of checks whether the master has started [s, wall]."""
+
+
+def _sleep(duration_s: float) -> bool:
+    time.sleep(duration_s)
+    return False
+
+
+def wait_for_master(wait: Callable[[float], bool] = _sleep) -> None:
+    """Wait until the master is online. Args: wait: waits for a time [s, wall]; returns whether to give up."""
+    if rosgraph.is_master_online():
+        return
+    sys.stderr.write(f"waiting for the ROS master at {rosgraph.get_master_uri()}\n")
+    while not wait(MASTER_PERIOD_S) and not rosgraph.is_master_online():
+        pass
