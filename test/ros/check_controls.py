@@ -163,7 +163,7 @@ class ControlsTest(unittest.TestCase):
             ({"name": "box"}, 12.0, "unknown object 'box'; known: drum"),
             ({"name": "drum"}, math.nan, "barrel 'drum': pose must be finite"),
             ({**box, "kind": "bo"}, 12.0, "kind: 'bo' is not one of box, barrel"),
-            ({**box, "width_m": 0.001}, 12.0, "size_m: 0.001 is not within 0.02 to 5"),
+            ({**box, "width_m": 0.001}, 12.0, "length_m, width_m: 0.001 is not within 0.02 to 5"),
             ({**box, "mass_kg": -1.0}, 12.0, "mass_kg: -1.0 is below 1e-09"),
             ({**box, "friction": math.inf}, 12.0, "friction: "),
         ):

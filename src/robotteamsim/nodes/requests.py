@@ -35,7 +35,11 @@ def _set_object(simulation: Simulation, request: Any) -> None:
     values |= {"size_m": size_m if any(size_m) else None, "radius_m": request.radius_m or None}
     # 0 in a request means the default.
     values |= {key: value for key in ("height_m", "mass_kg", "friction") if (value := getattr(request, key))}
-    simulation.world.add_object(checked(MovableObject, values, ValueError))
+    try:
+        added = checked(MovableObject, values, ValueError)
+    except ValueError as error:
+        raise ValueError(str(error).replace("size_m", "length_m, width_m")) from None
+    simulation.world.add_object(added)
 
 
 CHANGES: Mapping[str, Change] = {
