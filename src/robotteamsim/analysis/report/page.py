@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -145,6 +146,9 @@ def _paragraph(contrasts: Sequence[Contrast]) -> str:
     parts = []
     for c in contrasts[:_MAX_SUMMARISED]:
         a, b = (f"{value:.{c.decimals}f}" for value in c.values)
+        if c.difference.value == 0.0 and math.isnan(c.difference.low):
+            parts.append(f"{c.quantity} equal ({a})")
+            continue
         shift = difference_text(c.difference, c.decimals)
         parts.append(
             f"{c.quantity} {b} instead of {a} (difference {shift}, larger in {100.0 * c.superiority:.0f} % of "

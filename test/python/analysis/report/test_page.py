@@ -88,6 +88,14 @@ def test_comparison_of_two_algorithms_opens_the_report(arena):
     assert page.index('id="table-differences"') < page.index('id="figures"')
 
 
+def test_quantity_that_is_equal_in_all_missions_is_called_equal(arena):
+    stored = arena(Factor("control.algorithm", ("rdpso", "random_walk"), "--sweep"), trials=3)
+    times_s = [dataclasses.replace(o, time_s=20.0 + o.number, victims_saved=1) for o in stored.outcomes]
+    pairs = dataclasses.replace(stored, settings=stored.settings | {"paired": True}, outcomes=times_s)
+    opening = make_report([pairs], ["here"]).opening
+    assert "time [s] equal (22.0)" in opening[0]
+
+
 def test_paired_campaign_is_compared_in_pairs(arena):
     stored = arena(Factor("control.algorithm", ("rdpso", "random_walk"), "--sweep"), trials=4)
     paired = dataclasses.replace(stored, settings=stored.settings | {"paired": True})
@@ -174,6 +182,20 @@ def test_written_files_are_those_of_the_report(garage_report, tmp_path):
     assert garage_report.write(tmp_path / "a" / "b") == tmp_path / "a" / "b" / "report.html"
     written = {str(p.relative_to(tmp_path / "a" / "b")): p.read_bytes() for p in tmp_path.rglob("*") if p.is_file()}
     assert written == garage_report.files
+
+
+def test_tables_with_long_names_fit_a_laptop(browser, arena, tmp_path):
+    algorithms = Factor("control.algorithm", ("rdpso", "random_walk"), "--sweep")
+    page_text = text(make_report([arena(algorithms, trials=3)], ["here"]))
+    page_text = page_text.replace("random_walk", "my_controllers:PheromonePatient").replace(
+        ">rdpso<", ">my_controllers:PheromoneGreedy<"
+    )
+    (tmp_path / "report.html").write_text(page_text)
+    page = browser.new_page(viewport={"width": 1200, "height": 800})
+    page.goto(f"file://{tmp_path}/report.html")
+    widths = page.evaluate("[...document.querySelectorAll('.scroll')].map((e) => [e.scrollWidth, e.clientWidth])")
+    page.close()
+    assert all(needed_px <= there_px for needed_px, there_px in widths)
 
 
 @pytest.fixture
