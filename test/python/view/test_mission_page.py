@@ -52,6 +52,14 @@ def _check_numbers(found: dict[str, str], recording: Recording, index: int) -> N
     assert int(found["saved"]) == sum(victim.state == "saved" for victim in frame.victims)
 
 
+@pytest.mark.parametrize(("play", "plays"), [("0", False), ("1", True)])
+def test_address_says_whether_the_page_plays(
+    browser: Browser, recording: Recording, tmp_path: Path, play: str, plays: bool
+) -> None:
+    with shown(browser, tmp_path, [recording], fragment=f"#t=1&play={play}") as page:
+        assert ("playing" in (page.get_attribute("#play", "class") or "")) == plays
+
+
 def test_names_with_markup_are_shown_as_text(
     browser: Browser, hall_scenario: Callable[..., Scenario], tmp_path: Path
 ) -> None:

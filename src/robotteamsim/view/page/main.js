@@ -70,7 +70,7 @@ function applyOptions(player, options) {
   }
   if (theme === "light") element("theme").click();
   if (Number.isFinite(Number(t ?? NaN))) player.seek(player.start + Number(t));
-  if (play !== undefined) player.toggle(true);
+  if (![undefined, "0"].includes(play)) player.toggle(true);
 }
 
 function chooseAmong(missions, player) {
