@@ -1,5 +1,6 @@
 """The base of all scenario models and the types they share."""
 
+import math
 import unicodedata
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, TypeVar
@@ -28,7 +29,14 @@ def _form(text: str, length: int) -> BeforeValidator:
 Point = Annotated[tuple[float, float], _form("[x, y]", 2)]
 """[x, y] in the map frame [m]."""
 
-Yaw = Annotated[float, Field(ge=-1000.0, le=1000.0)]
+
+def _in_radians(value: Any) -> Any:
+    if isinstance(value, int | float) and abs(value) > math.tau:
+        raise wrong("", f"{shown(value)} is not within -6.28 to 6.28 radians (90 degrees are 1.5708)")
+    return value
+
+
+Yaw = Annotated[float, Field(ge=-math.tau, le=math.tau), BeforeValidator(_in_radians)]
 
 PlanarPose = Annotated[tuple[float, float, Yaw], _form("[x, y, yaw]", 3)]
 """[x, y, yaw] in the map frame [m, m, rad]."""
