@@ -12,6 +12,7 @@ from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.extras import missing_extra
 from robotteamsim.interface import Controller
 from robotteamsim.scenario.controllers import ALGORITHMS
+from robotteamsim.scenario.problems import suggestion
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import Setup
 from robotteamsim.wording import described
@@ -97,7 +98,9 @@ def _find(name: str) -> MakeController:
     module, colon, attribute = name.partition(":")
     if colon and module and attribute:
         return _loaded(name, EntryPoint(name, name, ENTRY_POINTS))
-    raise _NotFoundError(f"'{name}' is not known; expected one of: {', '.join(algorithm_names())}, or module:Class")
+    known = algorithm_names()
+    expected = f"expected one of: {', '.join(known)}, or module:Class{suggestion(name, known)}"
+    raise _NotFoundError(f"'{name}' is not known; {expected}")
 
 
 def _loaded(name: str, point: EntryPoint) -> MakeController:
