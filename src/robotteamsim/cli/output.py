@@ -6,7 +6,7 @@ import argparse
 import io
 import os
 import sys
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
@@ -63,20 +63,21 @@ def add_png_option(parser: argparse.ArgumentParser, text: str = "the picture to 
 
 
 def check_outputs(
-    outputs: Mapping[str, Path | None], inputs: Iterable[str | Path], *, new_folders: bool = False
+    outputs: Mapping[str, Path | None], inputs: Iterable[str | Path], *, new_folders: Collection[str] = ()
 ) -> None:
     """Check that files can be written, and over neither an input nor each other; call this before writing any.
 
     Args:   outputs: by option; None if it is not given.
-            inputs: files that the command reads. new_folders: whether it creates the folders of outputs.
+            inputs: files that the command reads. new_folders: options whose folders it creates.
     Raises: UsageError, RecordingError.
     """
+    created = [path.parent for option, path in outputs.items() if path and option in new_folders]
     used = {os.path.realpath(file): "a file that this command reads" for file in inputs}
     for option, path in outputs.items():
         if path is None:
             continue
         check_replaceable(path)
-        if not new_folders and not path.parent.is_dir():
+        if path.parent not in created and not path.parent.is_dir():
             raise UsageError(f"{path}: cannot be written: {path.parent} is not a folder")
         file = os.path.realpath(path)
         if file in used:

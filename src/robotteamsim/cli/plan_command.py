@@ -309,7 +309,7 @@ def export_gazebo(options: argparse.Namespace) -> None:
     _warn(export.notes)
     # The scenario's own name may not be a valid file name.
     path = options.out / f"{Path(options.scenario).stem}.world"
-    check_outputs({"--out": path}, loaded.origin.files, new_folders=True)
+    check_outputs({"--out": path}, loaded.origin.files, new_folders=["--out"])
     prepare_folder(options.out)
     for name, text in export.absent.items():
         write_atomically(options.out / f"{name}.sdf", text)
@@ -326,7 +326,7 @@ def export_mujoco(options: argparse.Namespace) -> None:
     setup = resolve(loaded)
     text = mjcf(setup.scenario, setup.robots)
     path = options.out / f"{Path(options.scenario).stem}.xml"
-    check_outputs({"--out": path}, loaded.origin.files, new_folders=True)
+    check_outputs({"--out": path}, loaded.origin.files, new_folders=["--out"])
     prepare_folder(options.out)
     write_atomically(path, text)
     robots = sum(robot.present for robot in setup.robots)

@@ -127,10 +127,10 @@ def _check_files(options: argparse.Namespace, loaded: scenario.Scenario) -> None
         raise UsageError(f"--mcap {options.mcap}: expected a name that ends in .mcap")
     files = {"--bag": options.bag, "--mcap": options.mcap, "--html": options.html}
     result = options.out / FILE_NAME if options.out else None
-    check_outputs({"--out": result, **files}, loaded.origin.files, new_folders=True)
     for option, path in files.items():
         if options.out and path and (options.out / TRAJECTORIES).resolve() in path.resolve().parents:
             raise UsageError(f"{option} {path}: would be among the files of --out; choose another folder")
+    check_outputs({"--out": result, **files}, loaded.origin.files, new_folders=["--out"])
 
 
 def _check_controllers(simulation: Simulation) -> None:
