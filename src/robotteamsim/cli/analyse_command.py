@@ -121,6 +121,9 @@ def _check(options: argparse.Namespace) -> None:
         raise UsageError(f"{twice} is given twice")
     if options.png and not options.join and len(options.bags) > MAX_DRAWN:
         raise UsageError(f"--png: {len(options.bags)} bags do not fit side by side; expected at most {MAX_DRAWN}")
+    for suffix, film in ((".gif", options.gif), (".mp4", options.mp4)):
+        if film and film.suffix.lower() != suffix:
+            raise UsageError(f"--{suffix[1:]} {film}: expected a name that ends in {suffix}")
     if options.gif or options.mp4:
         _check_film(options)
     if options.camera is not None and not (options.scenario and (options.gif or options.mp4)):

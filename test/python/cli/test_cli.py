@@ -261,6 +261,8 @@ def test_broken_pipe_is_silent(arguments):
         ("run garage", "garage: this is a floor plan, not a scenario; scenarios: garage_fire, "),
         ("analyse a.bag b.bag --gif a.gif", "a film shows one bag, got 2; use --join for the parts of one recording"),
         ("analyse a.bag --gif a.gif --seconds 0.5", "--seconds 0.5 is outside 1 to 600 s"),
+        ("analyse a.bag --mp4 a.gif", "--mp4 a.gif: expected a name that ends in .mp4"),
+        ("analyse a.bag --gif a.mp4", "--gif a.mp4: expected a name that ends in .gif"),
         ("analyse a.bag --gif a.gif --camera 0", "--camera: needs --scenario, and --gif or --mp4"),
         ("analyse a.bag --scenario garage_sar --camera 0", "--camera: needs --scenario, and --gif or --mp4"),
         (
