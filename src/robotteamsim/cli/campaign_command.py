@@ -35,7 +35,7 @@ resumes it. The results do not depend on the number of workers."""
 
 _EPILOG = """\
 DIR receives campaign.sqlite, which contains everything, and trials.csv. The table at the end
-has one line per cell. docs/experiments.md walks you from a campaign to a table in a paper.
+has one line per cell; `robotteamsim report DIR` makes figures and tables for a paper.
 
 examples:
   robotteamsim campaign garage_sar --noise 10 --noise 20 --noise 30 --trials 30 --out DIR
