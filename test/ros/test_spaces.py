@@ -48,6 +48,7 @@ def test_roslaunch_runs_a_mission(setup_file: Path, tmp_path: Path) -> None:
     with running(launch, tmp_path) as program:
         assert program.wait() == 0, program.output
     assert "time limit reached" in program.output
+    assert "/controller has ended" not in program.output
 
 
 def test_command_line_is_on_the_path(setup_file: Path, tmp_path: Path) -> None:
