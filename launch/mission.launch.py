@@ -10,13 +10,21 @@ from launch.substitutions import LaunchConfiguration
 
 from launch import LaunchDescription
 
-VALUES = {"robots": "", "seed": "", "speed": "5", "controllers": "nodes", "teleop": "", "out": ""}
+VALUES = {
+    "robots": "",
+    "seed": "",
+    "speed": "5",
+    "controllers": "nodes",
+    "localization": "ground_truth",
+    "teleop": "",
+    "out": "",
+}
 SWITCHES = ("lockstep", "stays", "paused", "allow_code")
 
 
 def generate_launch_description():
     """Return what `ros2 launch` runs; it ends with the mission."""
-    defaults = {"scenario": "garage_sar", "set": "", **VALUES, **dict.fromkeys(SWITCHES, "false")}
+    defaults = {"scenario": "garage_sar", "set": "", "ros_args": "", **VALUES, **dict.fromkeys(SWITCHES, "false")}
     arguments = [DeclareLaunchArgument(name, default_value=value) for name, value in defaults.items()]
     return LaunchDescription([*arguments, OpaqueFunction(function=_mission)])
 
@@ -29,4 +37,5 @@ def _mission(context):
     command += [f"--{name}={value(name)}" for name in VALUES if value(name)]
     command += [f"--set={override}" for override in value("set").split()]
     command += [f"--{name.replace('_', '-')}" for name in SWITCHES if value(name).lower() == "true"]
+    command += ["--ros-args", *value("ros_args").split()]
     return [ExecuteProcess(cmd=command, output="screen", on_exit=Shutdown(reason="the mission has ended"))]

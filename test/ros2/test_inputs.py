@@ -7,7 +7,7 @@ import sys
 
 import pytest
 from geometry_msgs.msg import Twist, TwistStamped, Vector3
-from peer import MISSION
+from peer import ALL_LATCHED, MISSION
 from rclpy.qos import QoSProfile, ReliabilityPolicy
 from running import running
 
@@ -39,8 +39,7 @@ def test_own_node_drives_a_robot(arena, peer):
 
 
 def test_stamped_commands_are_obeyed_where_they_are_asked_for(tmp_path, peer):
-    settings = ("-p", "scenario:=tutorial_arena", "-p", "controllers:=none", "-p", "stamped_cmd_vel:=true")
-    with running((*SIMULATION, *settings), tmp_path):
+    with running((*ARENA, "--ros-args", "-p", "stamped_cmd_vel:=true"), tmp_path):
         truth = peer.listen("/robot_0/base_pose_ground_truth", "nav_msgs/Odometry")
         publisher = peer.node.create_publisher(TwistStamped, "/robot_0/cmd_vel", 1)
         drive(peer, publisher, TwistStamped(twist=FORWARD), lambda: is_driving(truth))
@@ -48,6 +47,13 @@ def test_stamped_commands_are_obeyed_where_they_are_asked_for(tmp_path, peer):
 
 def is_driving(truth):
     return truth and abs(truth[-1].twist.twist.linear.x - 0.3) < 0.01
+
+
+def test_own_node_drives_a_robot_of_a_mission_in_lockstep(tmp_path, peer):
+    with running((*MISSION, "garage_sar", "--lockstep", "--teleop", "0", "--speed", "5"), tmp_path) as mission:
+        mission.wait_for(lambda line: "mission starts" in line, "the start of the mission")
+        truth = peer.listen("/robot_0/base_pose_ground_truth", "nav_msgs/Odometry", ALL_LATCHED)
+        drive(peer, peer.node.create_publisher(Twist, "/robot_0/cmd_vel", 10), FORWARD, lambda: is_driving(truth))
 
 
 def test_command_that_is_not_finite_is_ignored_with_one_warning(arena, peer):
@@ -94,6 +100,10 @@ def test_scans_are_sent_by_best_effort_on_request(tmp_path, peer):
         (("scenario:=garage_sar", "controllers:=tema"), "controllers: tema; expected nodes, team, inside, none"),
         (("scenario:=garage_sar", "speed:=fast"), "speed: expected a number, such as 1.0"),
         (("scenario:=garage_sar", "speed:=-1.0"), "speed: "),
+        (
+            ("scenario:=garage_sar", "qos_overrides./robot_0/odom.publisher.reliability:=besteffort"),
+            "qos_overrides./robot_0/odom: ",
+        ),
         (("scenario:=garage_sar", "elsewhere:=all"), "elsewhere: robots in another world are not"),
         (
             ("scenario:=garage_sar", "set:=control.localisation=tf"),

@@ -52,7 +52,7 @@ def test_mission_ends_when_a_controller_is_killed(tmp_path):
         mission.wait_for(lambda line: "mission starts" in line, "the start of the mission")
         *_, last = descendants(mission.process.pid)
         os.kill(last, signal.SIGKILL)
-        assert mission.wait() == 0, mission.output
+        assert mission.wait() == 1, mission.output
     assert "a controller has ended, and this ends the mission" in mission.output
     assert "Traceback" not in mission.output
 
@@ -62,5 +62,14 @@ def test_ctrl_c_ends_a_mission_without_a_traceback(tmp_path):
         mission.wait_for(lambda line: "mission starts" in line, "the start of the mission")
         for pid in (mission.process.pid, *descendants(mission.process.pid)):
             os.kill(pid, signal.SIGINT)
-        mission.wait()
+        assert mission.wait() == 128 + signal.SIGINT
     assert "Traceback" not in mission.output
+    assert "a controller has ended" not in mission.output
+
+
+def test_mission_whose_simulation_is_killed_says_so(tmp_path):
+    with running((*MISSION, "garage_sar", "--controllers", "inside", "--speed", "1"), tmp_path) as mission:
+        mission.wait_for(lambda line: "mission starts" in line, "the start of the mission")
+        os.kill(descendants(mission.process.pid)[0], signal.SIGKILL)
+        assert mission.wait() == 1, mission.output
+    assert "robotteamsim.ros2: the simulation has been killed" in mission.output

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import sys
+
 import pytest
 from geometry_msgs.msg import Pose2D
-from peer import ALL_LATCHED, MISSION
+from peer import ALL_LATCHED, MISSION, interface
 from rcl_interfaces.msg import Parameter, ParameterType, ParameterValue
 from running import running
 
@@ -126,3 +128,23 @@ def test_parameters_show_the_settings_and_are_not_changed_from_outside(paused, p
         (result,) = answer.results
         assert not result.successful
         assert reason in result.reason
+
+
+def test_services_answer_while_another_waits_for_steps(tmp_path, peer):
+    with running((*MISSION, "tutorial_arena", "--controllers", "none", "--paused", "--speed", "1"), tmp_path):
+        service = "/simulation/step"
+        client = peer.node.create_client(interface("srv", "robotteamsim/Step"), service)
+        peer.wait_until(client.service_is_ready, service)
+        waiting = client.call_async(client.srv_type.Request(steps=100000))
+        assert peer.call("/simulation/set_speed", "robotteamsim/SetSpeed", speed=2.0).success
+        peer.wait_until(lambda: peer.call("/mission/abort", "std_srvs/Trigger").success, "the end of the mission")
+        assert not waiting.done()
+
+
+def test_service_without_a_message_is_still_there_after_it_has_failed(tmp_path, peer):
+    simulation = (sys.executable, "-m", "robotteamsim.ros2.simulation", "--ros-args", "-p", "scenario:=tutorial_arena")
+    with running((*simulation, "-p", "lockstep:=true"), tmp_path) as node:  # whose controllers do not answer
+        node.wait_for(lambda line: "waiting for /robot_0/" in line, "a step that waits")
+        peer.call("/reset_positions", "std_srvs/Empty")
+        node.wait_for(lambda line: "/reset_positions: the current step has not ended" in line, "the reason")
+        assert peer.call("/simulation/set_speed", "robotteamsim/SetSpeed", speed=2.0).success

@@ -18,6 +18,8 @@ from robotteamsim.simulation import Simulation
 
 OVERRIDES = ("run.seed=7", "robots.sensors=[{kind: sonar, name: front}]")
 PAUSED = (*MISSION, "garage_sar", "--controllers", "inside", "--paused", "--speed", "0")
+BAG = ("--localization", "none")
+"""As in bags, tf has no map -> odom."""
 STEPS = 30
 
 
@@ -25,7 +27,7 @@ STEPS = 30
 def paused(tmp_path, peer):
     """A mission that is paused before its first step."""
     overrides = itertools.chain(*(("--set", override) for override in OVERRIDES))
-    with running((*PAUSED, *overrides), tmp_path) as mission:
+    with running((*PAUSED, *BAG, *overrides), tmp_path) as mission:
         peer.wait_until(lambda: peer.node.count_publishers("/clock"), "the simulation")
         yield mission
 
@@ -106,6 +108,15 @@ def test_tf_is_there_with_prefix_for_the_team_and_without_for_each_robot(paused,
         ("base_link", "base_laser_link"),
         ("base_link", "front_link"),
     ]
+
+
+def test_tf_leads_from_the_map_to_each_robot_unless_another_node_locates_it(tmp_path, peer):
+    with running(PAUSED, tmp_path):
+        own = peer.listen("/robot_1/tf", "tf2_msgs/TFMessage")
+        while not own:
+            step(peer)
+    links = [(link.header.frame_id, link.child_frame_id) for link in own[-1].transforms]
+    assert links == [("map", "odom"), ("odom", "base_footprint")]
 
 
 def test_clock_shows_the_time_to_nodes_with_simulated_time(paused, peer):

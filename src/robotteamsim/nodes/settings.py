@@ -13,6 +13,7 @@ from robotteamsim.message_parts import robot_name
 from robotteamsim.nodes.launched import NOT_SET, read_scenario
 from robotteamsim.nodes.node import Node, ParameterError
 from robotteamsim.recording.topics import Topic, When
+from robotteamsim.recording.topics.decisions import COMMAND
 from robotteamsim.recording.topics.robots import TF
 from robotteamsim.scenario import Scenario
 from robotteamsim.scenario.problems import checked
@@ -55,7 +56,7 @@ class Settings:
     def is_latched(self, topic: Topic) -> bool:
         """Whether later subscribers of a topic get its last message."""
         # In lockstep a late subscriber must still get the step that all nodes wait for.
-        return topic.latched or (self.lockstep and topic.when is When.STEP and topic is not TF)
+        return topic.latched or (self.lockstep and topic.when is When.STEP and topic not in (TF, COMMAND))
 
     @property
     def controlled(self) -> range:

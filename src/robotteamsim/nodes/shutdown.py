@@ -17,19 +17,24 @@ class Shutdown:
     """Whether a node should stop, and what to close then."""
 
     def __init__(self) -> None:
-        self._begun = threading.Event()
+        # Reentrant, because the handler of a signal may interrupt a wait of the same thread.
+        self._changed = threading.Condition()
+        self._begun = False
         self._to_close: deque[Callable[[], None]] = deque()
 
     def begin(self) -> None:
         """Close everything; from any thread, and from a signal handler."""
-        self._begun.set()
+        with self._changed:
+            self._begun = True
+            self._changed.notify_all()
         with contextlib.suppress(IndexError):
             while True:
                 self._to_close.popleft()()
 
     def wait(self, timeout_s: float) -> bool:
         """Wait until the node is shut down, with a timeout [s, wall]; return whether it was."""
-        return self._begun.wait(timeout_s)
+        with self._changed:
+            return self._changed.wait_for(lambda: self._begun, timeout_s)
 
     @contextlib.contextmanager
     def after_mistakes(self) -> Iterator[None]:
@@ -37,7 +42,7 @@ class Shutdown:
         try:
             yield
         except RobotTeamSimError as error:
-            if not self.wait(0.0):
+            if not self._begun:
                 logger.critical("%s", error)
             sys.exit(2)
         except ModuleNotFoundError as error:
@@ -50,5 +55,5 @@ class Shutdown:
     def call(self, close: Callable[[], None]) -> None:
         """Register a callback for the shutdown; it must not block, because a signal handler may call it."""
         self._to_close.append(close)
-        if self._begun.is_set():
+        if self._begun:
             self.begin()

@@ -1,10 +1,16 @@
 """Runs a mission with all its nodes, as `ros2 launch robotteamsim mission.launch.py` does."""
 
+import signal
+
+# Imports take a second or more; Ctrl-C would end them with a traceback.
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+# ruff: noqa: E402
 import argparse
 import contextlib
 import importlib
 import json
-import signal
+import os
 import subprocess
 import sys
 import time
@@ -24,7 +30,9 @@ GRACE_S = 10.0
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run until the simulation has ended; return its exit status."""
-    options = _parser().parse_args(arguments)
+    given = sys.argv[1:] if arguments is None else list(arguments)
+    split = given.index("--ros-args") if "--ros-args" in given else len(given)
+    options = _parser().parse_args(given[:split])
     try:
         importlib.import_module("rclpy")
     except ImportError as error:
@@ -42,13 +50,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "lockstep": options.lockstep,
         "allow_code": options.allow_code,
     }
-    own = {"speed": options.speed, "out": options.out, "stays": options.stays, "paused": options.paused}
+    own = {name: getattr(options, name) for name in ("speed", "out", "stays", "paused", "localization")}
     try:
         num_robots = read_scenario(lambda key, default: settings.get(key, default), str).team_size
     except RobotTeamSimError as error:
         sys.stderr.write(f"robotteamsim.ros2: {error}\n")
         return 2
-    nodes = [_node("simulation", settings | own)]
+    nodes = [_node("simulation", settings | own, more=given[split + 1 :])]
     if options.controllers == "team":
         nodes.append(_node("controllers", {}))
     elif options.controllers == "nodes":
@@ -57,7 +65,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(prog="python -m robotteamsim.ros2", description=__doc__)
+    more = "Arguments of ROS for the simulation follow --ros-args, such as -p stamped_cmd_vel:=true."
+    parser = argparse.ArgumentParser(prog="python -m robotteamsim.ros2", description=__doc__, epilog=more)
     parser.add_argument("scenario", help="name or file of a scenario")
     parser.add_argument("--robots", type=int, default=NOT_SET, metavar="N", help="number of robots")
     parser.add_argument("--seed", type=int, metavar="S", help="seed of all random numbers")
@@ -66,6 +75,8 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument("--lockstep", action="store_true", help="each step waits for all controllers")
     parser.add_argument("--controllers", choices=HOSTED, default="nodes", help="where they run (default: nodes)")
     parser.add_argument("--teleop", type=int, default=NOT_SET, metavar="ID", help="id of a robot driven by cmd_vel")
+    frames = "ground_truth: tf has map -> odom of each robot (default); none: it has not"
+    parser.add_argument("--localization", choices=("ground_truth", "none"), default="ground_truth", help=frames)
     parser.add_argument("--out", default="", metavar="FOLDER", help="where mission.json and trajectories go")
     parser.add_argument("--stays", action="store_true", help="go on after the end of the mission")
     parser.add_argument("--paused", action="store_true", help="start paused, see the service /simulation/resume")
@@ -73,28 +84,38 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _node(module: str, parameters: dict[str, Any], namespace: str = "/") -> subprocess.Popen[bytes]:
+def _node(
+    node: str, parameters: dict[str, Any], namespace: str = "/", more: Sequence[str] = ()
+) -> subprocess.Popen[bytes]:
+    """Start a node as its script does. Args: more: arguments of ROS."""
     values = [part for key, value in parameters.items() for part in ("-p", f"{key}:={json.dumps(value)}")]
-    command = (sys.executable, "-m", f"robotteamsim.ros2.{module}", "--ros-args", "-r", f"__ns:={namespace}", *values)
-    return subprocess.Popen(command)
+    code = "import signal; signal.signal(signal.SIGINT, signal.SIG_DFL); from robotteamsim.nodes.start import start; "
+    command = (sys.executable, "-c", f"{code}start({node!r})", "--ros-args", "-r", f"__ns:={namespace}", *values, *more)
+    return subprocess.Popen(command, env=os.environ | {"ROS_VERSION": "2"})
 
 
 def _run(nodes: Sequence[subprocess.Popen[bytes]]) -> int:
-    """Wait until one of the nodes has ended, and end the others; return the status of the first, the simulation."""
-    # Ctrl-C reaches all nodes, and they end by themselves.
+    """Wait until one of the nodes has ended, and end the others; return the exit status of the mission."""
+    signals: list[int] = []
     for number in (signal.SIGINT, signal.SIGTERM):
-        signal.signal(number, lambda *_: _terminate(nodes))
+        signal.signal(number, lambda number, _: signals.append(number))
     simulation = nodes[0]
-    while all(node.poll() is None for node in nodes):
+    while not signals and all(node.poll() is None for node in nodes):
         time.sleep(CHECK_S)
-    if simulation.poll() is None:
-        sys.stderr.write("robotteamsim.ros2: a controller has ended, and this ends the mission\n")
+    is_first = simulation.poll() is not None
     _terminate(nodes)
     for node in nodes:
         with contextlib.suppress(subprocess.TimeoutExpired):
             node.wait(GRACE_S)
         node.kill()
-    return simulation.wait()
+    status = simulation.wait()
+    if signals:
+        return 128 + signals[0]
+    if is_first and status >= 0:
+        return status
+    who = "the simulation has been killed" if is_first else "a controller has ended, and this ends the mission"
+    sys.stderr.write(f"robotteamsim.ros2: {who}\n")
+    return 1
 
 
 def _terminate(nodes: Sequence[subprocess.Popen[bytes]]) -> None:

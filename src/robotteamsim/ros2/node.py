@@ -12,12 +12,16 @@ from typing import Any
 
 import rclpy
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
-from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException
+from rclpy.callback_groups import ReentrantCallbackGroup
+from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException, ParameterException
+from rclpy.executors import MultiThreadedExecutor
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node as RclpyNode
 from rclpy.parameter import Parameter, parameter_value_to_python
+from rclpy.qos_overriding_options import InvalidQosOverridesError
 from rclpy.signals import SignalHandlerOptions
 
+from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.nodes.node import KINDS, ParameterError, Transforms
 from robotteamsim.nodes.shutdown import Shutdown
 from robotteamsim.recording.bag_types import Ros2Types
@@ -31,6 +35,8 @@ WAIT_S = 0.2
 """Interval of checks whether a service is there [s, wall]."""
 REPORT_TIMEOUT_S = 10.0
 """A longer wait for the simulation is reported once [s, wall]."""
+SERVICES_AT_ONCE = 8
+"""So many requests are served at the same time."""
 SPIN_S = 0.1
 """A node that waits for topics and requests looks so often whether it should end [s, wall]."""
 QUIET_S = 1.0
@@ -72,8 +78,8 @@ def run(name: str, serve: Callable[[Ros2Node], None], *, owns_settings: bool = F
 class Ros2Node:
     """A `Node` of ROS 2.
 
-    It consists of three, so that none waits for another: a service may wait for a step, a step for topics, and those
-    who publish them for parameters. Only that with the parameters and outputs is not hidden.
+    It consists of three, so that none waits for another: services may wait for a step, a step for topics, and those who
+    publish them for parameters. Only the one with the parameters and outputs is not hidden.
     """
 
     last_words = ""
@@ -89,6 +95,7 @@ class Ros2Node:
             RclpyNode(f"_{name}_{part}", start_parameter_services=False, enable_rosout=False)
             for part in ("inputs", "services")
         )
+        self._at_once = ReentrantCallbackGroup()
         self._outputs: list[Ros2Output] = []
         self._changing: str | None = None
         self._threads: list[threading.Thread] = []
@@ -104,8 +111,8 @@ class Ros2Node:
     def spin(self) -> None:
         """Begin to serve: from now on the node answers. One that owns settings does so when it has read them all."""
         self._node.add_on_set_parameters_callback(self._judge)
-        for node in (self._node, self._inputs, self._services):
-            executor = EventsExecutor()
+        executors = EventsExecutor(), EventsExecutor(), MultiThreadedExecutor(SERVICES_AT_ONCE)
+        for node, executor in zip((self._node, self._inputs, self._services), executors, strict=True):
             executor.add_node(node)
             self._threads.append(threading.Thread(target=self._spin, args=(executor,), daemon=True))
             self._threads[-1].start()
@@ -154,8 +161,11 @@ class Ros2Node:
         self._changing = None
 
     def output(self, topic: str, type_name: str, *, latched: bool = False) -> Ros2Output:
-        """As for all nodes."""
-        self._outputs.append(Ros2Output(self._node, self.make, topic, type_name, latched=latched))
+        """As for all nodes. Raises: ParameterError: its type is not installed, or `qos_overrides` has a wrong value."""
+        try:
+            self._outputs.append(Ros2Output(self._node, self.make, topic, type_name, latched=latched))
+        except (InvalidQosOverridesError, ParameterException, RuntimeError) as error:
+            raise ParameterError(f"qos_overrides.{topic}: {error}") from None
         return self._outputs[-1]
 
     def listen(
@@ -205,10 +215,15 @@ class Ros2Node:
         """As for all nodes."""
 
         def respond(request: Any, response: Any) -> Any:
-            return self._values.fill(response, serve(request))
+            try:
+                return self._values.fill(response, serve(request))
+            except (ValueError, RobotTeamSimError) as error:  # of a service that has no message for it
+                logger.error("%s: %s", name, error)
+                return response
 
         name = name.replace("~", f"{self._node.get_fully_qualified_name()}/")
-        self._services.create_service(interface("srv", type_name), name, respond)
+        # A service that waits for steps does not keep others from ending the wait.
+        self._services.create_service(interface("srv", type_name), name, respond, callback_group=self._at_once)
 
     def call(self, name: str, type_name: str, request: Mapping[str, Any]) -> Any:
         """As for all nodes."""
@@ -242,9 +257,12 @@ class Ros2Node:
 
     def _spin(self, executor: Any) -> None:
         # EventsExecutor.spin() without a timeout waits busily in rclpy 7.1.
-        while self.is_running():
-            executor.spin_once(timeout_sec=SPIN_S)
-        executor.shutdown()
+        try:
+            while self.is_running():
+                executor.spin_once(timeout_sec=SPIN_S)
+        finally:  # also after an unexpected exception: a node that answers nobody should end
+            self._shutdown.begin()
+            executor.shutdown()
 
     def _setting_of_simulation(self, key: str, default: Any) -> Any:
         waited_s = 0.0
