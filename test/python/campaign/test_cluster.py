@@ -15,7 +15,7 @@ from robotteamsim import _core
 
 pytestmark = pytest.mark.slow
 
-START_TIMEOUT_S = 120
+START_TIMEOUT_S = 600
 END_TIMEOUT_S = 60
 
 
