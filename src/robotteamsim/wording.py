@@ -3,7 +3,7 @@
 import re
 from collections.abc import Sequence
 
-_LONG = re.compile(r"[^\s/]{120,}|'[^'/]{120,}'")
+_LONG = re.compile(r"[^\s/]{120,}|(?<!\S)'[^'/]{120,}'")
 _SHOWN_OF_LONG = 80
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 

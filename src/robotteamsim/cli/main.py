@@ -6,6 +6,7 @@ import argparse
 import contextlib
 import logging
 import os
+import re
 import sys
 import traceback
 from collections.abc import Iterator, Sequence
@@ -26,7 +27,7 @@ from robotteamsim.cli import (
 )
 from robotteamsim.cli.interrupt import Terminated, terminated_as_interrupted
 from robotteamsim.cli.output import close_stdout, open_streams
-from robotteamsim.cli.parser import Parser
+from robotteamsim.cli.parser import Parser, UsageError
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.extras import missing_extra
 from robotteamsim.wording import described, printable
@@ -92,6 +93,9 @@ def _without_warnings(hidden: bool) -> Iterator[None]:
 def _run(words: list[str]) -> int:
     if words[:1] == ["help"] or not words:
         words = [*words[1:], "--help"]
+    for word in words:
+        if not word.isascii() and re.search("[\ud800-\udfff]", word):  # what Python makes of other bytes
+            raise UsageError(f"{word}: is not UTF-8; rename the file, or write the value in UTF-8")
     options = make_parser().parse_args(words)
     status = options.command(options)
     sys.stdout.flush()

@@ -39,7 +39,12 @@ def remove_empty(folders: Sequence[Path]) -> None:
 
 
 def check_replaceable(path: Path) -> None:
-    """Check that a path is a file or does not exist. Raises: RecordingError: it is a folder or a device."""
+    """Check that a path is a file or does not exist. Raises: RecordingError: it is a folder, a device or a link.
+
+    A link would be replaced, not its target: that of a device, such as /dev/stdout, is missed by every program.
+    """
+    if path.is_symlink():
+        raise RecordingError(f"{path}: cannot be written: is a link, expected the name of the file itself")
     if path.is_dir():
         raise RecordingError(f"{path}: cannot be written: is a folder, expected a file name")
     if path.exists() and not path.is_file():

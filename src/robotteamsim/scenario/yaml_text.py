@@ -43,6 +43,9 @@ class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
         event = self.peek_event()
         if getattr(event, "tag", None) is not None:
             raise yaml.MarkedYAMLError(problem="tags such as !!int are not supported", problem_mark=event.start_mark)
+        if re.search("[\ud800-\udfff]", getattr(event, "value", "")):
+            problem = "half of a surrogate pair, such as \\ud800, is not a character"
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
         self._depth += 1
         if self._depth > MAX_DEPTH:
             raise yaml.MarkedYAMLError(problem="nested too deeply", problem_mark=event.start_mark)

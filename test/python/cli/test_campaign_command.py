@@ -152,7 +152,10 @@ def test_cluster_without_workers_gives_a_message(capsys, tmp_path, monkeypatch, 
         (["--noise", "1e9"], "--noise: voice.noise_db: 1000000000.0 is above 80"),
         (["--set", "control.alpha=2"], "--set: control.alpha: 2 is above 1"),
         (["--set", "control.alpha"], "--set: 'control.alpha' is not of the form KEY=VALUE, such as voice.noise_db=20"),
-        (["--set", "control.algorithm=rdspo"], f"--set: control.algorithm: 'rdspo' is not known; {KNOWN}"),
+        (
+            ["--set", "control.algorithm=rdspo"],
+            f"--set: control.algorithm: 'rdspo' is not known; {KNOWN}; did you mean 'rdpso'?",
+        ),
         (
             ["--sweep", "control.algorithm=rdpso,nowhere:Class"],
             "--sweep: control.algorithm: 'nowhere:Class': ModuleNotFoundError: No module named 'nowhere'; "

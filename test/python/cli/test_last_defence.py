@@ -202,6 +202,7 @@ def test_terminated_run_leaves_a_readable_bag_or_nothing(tmp_path):
     out, bag = tmp_path / "o" / "out", tmp_path / "b" / "m.bag"
     command = [*LINES, "run", "garage_sar", "--out", str(out), "--bag", str(bag), "--quiet"]
     active = bag.with_name("m.bag.active")
+    bag.parent.mkdir()
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
         while not (active.exists() and active.stat().st_size > 300_000):
             assert process.poll() is None

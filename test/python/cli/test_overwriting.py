@@ -117,3 +117,20 @@ def test_file_of_an_earlier_command_is_replaced():
     Path("o.html").write_text("old")
     assert main(["view", "m.bag", "--html", "o.html"]) == 0
     assert Path("o.html").read_text() != "old"
+
+
+def test_output_that_is_a_link_is_refused_and_stays_one(tmp_path, refusal):
+    link, target = tmp_path / "link.html", tmp_path / "target.html"
+    target.write_text("mine")
+    link.symlink_to(target)
+    line = refusal("run", "tutorial_arena", "--set", "mission.time_limit_s=0.2", "--quiet", "--html", str(link))
+    assert line == f"{link}: cannot be written: is a link, expected the name of the file itself"
+    assert link.is_symlink()
+    assert target.read_text() == "mine"
+
+
+def test_name_that_is_not_utf_8_is_refused_before_anything_is_written(tmp_path, refusal, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    line = refusal("campaign", "\udcff.yaml", "--out", "c")
+    assert line == r"\udcff.yaml: is not UTF-8; rename the file, or write the value in UTF-8"
+    assert list(tmp_path.iterdir()) == []

@@ -20,7 +20,7 @@ TEXT = st.text(
 ) | st.sampled_from(["1e6", "on", "null", "2001-01-01", "~", "- a", "a: b", "#", "0x1", "1_0", " ", "'"])
 NUMBER = st.floats(-1e6, 1e6, allow_nan=False)
 POINT = st.tuples(st.floats(0.0, 100.0), st.floats(0.0, 100.0))
-POSE = st.tuples(st.floats(0.0, 100.0), st.floats(0.0, 100.0), st.floats(-1e3, 1e3))
+POSE = st.tuples(st.floats(0.0, 100.0), st.floats(0.0, 100.0), st.floats(-6.28, 6.28))
 MOTION = st.sampled_from([{}, {"motion": "swing", "angle_rad": -1.0}, {"motion": "slide", "time_s": 3.0}])
 DOOR_KIND = st.sampled_from(["normal", "fireproof"])
 MEMORY = st.sampled_from(["published", "grunwald_letnikov"])

@@ -122,3 +122,9 @@ def test_written_value_is_read_back(value: Any) -> None:
 )
 def test_value_is_shown_on_one_short_line(value: Any, text: str) -> None:
     assert shown(value) == text
+
+
+@pytest.mark.parametrize("text", [r'name: "\ud800"', r'a: ["b\udfff"]', r'"\ud800": 1'])
+def test_half_of_a_surrogate_pair_is_refused(text):
+    with pytest.raises(ScenarioError, match="half of a surrogate pair"):
+        parse(text, "a.yaml")
