@@ -66,6 +66,9 @@ class _Loader(yaml.SafeLoader):  # type: ignore[misc]  # PyYAML has no types
         if len(node.value) > MAX_DIGITS:
             problem = f"a number of {len(node.value)} characters; expected at most {MAX_DIGITS}"
             raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark)
+        if ":" in node.value or re.match("[-+]?0[0-9]", node.value):
+            problem = f"{node.value}: base 60 or 8 in YAML 1.1; expected a number in base 10, or a text in quotes"
+            raise yaml.MarkedYAMLError(problem=problem, problem_mark=node.start_mark)
         number: int = super().construct_yaml_int(node)
         return number
 

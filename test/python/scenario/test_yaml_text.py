@@ -128,3 +128,12 @@ def test_value_is_shown_on_one_short_line(value: Any, text: str) -> None:
 def test_half_of_a_surrogate_pair_is_refused(text):
     with pytest.raises(ScenarioError, match="half of a surrogate pair"):
         parse(text, "a.yaml")
+
+
+@pytest.mark.parametrize("number", ["010", "-017", "1:30", "12:30:45"])
+def test_number_of_base_60_or_8_is_refused(number):
+    with pytest.raises(
+        ScenarioError, match=rf"a.yaml: {number}: base 60 or 8 in YAML 1.1; expected a number in base 10"
+    ):
+        parse(f"{{seed: {number}}}", "a.yaml")
+    assert parse(f"{{seed: '{number}'}}", "a.yaml") == {"seed": number}
