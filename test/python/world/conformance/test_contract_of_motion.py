@@ -173,7 +173,7 @@ def test_robots_do_not_pass_through_each_other(world_of):
 
 @pytest.mark.slow
 def test_no_robot_enters_a_solid_under_any_commands(world_of):
-    world = world_of(*((1.0 + i % 4, 1.0 + i // 4, float(i)) for i in range(8)))
+    world = world_of(*((1.0 + i % 4, 1.0 + i // 4, math.remainder(i, math.tau)) for i in range(8)))
     solids = obstacles(world.plan)
     generator = np.random.default_rng(2)
     for step in range(600):
