@@ -6,9 +6,9 @@ SHELL := /bin/bash
 .DEFAULT_GOAL := help
 
 VENV := .venv
-ROS2_VENV := .venv-ros2
 PYTHON := $(VENV)/bin/python
 BUILD := build
+ROS2_VENV := $(BUILD)/venv-ros2
 JOBS ?= $(shell nproc)
 SPEED ?= 5
 # Of PyPI: Debian 13 has another version, which formats differently.
@@ -124,7 +124,7 @@ ROS2_ENV := env -u PYTHONPATH ROS_VERSION=2 AMENT_PREFIX_PATH=$(CURDIR)/$(ROS2_V
 # The wheels are for Linux on x86_64 only.
 ROS2_WHEELS = $(filter Linux-x86_64,$(shell uname -sm | tr ' ' -))
 
-test_ros2: build_tests ## tests with rclpy of ROS 2 Jazzy, from wheels in .venv-ros2, each with a domain of its own
+test_ros2: build_tests ## tests with rclpy of ROS 2 Jazzy, from wheels in build/venv-ros2, each with a domain of its own
 ifeq ($(ROS2_WHEELS),)
 	@echo "-- test_ros2: skipped, because ROS 2 has wheels for Linux on x86_64 only"
 else
@@ -249,5 +249,5 @@ lock: ## write the locks in setup/ again: the versions of the requirements, what
 			--no-emit-index-url --no-emit-find-links --no-emit-trusted-host \
 			--output-file setup/$$name.lock setup/$$name.txt || exit 1; done
 
-clean: ## remove build/, dist/, .venv and .venv-ros2
-	rm -rf $(BUILD) dist $(VENV) $(ROS2_VENV)
+clean: ## remove build/, dist/ and .venv
+	rm -rf $(BUILD) dist $(VENV)

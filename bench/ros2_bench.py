@@ -1,7 +1,7 @@
 """How fast missions run in ROS 2, and what the simulation's process costs per step, with one reader in another process.
 
 Each case runs for some simulated time as fast as it can. Printed: simulated over wall time, the processor time of the
-simulation per step, and the share of the reader's messages that came. Run by `make bench_ros2`, in .venv-ros2.
+simulation per step, and the share of the reader's messages that came. Run by `make bench_ros2`, in build/venv-ros2.
 """
 
 from __future__ import annotations

