@@ -15,7 +15,6 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile
 from running import TIMEOUT_S
 
 MISSION = (sys.executable, "-m", "robotteamsim.ros2")
-LATCHED = QoSProfile(depth=1, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 ALL = QoSProfile(depth=0, history=HistoryPolicy.KEEP_ALL)
 ALL_LATCHED = QoSProfile(depth=0, history=HistoryPolicy.KEEP_ALL, durability=DurabilityPolicy.TRANSIENT_LOCAL)
 PERIOD_S = 0.01
@@ -36,7 +35,6 @@ class Peer:
         self.node = rclpy.create_node("peer", context=self._context)
         self._executor = SingleThreadedExecutor(context=self._context)
         self._executor.add_node(self.node)
-        self._changed = threading.Condition()
         self._closed = False
         self._thread = threading.Thread(target=self._spin)
         self._thread.start()

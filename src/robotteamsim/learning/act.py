@@ -43,7 +43,7 @@ class Act:
         return tuple(float(number) for number in action[self._moves :]) if self.said else ()
 
     def info(self) -> dict[str, Any]:
-        """Return what an agent is told besides its observation."""
+        """Return the `info` of an agent: what it may know that is not in its observation."""
         return {}
 
     def decision(self, action: Any, pose: Pose) -> Decision:

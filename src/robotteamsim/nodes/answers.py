@@ -19,6 +19,7 @@ from robotteamsim.nodes.inputs import QUEUED, Input
 from robotteamsim.nodes.node import Node
 from robotteamsim.nodes.outputs import Decided, decision_outputs
 from robotteamsim.nodes.settings import Settings
+from robotteamsim.nodes.steps import REPORT_TIMEOUT_S
 from robotteamsim.recording.topics import Topic
 from robotteamsim.recording.topics.decisions import COMMAND, OUTBOX, STAMPED_COMMAND, STATUS
 from robotteamsim.scenario.sections import PlacedRobot
@@ -26,8 +27,6 @@ from robotteamsim.simulation import TeamControllers, TeamInputs
 
 CHECK_PERIOD_S = 1.0
 """Interval of checks for silent controllers [s, wall]."""
-REPORT_TIMEOUT_S = 10.0
-"""A longer wait for controllers that have never answered is reported once [s, wall]."""
 
 ANSWERS = (STAMPED_COMMAND, OUTBOX, STATUS)
 """The topics by which a controller answers."""

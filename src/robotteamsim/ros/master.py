@@ -10,13 +10,8 @@ MASTER_PERIOD_S = 0.2
 """Interval of checks whether the master has started [s, wall]."""
 
 
-def _sleep(duration_s: float) -> bool:
-    time.sleep(duration_s)
-    return False
-
-
-def wait_for_master(wait: Callable[[float], bool] = _sleep) -> None:
-    """Wait until the master is online. Args: wait: waits for a time [s, wall]; returns whether to give up."""
+def wait_for_master(wait: Callable[[float], object] = time.sleep) -> None:
+    """Wait until the master is online. Args: wait: waits for a time [s, wall]; returns true to give up."""
     if rosgraph.is_master_online():
         return
     sys.stderr.write(f"waiting for the ROS master at {rosgraph.get_master_uri()}\n")

@@ -2,6 +2,7 @@
 
 import os
 import tempfile
+from contextlib import AbstractContextManager
 from pathlib import Path
 
 from filelock import FileLock, Timeout
@@ -31,18 +32,16 @@ def _serve(node: Ros2Node) -> None:
         simulation.serve()
 
 
-def _alone() -> FileLock:
-    """Return a lock that no other simulation of this machine has in this domain, in which their topics would mix."""
+def _alone() -> AbstractContextManager[object]:
+    """Lock this domain for the simulations of this machine, whose topics would mix. Raises: ParameterError."""
     domain = get_default_context().get_domain_id()
     path = Path(tempfile.gettempdir(), f"robotteamsim-{os.getuid()}-domain-{domain}.lock")
-    lock = FileLock(path, timeout=0)
     try:
-        lock.acquire()
+        return FileLock(path, timeout=0).acquire()
     except Timeout:
         raise ParameterError(
             f"ROS_DOMAIN_ID: {domain}; another simulation runs in it; expected another domain"
         ) from None
-    return lock
 
 
 if __name__ == "__main__":
