@@ -26,7 +26,7 @@ from robotteamsim.srv import Step
 from std_srvs.srv import Trigger
 from visualization_msgs.msg import MarkerArray
 
-from robotteamsim.ros.nodes.rviz_view import fitted, read_scenario
+from robotteamsim.ros.nodes.rviz_view import fitted, read_ros1_scenario
 
 ROOT = Path(__file__).resolve().parents[1]
 IMAGES = ROOT / "docs" / "images"
@@ -173,7 +173,7 @@ def master_answers() -> bool:
 
 def draw(screen: str, scratch: Path, path: Path) -> None:
     """Show the scene, wait until it no longer changes, and write a picture."""
-    config = fitted(CONFIG, read_scenario(rospy.get_param))
+    config = fitted(CONFIG, read_ros1_scenario(rospy.get_param))
     width, height = (FINER * pixels for pixels in SIZE)
     config["Window Geometry"] |= {"Width": width, "Height": height}
     config_path = scratch / "view.rviz"

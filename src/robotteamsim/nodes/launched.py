@@ -11,30 +11,36 @@ NOT_SET = -1
 """Default for the number of robots, and for the id of the one driven by hand: not given."""
 
 
-def ros1_setting(key: str) -> str:
-    """Return the name of the parameter of a setting in ROS 1, where one server has the parameters of all nodes."""
+def ros1_setting_name(key: str) -> str:
+    """Return the parameter of a setting in ROS 1, where one server has the parameters of all nodes."""
     return f"/robotteamsim/{key}"
 
 
-def read_scenario(parameter: Callable[[str, Any], Any], setting: Callable[[str], str] = ros1_setting) -> Scenario:
+def read_scenario(setting: Callable[[str, Any], Any], setting_name: Callable[[str], str] = str) -> Scenario:
     """Return the scenario of a launch.
 
-    Args:   parameter: returns a parameter, by its name and default.
-            setting:   returns the name of the parameter of a setting, as `Node.setting`.
+    Args:   setting, setting_name: as of a `Node`.
     Raises: ParameterError, ScenarioError.
     """
-    name = parameter(setting("scenario"), "")
+    name = setting("scenario", "")
     if not name:
-        raise ParameterError(f"{setting('scenario')}: is not set; expected the name or file of a scenario")
-    text = parameter(setting("set"), "")
+        raise ParameterError(f"{setting_name('scenario')}: is not set; expected the name or file of a scenario")
+    text = setting("set", "")
     # Blanks separate them in launch files; lines do it where values may have blanks.
     overrides = text.splitlines() if "\n" in text else text.split()
     scenario = load(name, overrides)
-    num_robots = parameter(setting("robots"), NOT_SET)
+    num_robots = setting("robots", NOT_SET)
     if num_robots in (NOT_SET, scenario.num_robots):
         return scenario
     if isinstance(scenario.robots, Team):
         return load(name, [*overrides, f"robots.count={num_robots}"])
-    raise ParameterError(
-        f"{setting('robots')}: {num_robots}; expected {scenario.num_robots}, the length of the robots' list in {name}"
-    )
+    expected = f"expected {scenario.num_robots}, the length of the robots' list in {name}"
+    raise ParameterError(f"{setting_name('robots')}: {num_robots}; {expected}")
+
+
+def read_ros1_scenario(parameter: Callable[[str, Any], Any]) -> Scenario:
+    """Return the scenario of a launch of ROS 1. Args: parameter: returns one, by its name and default.
+
+    Raises: ParameterError, ScenarioError.
+    """
+    return read_scenario(lambda key, default: parameter(ros1_setting_name(key), default), ros1_setting_name)

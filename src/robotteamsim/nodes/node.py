@@ -54,11 +54,14 @@ class Node(Protocol):
     def last_words(self) -> str:
         """What the user should know about the end of a launch; "" for nothing."""
 
-    def setting(self, key: str) -> str:
-        """Return the full name of a setting that the nodes of a launch share, a parameter."""
+    def setting_name(self, key: str) -> str:
+        """Return what messages call a setting that the nodes of a launch share."""
+
+    def setting(self, key: str, default: Any) -> Any:
+        """Return such a setting, of the type of its default. Raises: ParameterError."""
 
     def parameter(self, name: str, default: Any) -> Any:
-        """Return a parameter of the type of its default. Raises: ParameterError."""
+        """Return a parameter of this node, of the type of its default. Raises: ParameterError."""
 
     def change_setting(self, key: str, value: str) -> None:
         """Change a setting for all nodes."""
@@ -93,7 +96,7 @@ class Node(Protocol):
         """Listen to tf. Raises: ParameterError: this version of ROS cannot."""
 
     def wait_for_subscribers(self, recorded: Sequence[str], timeout_s: float, sleep: Callable[[float], object]) -> None:
-        """Wait until nobody subscribes any more, with a timeout [s, wall].
+        """Wait until no new subscriber comes, with a timeout [s, wall].
 
         Args: recorded: topics that the recorder must receive, too.
               sleep:    waits [s, wall], and returns early when the node ends.

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 from robotteamsim.control import foreign_code
 from robotteamsim.errors import RobotTeamSimError
@@ -121,40 +120,36 @@ def read_settings(node: Node, report_s: float = OTHERS_REPORT_S) -> Settings:
 
 def read_seed(node: Node, settings: Settings) -> Settings:
     """Return the settings with the seed of the last reset, for a node that starts again. Raises: ParameterError."""
-    text = node.parameter(node.setting(SEED), "")
+    text = node.setting(SEED, "")
     try:
         return settings.with_seed(int(text) if re.fullmatch("-?[0-9]{1,20}", text) else text) if text else settings
     except ParameterError as error:
-        raise ParameterError(f"{node.setting(str(error))}") from None
+        raise ParameterError(node.setting_name(str(error))) from None
 
 
 def _read_settings(node: Node) -> Settings:
-    scenario = read_scenario(node.parameter, node.setting)
-    hosted = _value(node, "controllers", "nodes").lower()
+    scenario = read_scenario(node.setting, node.setting_name)
+    hosted = node.setting("controllers", "nodes").lower()
     settings = Settings(
         scenario,
-        lockstep=_value(node, "lockstep", False),
+        lockstep=node.setting("lockstep", False),
         controllers=OLD_NAMES.get(hosted, hosted),
-        teleop=_value(node, "teleop", NOT_SET),
-        silence_limit_s=float(_value(node, "silence_limit_s", 5.0)),
+        teleop=node.setting("teleop", NOT_SET),
+        silence_limit_s=float(node.setting("silence_limit_s", 5.0)),
         elsewhere=_elsewhere(node, scenario.team_size),
-        mission=_value(node, "mission", True),
-        prefix=_value(node, "prefix", True),
+        mission=node.setting("mission", True),
+        prefix=node.setting("prefix", True),
     )
     _check(node, settings)
     return read_seed(node, settings)
 
 
-def _value(node: Node, key: str, default: Any) -> Any:
-    return node.parameter(node.setting(key), default)
-
-
 def _wrong(node: Node, key: str, what: str) -> ParameterError:
-    return ParameterError(f"{node.setting(key)}: {what}")
+    return ParameterError(f"{node.setting_name(key)}: {what}")
 
 
 def _elsewhere(node: Node, num_robots: int) -> tuple[int, ...]:
-    text = _value(node, "elsewhere", "")
+    text = node.setting("elsewhere", "")
     if text == EVERYBODY:
         return tuple(range(num_robots))
     try:
@@ -173,7 +168,7 @@ def _check(node: Node, settings: Settings) -> None:
     """Raise ParameterError if the settings do not fit together."""
     if settings.controllers not in HOSTED:
         raise _wrong(node, "controllers", f"{settings.controllers}; expected {', '.join(HOSTED)}")
-    if settings.controllers != "none" and not _value(node, "allow_code", False):
+    if settings.controllers != "none" and not node.setting("allow_code", False):
         foreign_code.check_scenario(settings.scenario, "allow_code:=true")
     if not settings.prefix and (settings.num_robots > 1 or settings.mission or settings.controllers != "none"):
         raise _wrong(node, "prefix", "false; expected true unless world.launch runs a single robot")

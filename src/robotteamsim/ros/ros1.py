@@ -9,7 +9,7 @@ from typing import Any
 
 import rospy
 
-from robotteamsim.nodes.launched import ros1_setting
+from robotteamsim.nodes.launched import ros1_setting_name
 from robotteamsim.nodes.node import Output, Transforms
 from robotteamsim.ros.messages import RosTypes, stamp_ns
 from robotteamsim.ros.node import is_running, on_shutdown, parameter, wait_for_shutdown
@@ -34,16 +34,20 @@ class Ros1Node:
         self._kind = kind
 
     last_words = LAST_WORDS
-    setting = staticmethod(ros1_setting)
+    setting_name = staticmethod(ros1_setting_name)
     parameter = staticmethod(parameter)
     is_running = staticmethod(is_running)
     on_shutdown = staticmethod(on_shutdown)
     wait_for_shutdown = staticmethod(wait_for_shutdown)
     wait_for_subscribers = staticmethod(wait_for_subscribers)
 
+    def setting(self, key: str, default: Any) -> Any:
+        """As for all nodes."""
+        return parameter(self.setting_name(key), default)
+
     def change_setting(self, key: str, value: str) -> None:
         """As for all nodes."""
-        rospy.set_param(self.setting(key), value)
+        rospy.set_param(self.setting_name(key), value)
 
     def output(self, topic: str, type_name: str, *, latched: bool = False) -> Output:
         """As for all nodes."""

@@ -52,7 +52,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     }
     own = {name: getattr(options, name) for name in ("speed", "out", "stays", "paused", "localization")}
     try:
-        num_robots = read_scenario(lambda key, default: settings.get(key, default), str).team_size
+        num_robots = read_scenario(settings.get).team_size
     except RobotTeamSimError as error:
         sys.stderr.write(f"robotteamsim.ros2: {error}\n")
         return 2

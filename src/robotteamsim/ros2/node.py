@@ -24,8 +24,9 @@ from rclpy.signals import SignalHandlerOptions
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.nodes.node import KINDS, ParameterError, Transforms
 from robotteamsim.nodes.shutdown import Shutdown
+from robotteamsim.nodes.steps import REPORT_TIMEOUT_S
 from robotteamsim.recording.bag_types import Ros2Types
-from robotteamsim.ros2.topics import Ros2Output, ServiceValues, interface, quality
+from robotteamsim.ros2.topics import Ros2Output, filled, interface, quality
 
 SIMULATION = "/simulation"
 """The node whose parameters all nodes of a launch share."""
@@ -33,8 +34,6 @@ CALL_TIMEOUT_S = 10.0
 """A call of a service that is there waits this long for the response [s, wall]."""
 WAIT_S = 0.2
 """Interval of checks whether a service is there [s, wall]."""
-REPORT_TIMEOUT_S = 10.0
-"""A longer wait for the simulation is reported once [s, wall]."""
 SERVICES_AT_ONCE = 8
 """So many requests are served at the same time."""
 SPIN_S = 0.1
@@ -44,9 +43,6 @@ QUIET_S = 1.0
 TWIST = "geometry_msgs/Twist"
 LATEST_S = 2**31 - 1
 """A header has 31 bits for the seconds."""
-
-_RANGES = {"speed": (0.0, 1e6)}
-"""Of parameters that are numbers."""
 
 logger = logging.getLogger(__name__)
 
@@ -89,7 +85,6 @@ class Ros2Node:
         self.make = Ros2Types()
         self._owns_settings = owns_settings
         self._shutdown = shutdown
-        self._values = ServiceValues(self.make)
         self._node = RclpyNode(name)
         self._inputs, self._services = (
             RclpyNode(f"_{name}_{part}", start_parameter_services=False, enable_rosout=False)
@@ -132,19 +127,20 @@ class Ros2Node:
         """The logger of rclpy, whose lines go to the console and to /rosout."""
         return self._node.get_logger()
 
-    def setting(self, key: str) -> str:
-        """As for all nodes; a parameter of the simulation."""
+    def setting_name(self, key: str) -> str:
+        """As for all nodes."""
         return key if self._owns_settings else f"{SIMULATION} {key}"
+
+    def setting(self, key: str, default: Any) -> Any:
+        """As for all nodes; a parameter of the simulation, for which other nodes wait."""
+        return self.parameter(key, default) if self._owns_settings else self._setting_of_simulation(key, default)
 
     def parameter(self, name: str, default: Any) -> Any:
         """As for all nodes."""
-        owner, _, key = name.rpartition(" ")
-        if owner:
-            return self._setting_of_simulation(key, default)
-        key = key.strip("~/")
+        key = name.strip("~/")
         if self._node.has_parameter(key):
             return self._node.get_parameter(key).value
-        ranges = [FloatingPointRange(from_value=low, to_value=high) for low, high in _ranges_of(key)]
+        ranges = [FloatingPointRange(from_value=0.0, to_value=1e6)] if key == "speed" else []
         descriptor = ParameterDescriptor(read_only=key != "seed", floating_point_range=ranges)
         try:
             return self._node.declare_parameter(key, default, descriptor).value
@@ -216,7 +212,7 @@ class Ros2Node:
 
         def respond(request: Any, response: Any) -> Any:
             try:
-                return self._values.fill(response, serve(request))
+                return filled(response, serve(request), self.make)
             except (ValueError, RobotTeamSimError) as error:  # of a service that has no message for it
                 logger.error("%s: %s", name, error)
                 return response
@@ -283,10 +279,6 @@ class Ros2Node:
                 reason = "call the service ~/reset_seed instead, which starts all nodes again"
                 return SetParametersResult(successful=False, reason=reason)
         return SetParametersResult(successful=True)
-
-
-def _ranges_of(key: str) -> list[tuple[float, float]]:
-    return [_RANGES[key]] if key in _RANGES else []
 
 
 def _forward_logging(node: Ros2Node) -> None:

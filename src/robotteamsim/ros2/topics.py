@@ -84,23 +84,12 @@ class Ros2Output:
                 logger.warning("%s: a message could not be sent: %s", self._topic, error)
 
 
-class ServiceValues:
-    """Fills in responses of rclpy's classes."""
-
-    def __init__(self, make: Ros2Types) -> None:
-        """Args: make: has made the messages in the values."""
-        self._typestore = make.typestore
-
-    def fill(self, response: Any, values: Mapping[str, Any]) -> Any:
-        """Return a response with these attributes."""
-        for name, value in values.items():
-            setattr(response, name, self._converted(value))
-        return response
-
-    def _converted(self, value: Any) -> Any:
-        """Return a message of rosbags' classes as one of rclpy's; anything else as it is."""
+def filled(response: Any, values: Mapping[str, Any], make: Ros2Types) -> Any:
+    """Return the response of a service with these attributes. Args: make: has made the messages among them."""
+    for name, value in values.items():
         type_name = getattr(value, "__msgtype__", None)
-        if type_name is None:
-            return value
-        data = bytes(self._typestore.serialize_cdr(value, type_name))
-        return deserialize_message(data, interface("msg", type_name.replace("/msg/", "/")))
+        if type_name is not None:  # of rosbags' classes; a response of rclpy takes only messages of its own
+            data = bytes(make.typestore.serialize_cdr(value, type_name))
+            value = deserialize_message(data, interface("msg", type_name.replace("/msg/", "/")))
+        setattr(response, name, value)
+    return response

@@ -47,7 +47,7 @@ def parameters_of(robot_id: int, launched: dict[str, Any]) -> dict[str, Any]:
             "amcl (ROS package amcl) is not installed; install it, or use scenario.launch with another program that"
             " publishes map -> odom"
         )
-    robots = resolve(read_scenario(launched.get, str)).robots
+    robots = resolve(read_scenario(launched.get)).robots
     if not 0 <= robot_id < len(robots):
         raise RobotTeamSimError(f"robot: {robot_id}; expected 0 to {len(robots) - 1}")
     x_m, y_m, yaw_rad = robots[robot_id].start_pose

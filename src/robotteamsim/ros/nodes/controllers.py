@@ -15,7 +15,7 @@ import rosgraph
 
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.message_parts import robot_name
-from robotteamsim.nodes.launched import read_scenario, ros1_setting
+from robotteamsim.nodes.launched import read_ros1_scenario, ros1_setting_name
 from robotteamsim.ros.master import wait_for_master
 
 ENDING_S = 0.5
@@ -25,11 +25,11 @@ ENDING_S = 0.5
 def main() -> None:
     """Run all controllers in this process, or fork one for each robot but the first, whose controller runs here."""
     wait_for_master()
-    if _parameter(ros1_setting("controllers"), "nodes") == "team":
+    if _parameter(ros1_setting_name("controllers"), "nodes") == "team":
         importlib.import_module("robotteamsim.ros.nodes.controller").main_of_team()
         return
     try:
-        num_robots = read_scenario(_parameter).team_size
+        num_robots = read_ros1_scenario(_parameter).team_size
     except RobotTeamSimError:
         num_robots = 1  # whose node reports the mistake
     children = [_fork(robot_id) for robot_id in range(1, num_robots)]

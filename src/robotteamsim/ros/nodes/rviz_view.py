@@ -11,7 +11,7 @@ import yaml
 
 from robotteamsim import palette
 from robotteamsim.errors import RobotTeamSimError
-from robotteamsim.nodes.launched import read_scenario
+from robotteamsim.nodes.launched import read_ros1_scenario
 from robotteamsim.ros.scene.shapes import unit
 from robotteamsim.scenario import Scenario
 from robotteamsim.scenario.sections import Team
@@ -30,7 +30,7 @@ def main() -> None:
         sys.exit(1)
     config = Path(rospkg.RosPack().get_path("robotteamsim"), "rviz", "robotteamsim.rviz")
     try:
-        settings, folder = fitted(config, read_scenario(rospy.get_param)), Path(rospkg.get_log_dir())
+        settings, folder = fitted(config, read_ros1_scenario(rospy.get_param)), Path(rospkg.get_log_dir())
         folder.mkdir(parents=True, exist_ok=True)
         config = folder / f"robotteamsim-{os.getpid()}.rviz"
         config.write_text(yaml.safe_dump(settings), encoding="utf-8")

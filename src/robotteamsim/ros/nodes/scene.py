@@ -19,7 +19,7 @@ from robotteamsim import msg
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.message_parts import robot_name
-from robotteamsim.nodes.launched import read_scenario
+from robotteamsim.nodes.launched import read_ros1_scenario
 from robotteamsim.recording.topics.world import FIRE, SMOKE
 from robotteamsim.ros.master import wait_for_master
 from robotteamsim.ros.scene.building import building_markers, door_markers, openings_at_start
@@ -64,7 +64,7 @@ def main() -> None:
     wait_for_master()
     rospy.init_node("scene", disable_rostime=True)
     try:
-        scenario = read_scenario(rospy.get_param)
+        scenario = read_ros1_scenario(rospy.get_param)
     except RobotTeamSimError as error:
         rospy.rostime.wallsleep(REPORT_S)
         sys.exit(f"scene: {error}")
