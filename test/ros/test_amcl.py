@@ -11,7 +11,7 @@ from running import ROSLAUNCH, running
 
 from robotteamsim.ros.programs import installed
 
-AMCL = (*ROSLAUNCH, "robotteamsim", "amcl.launch", "rviz:=false", "speed:=5")
+AMCL = (*ROSLAUNCH, "robotteamsim", "amcl.launch", "rviz:=false", "speed:=2")
 NO_DRIFT = " ".join(f"robots.odometry.alpha{i}=0" for i in range(1, 5))
 
 
