@@ -9,24 +9,30 @@ except ModuleNotFoundError as error:
     raise ModuleNotFoundError(missing_extra(error), name=error.name) from None
 
 from robotteamsim.learning.act import Act, DiscreteAct
+from robotteamsim.learning.batch_env import BatchEnv, BatchStep
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.gym_env import CentralEnv, gym_env, register
-from robotteamsim.learning.observe import Observe, Part
+from robotteamsim.learning.observe import Observe, Part, Percepts
 from robotteamsim.learning.policy import PolicyController
 from robotteamsim.learning.reward import Reward, SearchReward
 from robotteamsim.learning.team_env import TeamEnv, env, parallel_env
+from robotteamsim.learning.vector_env import VectorEnv
 
 __all__ = [
     "Act",
+    "BatchEnv",
+    "BatchStep",
     "CentralEnv",
     "DiscreteAct",
     "LearningError",
     "Observe",
     "Part",
+    "Percepts",
     "PolicyController",
     "Reward",
     "SearchReward",
     "TeamEnv",
+    "VectorEnv",
     "env",
     "gym_env",
     "parallel_env",

@@ -1,92 +1,144 @@
-"""What the policy of one robot decides, as an action."""
+"""What the policy of each robot decides, as an action."""
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
-from gymnasium.spaces import Box, Discrete, Space
+from gymnasium.spaces import Box, Discrete
 
-from robotteamsim.geometry import Pose, Twist
+from robotteamsim.geometry import Twist
 from robotteamsim.interface import EVERYBODY, Decision, Message
 from robotteamsim.learning.errors import LearningError
-from robotteamsim.learning.observe import Said
+from robotteamsim.learning.senses import Said
 from robotteamsim.scenario.drives import CarDrive, OmniDrive
 from robotteamsim.setup import Setup
+
+
+class Commands(NamedTuple):
+    """What n agents are to do. Stacked missions have one more axis in front.
+
+    twists: ahead and to the left [m/s], turn [rad/s], shape (n, 3).
+    words:  what each says to the others, shape (n, said).
+    """
+
+    twists: np.ndarray
+    words: np.ndarray
+
+    def decisions(self, robot_ids: Sequence[int], positions_m: np.ndarray) -> list[Decision]:
+        """Return the decisions of the agents, whose messages have their positions in `map` as they know them [m]."""
+        team = zip(robot_ids, self.twists.tolist(), self.words.tolist(), positions_m.tolist(), strict=True)
+        return [
+            Decision(Twist(*twist), (Message(i, EVERYBODY, Said((x_m, y_m), tuple(words)).to_payload()),))
+            for i, twist, words, (x_m, y_m) in team
+        ]
 
 
 class Act:
     """Continuous actions, float32 within [-1, 1]: speed / max_speed_mps, turn / max_turn_radps, and what is said.
 
-    An omnidirectional robot has the speed to the left, too, after that ahead. Each decision sends a message with the
-    robot's position and these numbers to everybody; it travels over the simulated network, and can be lost.
-    A subclass replaces `space` and `twist`.
+    If there is an omnidirectional robot, all have the speed to the left, too, after that ahead; other robots cannot
+    follow it. Each decision sends a message with the robot's position and these numbers to everybody; it travels over
+    the simulated network, and can be lost. A subclass replaces `space`, a `Box` or `Discrete`, and `twists`.
     """
 
-    space: Space[Any]
+    space: Box | Discrete[Any]
 
-    def __init__(self, setup: Setup, robot_id: int, said: int = 0) -> None:
-        """Args: said: how many numbers each message has."""
-        self.robot_id, self.said = robot_id, said
-        self.drive = setup.robots[robot_id].drive
-        self._moves = 3 if isinstance(self.drive, OmniDrive) else 2
+    def __init__(self, setup: Setup, robot_ids: Sequence[int], said: int = 0) -> None:
+        """Args: robot_ids: of the agents.  said: how many numbers each message has."""
+        self.robot_ids, self.said = tuple(robot_ids), said
+        self.drives = [setup.robots[i].drive for i in robot_ids]
+        self.max_speeds_mps = np.array([drive.max_speed_mps for drive in self.drives])
+        self.max_turns_radps = np.array([drive.max_turn_radps for drive in self.drives])
+        self._moves = 3 if any(isinstance(robot.drive, OmniDrive) for robot in setup.robots) else 2
         self.space = Box(-1.0, 1.0, (self._moves + said,), np.float32)
 
-    def twist(self, action: Any) -> Twist:
-        """Return the command of an action."""
-        ahead, *left, turn = (float(number) for number in action[: self._moves])
-        speed = self.drive.max_speed_mps
-        return Twist(ahead * speed, left[0] * speed if left else 0.0, turn * self.drive.max_turn_radps)
+    @property
+    def rest(self) -> np.ndarray:
+        """The action for absent agents."""
+        return np.zeros(self.space.shape or (), self.space.dtype)
 
-    def words(self, action: Any) -> tuple[float, ...]:
-        """Return the numbers that an action says."""
-        return tuple(float(number) for number in action[self._moves :]) if self.said else ()
+    def twists(self, actions: np.ndarray) -> np.ndarray:
+        """Return the twists of actions, as of `Commands`.
 
-    def info(self) -> dict[str, Any]:
-        """Return the `info` of an agent: what it may know that is not in its observation."""
-        return {}
+        Args: actions: one per agent, also of stacked missions: float64; int64 if the space is discrete.
+        """
+        ahead, turn = actions[..., 0], actions[..., self._moves - 1]
+        left = actions[..., 1] if self._moves == 3 else np.zeros(ahead.shape)
+        return np.stack((ahead * self.max_speeds_mps, left * self.max_speeds_mps, turn * self.max_turns_radps), -1)
 
-    def decision(self, action: Any, pose: Pose) -> Decision:
-        """Return the decision of an action; nothing is clipped. Raises: LearningError: it is not of the space."""
-        self.check(action)
-        said = Said((pose.x_m, pose.y_m), self.words(action))
-        return Decision(self.twist(action), (Message(self.robot_id, EVERYBODY, said.to_payload()),))
+    def words(self, actions: np.ndarray) -> np.ndarray:
+        """Return what actions say, as of `Commands`. Args: actions: as of `twists`."""
+        return actions[..., self._moves :]
 
-    def check(self, action: Any) -> None:
-        """Raises: LearningError: an action is not of the space."""
-        try:
-            value = np.asarray(action)
-        except ValueError:  # rows of different lengths
-            value = np.asarray(None)
-        kinds = "iu" if isinstance(self.space, Discrete) else "fiu"
-        is_of_space = value.dtype.kind in kinds and bool(np.isfinite(value).all())
-        if not is_of_space or not self.space.contains(value.astype(self.space.dtype)):
-            raise LearningError(f"robot_{self.robot_id}: action {action!r:.80}: expected one of {self.space}")
+    def infos(self) -> list[dict[str, Any]]:
+        """Return the `info` of each agent: what it may know that is not in its observation."""
+        return [{} for _ in self.robot_ids]
+
+    def commands(self, actions: Any) -> Commands:
+        """Return what actions mean; nothing is clipped.
+
+        Args:   actions: one per agent; or an array of those of stacked missions.
+        Raises: LearningError: one is not of the space.
+        """
+        values = _array_of(actions)
+        if not self._are_of_space(values, len(self.robot_ids)):
+            for robot_id, action in zip(self.robot_ids, actions, strict=False):
+                if not self._are_of_space(_array_of([action]), 1):
+                    raise LearningError(f"robot_{robot_id}: action {action!r:.80}: expected one of {self.space}")
+            raise LearningError(
+                f"actions of shape {values.shape}; expected one for each of {len(self.robot_ids)} robots"
+            )
+        values = values.astype(np.int64 if isinstance(self.space, Discrete) else np.float64)
+        return Commands(self.twists(values), self.words(values))
+
+    def _are_of_space(self, values: np.ndarray, agents: int) -> bool:
+        """Whether values are actions for so many agents, also of stacked missions."""
+        space, shape = self.space, (agents, *(self.space.shape or ()))
+        kinds, low, high = ("iu", 0, space.n - 1) if isinstance(space, Discrete) else ("fiu", space.low, space.high)
+        if values.dtype.kind not in kinds or values.shape[-len(shape) :] != shape:
+            return False
+        values = values.astype(space.dtype)
+        return bool(((values >= low) & (values <= high)).all())  # NaN is not
 
 
 class DiscreteAct(Act):
     """Five actions: stand, ahead, ahead to the left, ahead to the right, turn on the spot.
 
-    A car cannot turn on the spot: `info` has a mask that says so. Nothing is said but the position.
+    A car cannot turn on the spot: `infos` have a mask that says so. Nothing is said but the position.
     """
 
-    MOVES = ((0.0, 0.0), (1.0, 0.0), (0.7, 0.5), (0.7, -0.5), (0.0, 1.0))
+    MOVES = np.array(((0.0, 0.0), (1.0, 0.0), (0.7, 0.5), (0.7, -0.5), (0.0, 1.0)))
     """Speed and turn of each, as shares of the largest."""
 
-    def __init__(self, setup: Setup, robot_id: int, said: int = 0) -> None:
+    def __init__(self, setup: Setup, robot_ids: Sequence[int], said: int = 0) -> None:
         """Raises: LearningError: messages with numbers need continuous actions."""
-        super().__init__(setup, robot_id)
+        super().__init__(setup, robot_ids)
         if said:
             raise LearningError(f"said: {said}; expected 0 with DiscreteAct")
         self.space = Discrete(len(self.MOVES))
 
-    def twist(self, action: Any) -> Twist:
-        """Return the command of an action."""
-        speed, turn = self.MOVES[int(action)]
-        return Twist(speed * self.drive.max_speed_mps, 0.0, turn * self.drive.max_turn_radps)
+    def twists(self, actions: np.ndarray) -> np.ndarray:
+        """Return the twists of actions, as of `Commands`."""
+        moves = self.MOVES[actions]
+        speeds_mps, turns_radps = moves[..., 0] * self.max_speeds_mps, moves[..., 1] * self.max_turns_radps
+        return np.stack((speeds_mps, np.zeros(actions.shape), turns_radps), -1)
 
-    def info(self) -> dict[str, Any]:
-        """Return `action_mask`: which actions have an effect of their own, int8, as Gymnasium's masks."""
-        on_the_spot = not isinstance(self.drive, CarDrive)
-        mask = [speed != 0.0 or turn == 0.0 or on_the_spot for speed, turn in self.MOVES]
-        return {"action_mask": np.array(mask, np.int8)}
+    def words(self, actions: np.ndarray) -> np.ndarray:
+        """Return what actions say: nothing."""
+        return np.zeros((*actions.shape, 0))
+
+    def infos(self) -> list[dict[str, Any]]:
+        """Return `action_mask` of each agent: which actions have an effect of their own, int8, as Gymnasium's masks."""
+        turns_in_place = (self.MOVES[:, 0] == 0.0) & (self.MOVES[:, 1] != 0.0)
+        cars = [isinstance(drive, CarDrive) for drive in self.drives]
+        return [{"action_mask": (~(turns_in_place & is_car)).astype(np.int8)} for is_car in cars]
+
+
+def _array_of(values: Any) -> np.ndarray:
+    """Return values as an array; of rows with different lengths, one of type object."""
+    try:
+        return np.asarray(values)
+    except ValueError:
+        return np.asarray(None)

@@ -5,14 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 
-import msgspec
-
 from robotteamsim.control import Guard, make_controller
 from robotteamsim.control.runtime.base_station import StandingBase, with_base
 from robotteamsim.interface import Controller, Decision, Message, Observation, Task
 from robotteamsim.scenario import Scenario
 from robotteamsim.setup import Setup
-from robotteamsim.simulation.controllers import TeamInputs, decisions_of
+from robotteamsim.simulation.controllers import TeamInputs
 
 
 def driven_ids(scenario: Scenario) -> list[int]:
@@ -20,42 +18,53 @@ def driven_ids(scenario: Scenario) -> list[int]:
     return [i for i in range(scenario.num_robots - scenario.relays.count) if i != scenario.base]
 
 
-class _Given:
-    """Decides what it was given."""
+class _Obeying:
+    """Decides what its robot was told."""
 
-    decision = Decision()
+    def __init__(self, told: Sequence[Decision], robot_id: int) -> None:
+        self._told, self._robot_id = told, robot_id
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """As for all controllers."""
-        return self.decision
+        return self._told[self._robot_id]
 
 
 class DrivenControllers:
-    """Driven robots decide what they are given; relays, base and people decide as with a controller of a user's class.
+    """Driven robots do what they are told; relays, base and people decide as with a controller of a user's class.
 
     Discoveries are announced to the base in any case.
     """
 
     def __init__(self, setup: Setup) -> None:
         """Make the controllers. Raises: RobotTeamSimError: the user's mistake."""
-        self._given = {i: _Given() for i in driven_ids(setup.scenario)}
-        self._controllers = [self._controller(i, setup) for i in range(len(setup.robots))]
-        self.faults: Sequence[str] = ("",) * len(setup.robots)
+        scenario, robots = setup.scenario, range(len(setup.robots))
+        self._driven = driven_ids(scenario)
+        self._told = [Decision() for _ in robots]
+        deciding = [i for i in robots if i not in self._driven or scenario.base is not None]
+        self._deciding = {i: self._controller(i, setup) for i in deciding}
+        """The controllers that do more than obey."""
+        self.faults: Sequence[str] = ("",) * len(robots)
 
     def _controller(self, robot_id: int, setup: Setup) -> Controller:
-        scenario, given = setup.scenario, self._given.get(robot_id)
-        if given is None and (robot_id != scenario.base or scenario.firefighters is not None):
+        scenario, is_driven = setup.scenario, robot_id in self._driven
+        if not is_driven and (robot_id != scenario.base or scenario.firefighters is not None):
             return Guard(robot_id, len(setup.robots), partial(make_controller, robot_id, setup))
-        controller = given or StandingBase()
+        controller = _Obeying(self._told, robot_id) if is_driven else StandingBase()
         return controller if scenario.base is None else with_base(controller, robot_id, scenario)
 
-    def give(self, robot_id: int, decision: Decision) -> None:
-        """Give a robot its decision for this step; it holds until it gets another, its messages only once."""
-        self._given[robot_id].decision = decision
+    def tell(self, decisions: Sequence[Decision]) -> None:
+        """Tell the driven robots, in id order, what to do until the next call; messages are sent once."""
+        for i, decision in zip(self._driven, decisions, strict=True):
+            self._told[i] = decision
 
     def step(self, inputs: TeamInputs) -> tuple[Decision, ...]:
         """As for all controllers."""
-        decisions = decisions_of(self._controllers, inputs)
-        for given in self._given.values():
-            given.decision = msgspec.structs.replace(given.decision, outbox=())
-        return decisions
+        present = inputs.present.tolist()
+        decisions = [told if is_present else Decision() for told, is_present in zip(self._told, present, strict=True)]
+        if self._deciding:
+            observations = inputs.observations()
+            for i, controller in self._deciding.items():
+                if present[i]:
+                    decisions[i] = controller.step(observations[i], inputs.inboxes[i], inputs.task)
+        self._told[:] = [Decision(told.twist) for told in self._told]
+        return tuple(decisions)

@@ -1,20 +1,16 @@
-"""What the policy of one robot perceives, as one vector."""
+"""What the policy of each robot perceives, as one vector."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
-import msgspec
 import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import ArrayLike
 
-from robotteamsim.control.driving.own_pose import OwnPose
-from robotteamsim.geometry import Pose
-from robotteamsim.interface import Message, Observation, Task
-from robotteamsim.interface.payload import Point, read_payload, to_payload
+from robotteamsim.interface import Observation
 from robotteamsim.propagation import shared_radio_field
 from robotteamsim.scenario import FloorPlan
 from robotteamsim.setup import Setup
@@ -38,55 +34,81 @@ class Part(NamedTuple):
     meaning: str
 
 
-class Said(msgspec.Struct, frozen=True):
-    """What robots tell each other: the sender's position in `map` [m], and the numbers of its policy."""
+class Percepts(NamedTuple):
+    """What n agents perceive in one step. Stacked missions have one more axis in front.
 
-    at: Point
-    say: tuple[Annotated[float, msgspec.Meta(ge=-1.0, le=1.0)], ...] = ()
+    ranges_m: float32, shape (n, beams); beams that a robot does not have are infinite.
+    poses:    x, y [m], qz, qw in `map` by `control.localisation`, shape (n, 4).
+    twists:   speed ahead and to the left [m/s] and turn [rad/s] by odometry, shape (n, 3).
+    voices:   whether a voice is heard, the level of the loudest cell [dB], its x and y in `map` [m], shape (n, 4).
+    area:     whether there is an area to explore, x and y of its centre in `map` [m], shape (1, 3).
+    heard:    per teammate: whether it has been heard of, x and y in `map` [m], the time since then [s], and what it
+              said, shape (n, teammates, 4 + said).
+    own:      numbers of a subclass of `Observe`, shape (n, its `own`).
+    """
 
-    def to_payload(self) -> str:
-        """Return it as the payload of a message."""
-        return to_payload(self)
+    ranges_m: np.ndarray
+    poses: np.ndarray
+    twists: np.ndarray
+    voices: np.ndarray
+    area: np.ndarray
+    heard: np.ndarray
+    own: np.ndarray
+
+    @classmethod
+    def stacked(cls, missions: Sequence[Percepts]) -> Percepts:
+        """Return those of several missions, with an axis of missions in front."""
+        return cls(*(np.stack(parts) for parts in zip(*missions, strict=True)))
 
 
-_reader = msgspec.json.Decoder(Said)
+def cos_sin(poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return cosine and sine of the yaws, from the quaternions of `Percepts.poses`."""
+    qz, qw = poses[..., 2], poses[..., 3]
+    return 1.0 - 2.0 * qz * qz, 2.0 * qz * qw
 
 
 class Observe:
-    """The vector of one robot, float32, all numbers within [-1, 1]; `parts` names them in order.
+    """The vectors of a team's agents, float32, all numbers within [-1, 1]; `parts` names them in order.
 
-    It knows only what a controller knows: readings, voices, the task, and what teammates have sent. The signal of a
+    They know only what controllers know: readings, voices, the task, and what teammates have sent. The signal of a
     teammate is predicted by the radio model from both positions, eq. (3); the mission's links are those of the network.
-    A subclass replaces `parts_of` and `vector`.
+    A subclass replaces `parts_of` and `vectors`; it may define `own` and `own_numbers`, for additional sensors.
     """
 
-    def __init__(self, setup: Setup, robot_id: int, said: int = 0) -> None:
-        """Args: said: how many numbers each message has."""
-        robot, bounds = setup.robots[robot_id], setup.plan.bounds
-        self.setup, self.robot_id, self.said = setup, robot_id, said
-        self.teammates = [i for i in range(setup.scenario.num_robots) if i != robot_id]
-        """The ids of the other robots, in the order in which they are in the vector."""
-        self._laser, self._drive = robot.laser, robot.drive
-        self._own_pose = OwnPose(robot_id, setup)
+    own = 0
+    """How many numbers `own_numbers` returns."""
+
+    def __init__(self, setup: Setup, robot_ids: Sequence[int], said: int = 0, teammates: int | None = None) -> None:
+        """Args: robot_ids: of the agents.
+        said:       how many numbers each message has.
+        teammates:  how many there is room for; None: as many as there are.
+        """
+        robots, bounds = [setup.robots[i] for i in robot_ids], setup.plan.bounds
+        self.setup, self.robot_ids, self.said = setup, tuple(robot_ids), said
+        self.teammates = setup.scenario.num_robots - 1 if teammates is None else teammates
+        self.beams = max(robot.laser.beams for robot in setup.robots)
+        self._range_max_m = np.array([[robot.laser.range_max_m] for robot in robots], np.float32)
+        drives = [robot.drive for robot in robots]
+        self._fastest = np.array([(drive.max_speed_mps, drive.max_turn_radps) for drive in drives])
         self._diagonal_m = math.dist(bounds.min, bounds.max)
-        self._voice_radius_m = setup.scenario.voice.local_best_radius_m + setup.scenario.voice.map_resolution_m
+        voice_radius_m = setup.scenario.voice.local_best_radius_m + setup.scenario.voice.map_resolution_m
+        self._units_m = np.array((voice_radius_m, self._diagonal_m, *(self._diagonal_m,) * self.teammates))[:, None]
         self._radio = shared_radio_field(setup.building, setup.scenario.radio)
         self._tx_power_dbm = setup.scenario.radio.tx_power_dbm
         self.parts = tuple(self._placed(self.parts_of()))
         self.space = Box(-1.0, 1.0, (sum(part.size for part in self.parts),), np.float32)
-        self._heard: dict[int, tuple[int, Said]] = {}
 
     def parts_of(self) -> list[tuple[str, int, str]]:
         """Return name, size and meaning of each part."""
         teammate = "heard of, x and y from the robot / diagonal, signal (0 to 1), age of the message / 10 s"
         said = f", {self.said} numbers that it said" if self.said else ""
         return [
-            ("laser", self._laser.beams, "ranges / range_max_m, from right to left; 1 without a return"),
+            ("laser", self.beams, "ranges / range_max_m, from right to left; 1 without a return"),
             ("pose", 4, "x and y in the building from -1 to 1, cosine and sine of the yaw"),
             ("twist", 2, "odometry: speed ahead / max_speed_mps, turn / max_turn_radps"),
             ("voice", 4, "heard, level / 100 dB, x and y of the loudest cell from the robot / radius"),
             ("area", 3, "there is one to explore, x and y of its centre from the robot / diagonal"),
-            *((f"robot_{i}", 5 + self.said, teammate + said) for i in self.teammates),
+            *((f"teammate_{i}", 5 + self.said, teammate + said) for i in range(self.teammates)),
         ]
 
     @staticmethod
@@ -94,51 +116,39 @@ class Observe:
         begins = np.cumsum([0, *(size for _, size, _ in parts)]).tolist()
         return [Part(name, begin, size, meaning) for begin, (name, size, meaning) in zip(begins, parts, strict=False)]
 
-    def note(self, observation: Observation, inbox: Sequence[Message]) -> None:
-        """Remember what teammates say in a step; of messages of other kinds, nothing."""
-        for message in inbox:
-            said = read_payload(_reader, message.payload)
-            if said is not None and len(said.say) == self.said:
-                self._heard[message.sender] = observation.sim_time_ns, said
+    def own_numbers(self, observation: Observation) -> Sequence[float]:
+        """Return numbers of a robot's observation that `Percepts` has not, as `Percepts.own`."""
+        raise NotImplementedError("a class with own numbers defines own_numbers(observation)")
 
-    def vector(self, observation: Observation, task: Task) -> np.ndarray:
-        """Return the vector of a step, after `note`; the same inputs give the same bits."""
-        robot, voice, pose = observation.robot, observation.voice, self.pose(observation)
-        ranges = np.clip(robot.ranges_m / self._laser.range_max_m, 0.0, 1.0)
-        x, y = in_bounds(self.setup.plan, (pose.x_m, pose.y_m))
-        twist = robot.odometry.twist
-        speed, turn = twist.linear_x_mps / self._drive.max_speed_mps, twist.angular_z_radps / self._drive.max_turn_radps
-        heard = self._towards(pose, voice.local_best_m, self._voice_radius_m) if voice.heard else (0.0, 0.0)
-        area = task.area_center_m
-        goal = (0.0, 0.0, 0.0) if area is None else (1.0, *self._towards(pose, area, self._diagonal_m))
-        numbers = [
-            *(x, y, math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)),
-            *(speed, turn),
-            *(float(voice.heard), voice.local_best_level_db / LOUDEST_DB, *heard),
-            *goal,
-        ]
-        for teammate in self.teammates:
-            numbers += self._teammate(teammate, pose, observation.sim_time_ns)
-        return np.concatenate((ranges, np.clip(numbers, -1.0, 1.0)), dtype=np.float32, casting="same_kind")
-
-    def pose(self, observation: Observation) -> Pose:
-        """Return the pose in `map` that the robot uses as its own, see `OwnPose`."""
-        return self._own_pose.at(observation)
-
-    def _teammate(self, teammate: int, pose: Pose, time_ns: int) -> list[float]:
-        if teammate not in self._heard:
-            return [0.0] * (5 + self.said)
-        then_ns, said = self._heard[teammate]
-        signal_dbm = self._tx_power_dbm - self._radio.path_loss_db((pose.x_m, pose.y_m), said.at)
-        signal = (signal_dbm - WEAKEST_DBM) / (STRONGEST_DBM - WEAKEST_DBM)
-        age = (time_ns - then_ns) * 1e-9 / OLDEST_S
-        return [1.0, *self._towards(pose, said.at, self._diagonal_m), max(signal, 0.0), age, *said.say]
-
-    @staticmethod
-    def _towards(pose: Pose, place_m: tuple[float, float], unit_m: float) -> tuple[float, float]:
-        """Return a place in `map` [m] as x and y in `base_link`, in some unit."""
-        seen = pose.inverse() @ Pose(*place_m, 0.0)
-        return seen.x_m / unit_m, seen.y_m / unit_m
+    def vectors(self, of: Percepts) -> np.ndarray:
+        """Return the vector of each agent, shape (..., n, size of the space); the same inputs give the same bits."""
+        poses, heard, shape = of.poses, of.heard, of.poses.shape[:-1]
+        positions_m, (cos, sin) = poses[..., None, :2], cos_sin(poses)
+        # The loudest cell, the area, and the teammates are all places to which the robot has a direction.
+        area = np.broadcast_to(of.area, (*shape, 3))
+        known = np.concatenate((of.voices[..., :1], area[..., :1], heard[..., 0]), -1)
+        places_m = np.concatenate((of.voices[..., None, 2:], area[..., None, 1:], heard[..., 1:3]), -2)
+        x_m, y_m = np.moveaxis(places_m - positions_m, -1, 0)
+        cos_of_all, sin_of_all = cos[..., None], sin[..., None]
+        seen_m = np.stack((cos_of_all * x_m + sin_of_all * y_m, cos_of_all * y_m - sin_of_all * x_m), -1)
+        towards = seen_m / self._units_m * known[..., None]
+        losses_db = self._radio.path_losses_db(np.broadcast_to(positions_m, heard[..., 1:3].shape), heard[..., 1:3])
+        signals = (self._tx_power_dbm - losses_db - WEAKEST_DBM) / (STRONGEST_DBM - WEAKEST_DBM)
+        signals_and_ages = np.stack((np.maximum(signals, 0.0), heard[..., 3] / OLDEST_S), -1) * heard[..., :1]
+        teammates = np.concatenate((heard[..., :1], towards[..., 2:, :], signals_and_ages, heard[..., 4:]), -1)
+        numbers = (
+            in_bounds(self.setup.plan, poses[..., :2]),
+            np.stack((cos, sin), -1),
+            of.twists[..., ::2] / self._fastest,
+            of.voices[..., :1],
+            of.voices[..., 1:2] / LOUDEST_DB,
+            towards[..., 0, :],
+            area[..., :1],
+            towards[..., 1, :],
+            teammates.reshape(*shape, -1),
+        )
+        ranges = np.clip(of.ranges_m / self._range_max_m, 0.0, 1.0)
+        return np.concatenate((ranges, np.clip(np.concatenate(numbers, -1), -1.0, 1.0)), -1, dtype=np.float32)
 
 
 def in_bounds(plan: FloorPlan, places_m: ArrayLike) -> np.ndarray:

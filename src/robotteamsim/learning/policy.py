@@ -12,6 +12,7 @@ from robotteamsim.interface import Decision, Message, Observation, Task
 from robotteamsim.learning.act import Act
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.observe import Observe
+from robotteamsim.learning.senses import Senses
 from robotteamsim.setup import Setup
 
 
@@ -28,13 +29,16 @@ class PolicyController:
     """It decides in each so many steps, and holds the command in between."""
     said = 0
     """How many numbers each message has."""
+    teammates: int | None = None
+    """How many teammates its observations have room for; None: as many as there are."""
 
     def __init__(self, robot_id: int, setup: Setup) -> None:
         """Make the controller of a robot. Raises: LearningError: `every` or `said` is out of range."""
         if self.every < 1 or self.said < 0:
             raise LearningError(f"every: {self.every}, said: {self.said}; expected at least 1, and at least 0")
-        self._observe = self.observe(setup, robot_id, self.said)
-        self._act = self.act(setup, robot_id, self.said)
+        self._observe = self.observe(setup, [robot_id], self.said, self.teammates)
+        self._act = self.act(setup, [robot_id], self.said)
+        self._senses = Senses(setup, self._observe)
         self._steps = 0
         self._held = Decision()
 
@@ -44,15 +48,16 @@ class PolicyController:
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """As for all controllers."""
-        self._observe.note(observation, inbox)
+        self._senses.note(observation.sim_time_ns, [inbox])
         if not task.running:
             self._steps = 0
             return Decision()
+        decision = self._held
         if self._steps % self.every == 0:
-            action = self.choose(self._observe.vector(observation, task))
-            decision = self._act.decision(action, self._observe.pose(observation))
+            percepts = self._senses.of_robot(observation, task)
+            action = self.choose(self._observe.vectors(percepts)[0])
+            commands = self._act.commands([action])
+            (decision,) = commands.decisions(self._act.robot_ids, percepts.poses[:, :2])
             self._held = msgspec.structs.replace(decision, outbox=())
-        else:
-            decision = self._held
         self._steps += 1
         return decision

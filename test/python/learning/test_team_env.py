@@ -53,8 +53,8 @@ def wall_fearing(vector):
 class Without(Reward):
     """A reward that is not a number."""
 
-    def of_step(self, record, robot_ids):
-        return dict.fromkeys(robot_ids, np.nan)
+    def of_step(self, record):
+        return np.full(3, np.nan)
 
 
 class Blind(Observe):
@@ -63,8 +63,8 @@ class Blind(Observe):
     def parts_of(self):
         return [("nothing", 1, "not a number")]
 
-    def vector(self, observation, task):
-        return np.array([np.nan])
+    def vectors(self, of):
+        return np.full((1, 1), np.nan)
 
 
 @pytest.mark.slow
@@ -190,8 +190,8 @@ def test_classes_are_replaced():
         pass
 
     class Slow(Act):
-        def twist(self, action):
-            return super().twist(0.1 * action)
+        def twists(self, actions):
+            return super().twists(0.1 * actions)
 
     env = parallel_env(scenario(), act=Slow, reward=Nothing)
     env.reset(seed=1)
@@ -207,12 +207,48 @@ def test_what_is_said_is_heard_over_the_network():
     env.reset(seed=1)
     actions = {agent: np.array((0.0, 0.0, 0.25, -0.5), np.float32) for agent in env.agents}
     vectors, *_ = env.step(actions)
-    parts = {part.name: part for part in env.parts("robot_0")}
-    heard = vectors["robot_0"][parts["robot_1"].begin :][: parts["robot_1"].size]
+    parts = {part.name: part for part in env.parts}
+    heard = vectors["robot_0"][parts["teammate_0"].begin :][: parts["teammate_0"].size]
     assert heard[0] == 1.0
     assert heard[-2:].tolist() == [0.25, -0.5]
     assert 0.5 < heard[3] <= 1.0  # a metre away
-    assert parts["robot_2"].begin + parts["robot_2"].size == len(vectors["robot_0"])
+    assert parts["teammate_1"].begin + parts["teammate_1"].size == len(vectors["robot_0"])
+
+
+class WithSonar(Observe):
+    """The sonar at the front, in addition."""
+
+    own = 1
+
+    def parts_of(self):
+        return [*super().parts_of(), ("sonar", 1, "its range / 3 m")]
+
+    def own_numbers(self, observation):
+        return [observation.robot.sensors["front"] / 3.0]
+
+    def vectors(self, of):
+        return np.concatenate((super().vectors(of), of.own), -1, dtype=np.float32)
+
+
+def test_own_numbers_are_of_additional_sensors():
+    env = parallel_env(scenario("garage_sar", "robots.sensors=[{kind: sonar, name: front}]"), observe=WithSonar)
+    vectors, _ = env.reset(seed=1)
+    sonars_m = [reading.sensors["front"] for reading in env.record.readings]
+    assert [vector[-1] for vector in vectors.values()] == pytest.approx([range_m / 3.0 for range_m in sonars_m])
+
+
+def test_robots_of_other_kinds_have_the_same_spaces():
+    env = parallel_env(scenario("warehouse_push"))  # the second robot is omnidirectional, with 361 beams
+    vectors, _ = env.reset(seed=1)
+    assert all(env.observation_space(agent).contains(vectors[agent]) for agent in env.agents)
+    assert (vectors["robot_0"][181:361] == 1.0).all()
+    assert not (vectors["robot_1"][181:361] == 1.0).all()
+    left = np.array((0.0, 1.0, 0.0), np.float32)
+    for _ in range(3):
+        env.step(dict.fromkeys(env.agents, left))
+    speeds_mps = env.record.readings.state.true_twist[:, 1]
+    assert speeds_mps[1] > 0.3
+    assert speeds_mps[[0, 2]].tolist() == [0.0, 0.0]
 
 
 @pytest.mark.parametrize(
@@ -264,7 +300,7 @@ def test_what_is_said_is_heard_over_the_network():
         ),
         (
             lambda _: parallel_env(scenario("tutorial_arena"), observe=Blind).reset(seed=1),
-            "robot_0: observation array([nan]); expected one of Box(-1.0, 1.0, (1,), float32)",
+            "observations array([[nan]]); expected finite numbers of shape (1, 1)",
         ),
         (lambda env: env.reset(seed=-1), "seed: -1; expected a whole number from 0 to 9007199254740992"),
     ],

@@ -1,0 +1,149 @@
+"""Many missions at once, as arrays."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import msgspec
+import numpy as np
+
+from robotteamsim.learning.act import Commands
+from robotteamsim.learning.episode import LARGEST_SEED, AnyScenario, Episode, Rules, vectors_of
+from robotteamsim.learning.errors import LearningError
+from robotteamsim.learning.observe import Percepts
+from robotteamsim.scenario import Scenario
+
+
+class BatchStep(NamedTuple):
+    """What a step of many missions has led to. The arrays are always the same ones, which the next step changes.
+
+    observations: float32, shape (num_envs, robots, size); 0 for absent robots.
+    rewards:      float32, shape (num_envs, robots).
+    terminated, truncated: bool, shape (num_envs, robots), as of `TeamEnv`.
+    is_over:      bool, shape (num_envs,): whose next step begins another mission.
+    """
+
+    observations: np.ndarray
+    rewards: np.ndarray
+    terminated: np.ndarray
+    truncated: np.ndarray
+    is_over: np.ndarray
+
+
+class BatchEnv:
+    """Many missions that are stepped together: of one scenario, or of several in turn, each with seeds of its own.
+
+    A mission that is over begins anew in the next step, which ignores its actions and has no reward (Gymnasium's
+    autoreset mode NEXT_STEP). Robots are those that obey actions, in id order; smaller teams leave the last rows empty.
+    Mission i has the same bits as a `TeamEnv` of its scenario with the batch's seed + i.
+    """
+
+    def __init__(self, scenario: AnyScenario | Sequence[AnyScenario], num_envs: int, **rules: Any) -> None:
+        """Make the missions; `reset` begins them.
+
+        Args:   scenario: one, or several: mission i is of number i modulo their number.
+                rules: those of `parallel_env`; there is room for the teammates of the largest team unless given.
+        Raises: RobotTeamSimError: as `parallel_env`, or the scenarios have different spaces.
+        """
+        if not isinstance(num_envs, int | np.integer) or isinstance(num_envs, bool) or num_envs < 1:
+            raise LearningError(f"num_envs: {num_envs!r}; expected a whole number of at least 1")
+        scenarios = [scenario] if isinstance(scenario, str | os.PathLike | Scenario) else list(scenario)
+        if not 1 <= len(scenarios) <= num_envs:
+            raise LearningError(
+                f"scenario: {len(scenarios)} scenarios for {num_envs} missions; expected 1 to {num_envs}"
+            )
+        made = Rules.of(rules)
+        firsts = [Episode(one, made) for one in scenarios]
+        if made.teammates is None:
+            made = msgspec.structs.replace(made, teammates=max(first.observe.teammates for first in firsts))
+            firsts = [Episode(first.scenario, made) for first in firsts]
+        for first in firsts[1:]:
+            for key in ("observe", "act"):
+                space, expected = getattr(first, key).space, getattr(firsts[0], key).space
+                if space != expected:
+                    name, one = first.scenario.name, firsts[0].scenario.name
+                    raise LearningError(f"{name}: {key}: {space}; expected that of {one}, {expected}")
+        self.num_envs, self.observe, self.act = int(num_envs), firsts[0].observe, firsts[0].act
+        self.robots = max(len(first.robot_ids) for first in firsts)
+        """How many robots a mission has room for."""
+        more = (Episode(firsts[i % len(firsts)].scenario, made) for i in range(len(firsts), self.num_envs))
+        self.episodes = [*firsts, *more]
+        self._same = [slice(k, None, len(firsts)) for k in range(len(firsts))]
+        """The missions of each scenario, which are perceived together."""
+        shape = self.num_envs, self.robots
+        self._step = BatchStep(
+            np.zeros((*shape, *self.observe.space.shape), np.float32),
+            np.zeros(shape, np.float32),
+            np.zeros(shape, bool),
+            np.zeros(shape, bool),
+            np.zeros(self.num_envs, bool),
+        )
+
+    @property
+    def present(self) -> np.ndarray:
+        """Whether each robot is present, bool, shape (num_envs, robots)."""
+        present = np.zeros((self.num_envs, self.robots), bool)
+        for row, episode in zip(present, self.episodes, strict=True):
+            row[: len(episode.robot_ids)] = episode.present
+        return present
+
+    def reset(self, seed: int | None = None) -> np.ndarray:
+        """Begin all missions, mission i with `seed` + i, and return the observations; see `TeamEnv.reset`."""
+        if seed is not None and not (isinstance(seed, int | np.integer) and 0 <= seed <= LARGEST_SEED - self.num_envs):
+            raise LearningError(f"seed: {seed!r}; expected a whole number from 0 to {LARGEST_SEED - self.num_envs}")
+        for i, episode in enumerate(self.episodes):
+            episode.begin(None if seed is None else seed + i)
+        for array in self._step[1:]:
+            array[:] = 0
+        self._perceive()
+        return self._step.observations
+
+    def step(self, actions: np.ndarray) -> BatchStep:
+        """Let all robots act. Args: actions: shape (num_envs, robots, ...); those of absent robots are ignored.
+
+        Raises: RobotTeamSimError: one line: `reset` was not called, or an action is not of the space.
+        """
+        self.episodes[-1].check_begun()
+        step, shape = self._step, (self.num_envs, self.robots, *(self.act.space.shape or ()))
+        if np.shape(actions) != shape:
+            raise LearningError(f"actions of shape {np.shape(actions)}; expected {shape}")
+        is_over = step.is_over.copy()
+        commands = self._commands(np.where(is_over.reshape(-1, *(1,) * (len(shape) - 1)), self.act.rest, actions))
+        for array in step[1:]:
+            array[:] = 0
+        for i, episode in enumerate(self.episodes):
+            if is_over[i]:
+                episode.begin()
+                continue
+            rows, outcome = len(episode.robot_ids), episode.step(commands[i])
+            step.rewards[i, :rows], step.terminated[i, :rows] = outcome.rewards, outcome.terminated
+            step.truncated[i, :rows], step.is_over[i] = outcome.truncated, outcome.is_over
+        self._perceive()
+        return step
+
+    def _commands(self, actions: np.ndarray) -> list[Commands]:
+        """Return the commands of each mission. Raises: LearningError: an action is not of the space."""
+        commands: list[Commands] = [Commands(*2 * (np.empty(0),))] * self.num_envs
+        for same in self._same:
+            first = self.episodes[same][0]
+            of_these = actions[same, : len(first.robot_ids)]
+            try:
+                commands[same] = map(Commands._make, zip(*first.act.commands(of_these), strict=True))
+            except LearningError:
+                # Name the mission.
+                for i, of_one in zip(range(self.num_envs)[same], of_these, strict=True):
+                    try:
+                        first.act.commands(of_one)
+                    except LearningError as error:
+                        raise LearningError(f"mission {i}: {error}") from None
+        return commands
+
+    def _perceive(self) -> None:
+        """Write the observations of all missions."""
+        for same in self._same:
+            episodes = self.episodes[same]
+            percepts = Percepts.stacked([episode.percepts for episode in episodes])
+            present = np.stack([episode.present for episode in episodes])
+            self._step.observations[same, : present.shape[1]] = vectors_of(episodes[0].observe, percepts, present)

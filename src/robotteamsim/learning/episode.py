@@ -1,0 +1,229 @@
+"""One mission whose robots obey actions: what all environments are made of."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import msgspec
+import numpy as np
+
+from robotteamsim.learning.act import Act, Commands
+from robotteamsim.learning.driven import DrivenControllers, driven_ids
+from robotteamsim.learning.errors import LearningError
+from robotteamsim.learning.observe import Observe, Percepts, in_bounds
+from robotteamsim.learning.reward import Reward, SearchReward
+from robotteamsim.learning.senses import Senses
+from robotteamsim.mission.status import END_TEXTS, OUT_OF_DANGER
+from robotteamsim.rng import stream
+from robotteamsim.scenario import Scenario, load
+from robotteamsim.setup import check_headless, resolve
+from robotteamsim.simulation import Simulation, StepRecord
+
+LARGEST_SEED = 2**53
+
+AnyScenario = str | os.PathLike[str] | Scenario
+"""A file, a shipped name, or a scenario."""
+
+
+class Rules(msgspec.Struct, frozen=True, kw_only=True):
+    """What agents perceive, decide and are rewarded for, and when; see `parallel_env`.
+
+    teammates: how many teammates an observation has room for; None: as many as there are.
+    """
+
+    observe: type[Observe] = Observe
+    act: type[Act] = Act
+    reward: type[Reward] = SearchReward
+    every: int = 5
+    said: int = 0
+    max_cycles: int | None = None
+    teammates: int | None = None
+
+    @classmethod
+    def of(cls, given: Mapping[str, Any]) -> Rules:
+        """Return the rules of an environment.
+
+        Raises: LearningError: a key is unknown, or its value is of another kind or out of range.
+        """
+        for key in given:
+            if key not in cls.__struct_fields__:
+                raise LearningError(f"{key}: unknown; expected one of {', '.join(cls.__struct_fields__)}")
+        for key, base in (("observe", Observe), ("act", Act), ("reward", Reward)):
+            value = given.get(key, base)
+            if not (isinstance(value, type) and issubclass(value, base)):
+                raise LearningError(f"{key}: {value!r:.60}; expected a class derived from {base.__name__}")
+        for key, least in (("every", 1), ("said", 0), ("max_cycles", 1), ("teammates", 0)):
+            value = given.get(key, least)
+            is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+            if not (value is None and key in ("max_cycles", "teammates")) and (not is_whole or value < least):
+                raise LearningError(f"{key}: {value!r}; expected a whole number of at least {least}")
+        return cls(**given)
+
+
+class Outcome(NamedTuple):
+    """What a step of agents has led to; arrays have shape (n,).
+
+    is_over: the mission has ended, or its time or `max_cycles` is over.
+    """
+
+    rewards: np.ndarray
+    terminated: np.ndarray
+    truncated: np.ndarray
+    is_over: bool
+
+
+class Episode:
+    """A mission whose robots obey actions; the base, relays, firefighters and a command centre are no agents.
+
+    A step is `every` steps of the simulation. Its reward is that of their records; that of the steps before the mission
+    begins counts in the first one. The same seed and actions give the same bits.
+    """
+
+    def __init__(self, scenario: AnyScenario, rules: Rules) -> None:
+        """Raises: RobotTeamSimError: one line: the scenario is invalid, or has no robot that can be driven."""
+        scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
+        check_headless(scenario)
+        self.scenario, self.rules = scenario, rules
+        self.robot_ids = driven_ids(scenario)
+        """The agents."""
+        if not self.robot_ids:
+            raise LearningError(scenario.origin.line("robots.count: no robot can be driven", "robots.count"))
+        arriving = [f"schedule.{i}.spawn" for i, event in enumerate(scenario.schedule) if event.spawn is not None]
+        if arriving or not all(scenario.present_at_start):
+            key = arriving[0] if arriving else "robots"
+            text = f"{key}: a robot arrives later; expected robots that are present from the start"
+            raise LearningError(scenario.origin.line(text, key))
+        self.setup = resolve(scenario)
+        self.observe = rules.observe(self.setup, self.robot_ids, rules.said, rules.teammates)
+        self.act = rules.act(self.setup, self.robot_ids, rules.said)
+        self._num_victims = len(self.setup.scenario.mission.victims)
+        self._rng = stream(scenario.run.seed, "episodes")
+        self._simulation: Simulation | None = None
+        self.percepts: Percepts
+        """What the agents perceive, after `begin` and each `step`."""
+        self.record: StepRecord | None = None
+        """The last record of the simulation; None before the first step."""
+
+    @property
+    def present(self) -> np.ndarray:
+        """Whether each agent is present, bool, shape (n,)."""
+        return self._sensed.inputs.present[self.robot_ids]
+
+    def begin(self, seed: Any = None) -> None:
+        """Begin a mission; without a seed, with the next one of a sequence that begins with the last seed.
+
+        The seed is `run.seed`, so it decides about random victims, voices and noise.
+
+        Raises: RobotTeamSimError: one line: the seed is out of range, or the mission cannot begin.
+        """
+        if seed is not None and not (isinstance(seed, int | np.integer) and 0 <= seed <= LARGEST_SEED):
+            raise LearningError(f"seed: {seed!r}; expected a whole number from 0 to {LARGEST_SEED}")
+        if seed is not None:
+            self._rng = stream(int(seed), "episodes")
+        self._simulation = None
+        run_seed = int(self._rng.integers(LARGEST_SEED) if seed is None else seed)
+        run = self.scenario.run.model_copy(update={"seed": run_seed})
+        self.setup = setup = resolve(self.scenario.model_copy(update={"run": run}))
+        self._senses = Senses(setup, self.observe)
+        self._controllers = DrivenControllers(setup)
+        self._reward = self.rules.reward(setup, self.robot_ids)
+        simulation = Simulation(setup, controllers=self._controllers)
+        simulation.mission.start()
+        self._sense(simulation)
+        self._cycles, self._early = 0, np.zeros(len(self.robot_ids))
+        while not self._sensed.inputs.task.running:
+            self.record = record = simulation.decide(self._sensed)
+            if record.mission.state == "ended":
+                raise LearningError(f"the mission ends before it begins: {END_TEXTS[record.mission.end]}")
+            self._early += self._rewards(record)
+            self._sense(simulation)
+        self._simulation, self.percepts = simulation, self._senses.of_team(self._sensed.inputs)
+
+    def step(self, commands: Commands) -> Outcome:
+        """Let the agents act. Raises: LearningError: no mission has begun."""
+        simulation = self.check_begun()
+        self._controllers.tell(commands.decisions(self.robot_ids, self.percepts.poses[:, :2]))
+        was_present, rewards = self.present, self._early
+        self._early = np.zeros(len(self.robot_ids))
+        for _ in range(self.rules.every):
+            self.record = record = simulation.decide(self._sensed)
+            rewards = rewards + self._rewards(record)
+            self._sense(simulation)
+            if record.mission.state == "ended":
+                break
+        self.percepts = self._senses.of_team(self._sensed.inputs)
+        self._cycles += 1
+        has_ended = record.mission.state == "ended" and record.mission.end != "time_limit"
+        is_cut = record.mission.end == "time_limit" or self._cycles == self.rules.max_cycles
+        terminated = was_present & (has_ended | ~self.present)
+        return Outcome(rewards * was_present, terminated, was_present & is_cut & ~terminated, has_ended or is_cut)
+
+    def end(self) -> None:
+        """Forget the mission."""
+        self._simulation = None
+
+    def vectors(self) -> np.ndarray:
+        """Return the observation of each agent, float32, shape (n, size of the space); 0 for an absent one."""
+        return vectors_of(self.observe, self.percepts, self.present)
+
+    def state(self) -> np.ndarray:
+        """Return the state of the mission, for central critics, float32, within [-1, 1].
+
+        Per member of the team: present, x and y in the building, cosine and sine of the yaw; per victim: saved, safe or
+        dead, x and y, of those from the start; per area: explored; then the share of the time limit that is over. It is
+        that of the last complete step of the simulation, one before the observations.
+        """
+        self.check_begun()
+        record, plan = self.record, self.setup.plan
+        assert record is not None
+        poses = [reading.true_pose for reading in record.readings]
+        places = in_bounds(plan, [(pose.x_m, pose.y_m) for pose in poses])
+        yaws_rad = np.array([pose.yaw_rad for pose in poses])
+        team = np.column_stack((np.ones(len(poses)), places, np.cos(yaws_rad), np.sin(yaws_rad)))
+        team[~record.present] = 0.0
+        status = record.mission
+        done = np.array([victim in OUT_OF_DANGER for victim in status.victims[: self._num_victims]], float)
+        victims_m = np.array([victim.position for victim in record.victims[: self._num_victims]]).reshape(-1, 2)
+        victims = np.column_stack((done, in_bounds(plan, victims_m)))
+        time = status.time_s / self.setup.scenario.mission.time_limit_s
+        parts = (team.ravel(), victims.ravel(), np.array(status.explored, float), (time,))
+        return np.clip(np.concatenate(parts), -1.0, 1.0).astype(np.float32)
+
+    @property
+    def state_size(self) -> int:
+        """The size of `state`."""
+        return 5 * len(self.setup.robots) + 3 * self._num_victims + len(self.setup.scenario.mission.areas) + 1
+
+    def check_begun(self) -> Simulation:
+        """Return the mission. Raises: LearningError: there is none."""
+        if self._simulation is None:
+            raise LearningError("the mission has not begun; call reset first")
+        return self._simulation
+
+    def _sense(self, simulation: Simulation) -> None:
+        self._sensed = simulation.sense()
+        self._senses.note_team(self._sensed.inputs)
+
+    def _rewards(self, record: StepRecord) -> np.ndarray:
+        rewards = self._reward.of_step(record)
+        if not np.isfinite(rewards).all():
+            agents = zip(self.robot_ids, np.asarray(rewards).tolist(), strict=True)
+            i, reward = next(pair for pair in agents if not np.isfinite(pair[1]))
+            raise LearningError(f"robot_{i}: reward {reward!r}; expected a finite number")
+        return rewards
+
+
+def vectors_of(observe: Observe, percepts: Percepts, present: np.ndarray) -> np.ndarray:
+    """Return the observations for percepts, also of stacked missions; 0 for absent agents.
+
+    Raises: LearningError: the class of observations returns something else than it says.
+    """
+    vectors = observe.vectors(percepts)
+    shape = (*present.shape, *observe.space.shape)
+    if np.shape(vectors) == shape:
+        vectors[~present] = 0.0
+        if np.isfinite(vectors).all():
+            return vectors
+    raise LearningError(f"observations {vectors!r:.60}; expected finite numbers of shape {shape}")

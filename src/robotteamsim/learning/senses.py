@@ -1,0 +1,132 @@
+"""What agents perceive and remember in a mission, as arrays with a row per agent."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated
+
+import msgspec
+import numpy as np
+
+from robotteamsim.geometry import Pose, PoseReading
+from robotteamsim.interface import Message, Observation, Task
+from robotteamsim.interface.payload import Point, to_payload, update_reader
+from robotteamsim.learning.observe import Observe, Percepts, cos_sin
+from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.setup import Setup
+from robotteamsim.simulation.controllers import TeamInputs
+
+
+class Said(msgspec.Struct, frozen=True):
+    """What robots tell each other: the sender's position in `map` [m], and the numbers of its policy."""
+
+    at: Point
+    say: tuple[Annotated[float, msgspec.Meta(ge=-1.0, le=1.0)], ...] = ()
+
+    def to_payload(self) -> str:
+        """Return it as the payload of a message."""
+        return to_payload(self)
+
+
+_read = update_reader(Said, kept=256)
+
+
+class Senses:
+    """The agents' side of a mission: remembers what teammates say, and puts readings into arrays.
+
+    It has no knowledge but that of a controller: readings, voices, the task, and messages.
+    """
+
+    def __init__(self, setup: Setup, observe: Observe) -> None:
+        """Args: observe: says who the agents are, and what they perceive."""
+        self._observe, self._ids = observe, list(observe.robot_ids)
+        self._are_all = self._ids == list(range(len(setup.robots)))
+        by_odometry = setup.scenario.control.localisation == "odometry"
+        starts = [PoseReading.from_pose(Pose(*setup.robots[i].start_pose)) for i in self._ids]
+        self._map_T_odom = np.array([msgspec.structs.astuple(start) for start in starts]) if by_odometry else None
+        nothing = (0.0, 0.0, 0.0, 0, *(0.0,) * observe.said)
+        self._heard = [[nothing] * observe.teammates for _ in self._ids]
+        """Per agent and teammate: a row of `Percepts.heard`, but with the time of the message [ns]."""
+
+    def note(self, time_ns: int, inboxes: Sequence[Sequence[Message]]) -> None:
+        """Remember what teammates say in a step, one inbox per agent; of messages of other kinds, nothing."""
+        for robot_id, inbox, heard in zip(self._ids, inboxes, self._heard, strict=True):
+            for message in inbox:
+                said = _read(message.payload)
+                if said is not None and len(said.say) == self._observe.said:
+                    # The rows are those of the others in id order.
+                    row = message.sender - (message.sender > robot_id)
+                    heard[row] = (1.0, *said.at, time_ns, *said.say)
+
+    def note_team(self, inputs: TeamInputs) -> None:
+        """Remember what teammates say in a step."""
+        self.note(inputs.sim_time_ns, [inputs.inboxes[i] for i in self._ids])
+
+    def of_team(self, inputs: TeamInputs) -> Percepts:
+        """Return what the agents of a team perceive; numbers of absent ones mean nothing, but are finite."""
+        state, ranges_m, voices = inputs.readings.state, inputs.readings.ranges_m, inputs.voices
+        poses = state.true_pose if self._map_T_odom is None else state.odometry.pose
+        if not inputs.present.all():
+            poses = np.where(inputs.present[:, None], poses, 0.0)
+        own = self._observe.own and [inputs.observations()[i] for i in self._ids]
+        return self._percepts(
+            ranges_m if self._are_all else [ranges_m[i] for i in self._ids],
+            poses if self._are_all else poses[self._ids],
+            state.odometry.twist if self._are_all else state.odometry.twist[self._ids],
+            voices if self._are_all else [voices[i] for i in self._ids],
+            inputs.task,
+            inputs.sim_time_ns,
+            own or (),
+        )
+
+    def of_robot(self, observation: Observation, task: Task) -> Percepts:
+        """Return what the only agent perceives, from the observation of its controller."""
+        robot = observation.robot
+        pose = robot.ground_truth if self._map_T_odom is None else robot.odometry.pose
+        poses, twists = (np.array([msgspec.structs.astuple(record)]) for record in (pose, robot.odometry.twist))
+        ranges_m, voices = [robot.ranges_m], [observation.voice]
+        return self._percepts(ranges_m, poses, twists, voices, task, observation.sim_time_ns, [observation])
+
+    def _percepts(
+        self,
+        ranges_m: Sequence[np.ndarray] | np.ndarray,
+        poses: np.ndarray,
+        twists: np.ndarray,
+        voices: Sequence[VoiceReading],
+        task: Task,
+        time_ns: int,
+        observations: Sequence[Observation],
+    ) -> Percepts:
+        area, observe = task.area_center_m, self._observe
+        own = [observe.own_numbers(observation) for observation in observations] if observe.own else ()
+        heard = np.array(self._heard, float).reshape(len(self._ids), observe.teammates, 4 + observe.said)
+        heard[..., 3] = (time_ns - heard[..., 3]) * 1e-9
+        return Percepts(
+            ranges_m if isinstance(ranges_m, np.ndarray) else self._padded(ranges_m),
+            poses if self._map_T_odom is None else _composed(self._map_T_odom, poses),
+            twists,
+            np.array([(voice.heard, voice.local_best_level_db, *voice.local_best_m) for voice in voices], float),
+            np.array([(0.0, 0.0, 0.0) if area is None else (1.0, *area)]),
+            heard,
+            np.array(own, float).reshape(len(self._ids), observe.own),
+        )
+
+    def _padded(self, ranges_m: Sequence[np.ndarray]) -> np.ndarray:
+        padded = np.full((len(ranges_m), self._observe.beams), np.inf, np.float32)
+        for row, measured_m in zip(padded, ranges_m, strict=True):
+            row[: len(measured_m)] = measured_m
+        return padded
+
+
+def _composed(first: np.ndarray, then: np.ndarray) -> np.ndarray:
+    """Return the transforms one after the other, all in the form of `Percepts.poses`."""
+    x_m, y_m, qz, qw = first.T
+    (other_x_m, other_y_m, other_qz, other_qw), (cos, sin) = then.T, cos_sin(first)
+    return np.column_stack(
+        (
+            x_m + cos * other_x_m - sin * other_y_m,
+            y_m + sin * other_x_m + cos * other_y_m,
+            qw * other_qz + qz * other_qw,
+            qw * other_qw - qz * other_qz,
+        )
+    )

@@ -1,0 +1,60 @@
+"""A batch of missions as a Gymnasium `VectorEnv`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import gymnasium
+import numpy as np
+from gymnasium.spaces import Box, Discrete, MultiDiscrete
+from gymnasium.vector.utils import batch_space
+
+from robotteamsim.learning.batch_env import BatchEnv
+
+
+class VectorEnv(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
+    """Each mission is an environment whose one agent drives all robots, as `gym_env`; or each robot is one of its own.
+
+    Environments of single robots share one policy. A robot that leaves is terminated, and then has observations of 0
+    until its mission begins anew. `info["present"]` has which robots are present.
+    """
+
+    def __init__(self, batch: BatchEnv, *, per_robot: bool = False) -> None:
+        """Args: per_robot: whether each robot is an environment."""
+        self.batch, self._per_robot = batch, per_robot
+        self.metadata = {"autoreset_mode": gymnasium.vector.AutoresetMode.NEXT_STEP}
+        self.num_envs = batch.num_envs * (batch.robots if per_robot else 1)
+        robots, size, space = 1 if per_robot else batch.robots, batch.observe.space.shape[0], batch.act.space
+        self.single_observation_space = Box(-1.0, 1.0, (robots * size,), np.float32)
+        if isinstance(space, Discrete):
+            self.single_action_space = space if per_robot else MultiDiscrete([space.n] * robots)
+        else:
+            self.single_action_space = Box(np.tile(space.low, robots), np.tile(space.high, robots), dtype=np.float32)
+        self.observation_space = batch_space(self.single_observation_space, self.num_envs)
+        self.action_space = batch_space(self.single_action_space, self.num_envs)
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        """Begin all missions, see `BatchEnv.reset`."""
+        super().reset(seed=seed)
+        return self._observations(self.batch.reset(seed)), self._info()
+
+    def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
+        """Let all robots act, see `BatchEnv.step`."""
+        batch = self.batch
+        step = batch.step(np.reshape(actions, (batch.num_envs, batch.robots, *(batch.act.space.shape or ()))))
+        rewards, terminated, truncated = step.rewards.ravel(), step.terminated.ravel(), step.truncated.ravel()
+        if not self._per_robot:
+            members = np.array([len(episode.robot_ids) for episode in batch.episodes])
+            rewards, truncated = step.rewards.sum(1) / members, step.truncated.max(1)
+            terminated = step.is_over & ~truncated
+        # The arrays of a batch change in its next step.
+        rewards, terminated, truncated = rewards.copy(), terminated.copy(), truncated.copy()
+        return self._observations(step.observations), rewards, terminated, truncated, self._info()
+
+    def _observations(self, observations: np.ndarray) -> np.ndarray:
+        return observations.reshape(self.num_envs, -1).copy()
+
+    def _info(self) -> dict[str, Any]:
+        return {"present": self.batch.present.reshape(self.num_envs, -1)}

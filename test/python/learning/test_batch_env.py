@@ -1,0 +1,150 @@
+"""Many missions at once, against single ones."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from robotteamsim.learning import BatchEnv, DiscreteAct, LearningError, VectorEnv, gym_env, parallel_env
+from robotteamsim.scenario import load
+from robotteamsim.simulation import TrajectoryHash
+
+
+def scenario(name="garage_sar", *overrides):
+    return load(name, ["mission.time_limit_s=6", *overrides])
+
+
+def actions_of(env, steps, seed=0):
+    """Return random actions of a batch, float32, shape (steps, num_envs, robots, numbers)."""
+    shape = steps, env.num_envs, env.robots, *env.act.space.shape
+    return np.random.default_rng(seed).uniform(-1.0, 1.0, shape).astype(np.float32)
+
+
+def missions(env, actions, seed):
+    """Return the steps of each mission: observations, rewards, terminations and truncations; the first is `reset`."""
+    steps = [(env.reset(seed).copy(), *np.zeros((3, env.num_envs, env.robots)))]
+    steps += [tuple(array.copy() for array in env.step(acts)[:4]) for acts in actions]
+    return [[tuple(array[i] for array in step) for step in steps] for i in range(env.num_envs)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("said", [0, 2])
+def test_each_mission_has_the_bits_of_a_single_one(said):
+    made = scenario("garage_sar", "robots.formation=random", "schedule=[{at_s: 2.0, remove: 1}]")
+    env = BatchEnv(made, 3, said=said, every=3)
+    actions = actions_of(env, 25)
+    for i, steps in enumerate(missions(env, actions, seed=5)):
+        alone, found, expected = parallel_env(made, said=said, every=3), TrajectoryHash(), TrajectoryHash()
+        vectors, _ = alone.reset(seed=5 + i)
+        ends = {}, {}, {}
+        for k, (observations, *found_ends) in enumerate(steps):
+            for r, agent in enumerate(alone.possible_agents):
+                np.testing.assert_array_equal(observations[r], vectors.get(agent, np.zeros_like(observations[r])))
+                for found_end, end in zip(found_ends, ends, strict=True):
+                    assert found_end[r] == found_end.dtype.type(end.get(agent, 0.0))
+            if k == len(actions):
+                break
+            if alone.agents:
+                acts = {agent: actions[k, i, int(agent[-1])] for agent in alone.agents}
+                vectors, *ends, _ = alone.step(acts)
+            else:  # the batch begins anew in this step
+                (vectors, _), ends = alone.reset(), ({}, {}, {})
+        record, single = env.episodes[i].record, alone.record
+        found.update(record.sim_time_ns, record.readings.state.true_pose)
+        expected.update(single.sim_time_ns, single.readings.state.true_pose)
+        assert found.hexdigest() == expected.hexdigest()
+
+
+@pytest.mark.slow
+def test_scenarios_with_other_buildings_and_teams_are_stepped_together():
+    env = BatchEnv([scenario(), scenario("isr_floor_0_sar", "robots.count=5")], 4)
+    actions = actions_of(env, 8)
+    assert env.robots == 5
+    steps = missions(env, actions, seed=3)
+    for i, name in enumerate(("garage_sar", "isr_floor_0_sar")):
+        alone = parallel_env(scenario(*(name, "robots.count=5")[: i + 1]), teammates=4)
+        vectors, _ = alone.reset(seed=3 + i)
+        for k in range(8):
+            for r in range(5):
+                expected = vectors.get(f"robot_{r}", np.zeros(env.observe.space.shape))
+                np.testing.assert_array_equal(steps[i][k][0][r], expected)
+            vectors, *_ = alone.step({agent: actions[k, i, int(agent[-1])] for agent in alone.agents})
+
+
+@pytest.mark.slow
+def test_is_a_vector_env_with_one_agent_per_mission():
+    env = VectorEnv(BatchEnv(scenario(), 2))
+    alone = gym_env(scenario())
+    assert env.single_observation_space == alone.observation_space
+    assert env.single_action_space == alone.action_space
+    env.action_space.seed(1)
+    observations, _ = env.reset(seed=4)
+    np.testing.assert_array_equal(observations[0], alone.reset(seed=4)[0])
+    ends = 0
+    for _ in range(40):
+        actions = env.action_space.sample()
+        observations, rewards, terminated, truncated, _ = env.step(actions)
+        if ends:
+            assert not any(array.any() for array in (rewards, terminated, truncated))
+            break
+        vector, reward, over, cut, _ = alone.step(actions[0])
+        np.testing.assert_array_equal(observations[0], vector)
+        assert (rewards[0], terminated[0], truncated[0]) == (pytest.approx(reward, rel=1e-6), over, cut)
+        ends = truncated.all()
+    assert ends
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("act", [None, DiscreteAct])
+def test_is_a_vector_env_of_single_robots(act):
+    env = VectorEnv(BatchEnv(scenario(), 2, **({"act": act} if act else {})), per_robot=True)
+    observations, info = env.reset(seed=4)
+    assert observations.shape == (6, *env.batch.observe.space.shape)
+    assert info["present"].all()
+    actions = env.action_space.sample()
+    observations, rewards, terminated, _, _ = env.step(actions)
+    alone = parallel_env(scenario(), **({"act": act} if act else {}))
+    alone.reset(seed=4)
+    vectors, *_ = alone.step({f"robot_{i}": actions[i] for i in range(3)})
+    np.testing.assert_array_equal(observations[:3], np.array(list(vectors.values())))
+    assert rewards.shape == terminated.shape == (6,)
+    assert env.observation_space.contains(observations)
+
+
+@pytest.mark.parametrize(
+    ("do", "message"),
+    [
+        (lambda: BatchEnv("garage_sar", 0), "num_envs: 0; expected a whole number of at least 1"),
+        (lambda: BatchEnv([], 2), "scenario: 0 scenarios for 2 missions; expected 1 to 2"),
+        (lambda: BatchEnv(["garage_sar"] * 3, 2), "scenario: 3 scenarios for 2 missions; expected 1 to 2"),
+        (
+            lambda: BatchEnv("garage_sar", 2, evry=1),
+            "evry: unknown; expected one of observe, act, reward, every, said, max_cycles, teammates",
+        ),
+        (
+            lambda: BatchEnv([scenario(), scenario("garage_sar", "robots.laser.beams=91")], 2),
+            "garage_sar: observe: Box(-1.0, 1.0, (114,), float32); expected that of garage_sar, "
+            "Box(-1.0, 1.0, (204,), float32)",
+        ),
+        (lambda: BatchEnv("garage_sar", 2).step(np.zeros((2, 3, 2))), "the mission has not begun; call reset first"),
+        (lambda: BatchEnv("garage_sar", 2).reset(-1), "seed: -1; expected a whole number from 0 to 9007199254740990"),
+    ],
+)
+def test_wrong_use_is_one_line(do, message):
+    with pytest.raises(LearningError) as raised:
+        do()
+    assert str(raised.value) == message
+
+
+def test_wrong_actions_name_mission_and_robot():
+    env = BatchEnv(scenario(), 2)
+    env.reset(1)
+    actions = np.zeros((2, 3, 2))
+    actions[1, 2, 0] = np.nan
+    for wrong, message in (
+        (actions, r"^mission 1: robot_2: action array\(\[nan,  0\.\]\): expected one of Box"),
+        (actions[:1], r"^actions of shape \(1, 3, 2\); expected \(2, 3, 2\)$"),
+        (actions.astype(str), r"^mission 0: robot_0: action array"),
+    ):
+        with pytest.raises(LearningError, match=message):
+            env.step(wrong)
