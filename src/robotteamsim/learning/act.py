@@ -64,9 +64,10 @@ class Act:
 
         Args: actions: one per agent, also of stacked missions: float64; int64 if the space is discrete.
         """
-        ahead, turn = actions[..., 0], actions[..., self._moves - 1]
-        left = actions[..., 1] if self._moves == 3 else np.zeros(ahead.shape)
-        return np.stack((ahead * self.max_speeds_mps, left * self.max_speeds_mps, turn * self.max_turns_radps), -1)
+        twists = np.zeros((*actions.shape[:-1], 3))
+        twists[..., : self._moves - 1] = actions[..., : self._moves - 1] * self.max_speeds_mps[:, None]
+        twists[..., 2] = actions[..., self._moves - 1] * self.max_turns_radps
+        return twists
 
     def words(self, actions: np.ndarray) -> np.ndarray:
         """Return what actions say, as of `Commands`. Args: actions: as of `twists`."""
@@ -121,9 +122,7 @@ class DiscreteAct(Act):
 
     def twists(self, actions: np.ndarray) -> np.ndarray:
         """Return the twists of actions, as of `Commands`."""
-        moves = self.MOVES[actions]
-        speeds_mps, turns_radps = moves[..., 0] * self.max_speeds_mps, moves[..., 1] * self.max_turns_radps
-        return np.stack((speeds_mps, np.zeros(actions.shape), turns_radps), -1)
+        return super().twists(np.insert(self.MOVES[actions], 1, 0.0, -1) if self._moves == 3 else self.MOVES[actions])
 
     def words(self, actions: np.ndarray) -> np.ndarray:
         """Return what actions say: nothing."""

@@ -92,7 +92,7 @@ class Observe:
         self._fastest = np.array([(drive.max_speed_mps, drive.max_turn_radps) for drive in drives])
         self._diagonal_m = math.dist(bounds.min, bounds.max)
         voice_radius_m = setup.scenario.voice.local_best_radius_m + setup.scenario.voice.map_resolution_m
-        self._units_m = np.array((voice_radius_m, self._diagonal_m, *(self._diagonal_m,) * self.teammates))[:, None]
+        self._units_m = np.array((voice_radius_m, self._diagonal_m, *(self._diagonal_m,) * self.teammates))
         self._radio = shared_radio_field(setup.building, setup.scenario.radio)
         self._tx_power_dbm = setup.scenario.radio.tx_power_dbm
         self.parts = tuple(self._placed(self.parts_of()))
@@ -122,33 +122,49 @@ class Observe:
 
     def vectors(self, of: Percepts) -> np.ndarray:
         """Return the vector of each agent, shape (..., n, size of the space); the same inputs give the same bits."""
-        poses, heard, shape = of.poses, of.heard, of.poses.shape[:-1]
-        positions_m, (cos, sin) = poses[..., None, :2], cos_sin(poses)
-        # The loudest cell, the area, and the teammates are all places to which the robot has a direction.
-        area = np.broadcast_to(of.area, (*shape, 3))
-        known = np.concatenate((of.voices[..., :1], area[..., :1], heard[..., 0]), -1)
-        places_m = np.concatenate((of.voices[..., None, 2:], area[..., None, 1:], heard[..., 1:3]), -2)
-        x_m, y_m = np.moveaxis(places_m - positions_m, -1, 0)
-        cos_of_all, sin_of_all = cos[..., None], sin[..., None]
-        seen_m = np.stack((cos_of_all * x_m + sin_of_all * y_m, cos_of_all * y_m - sin_of_all * x_m), -1)
-        towards = seen_m / self._units_m * known[..., None]
-        losses_db = self._radio.path_losses_db(np.broadcast_to(positions_m, heard[..., 1:3].shape), heard[..., 1:3])
-        signals = (self._tx_power_dbm - losses_db - WEAKEST_DBM) / (STRONGEST_DBM - WEAKEST_DBM)
-        signals_and_ages = np.stack((np.maximum(signals, 0.0), heard[..., 3] / OLDEST_S), -1) * heard[..., :1]
-        teammates = np.concatenate((heard[..., :1], towards[..., 2:, :], signals_and_ages, heard[..., 4:]), -1)
-        numbers = (
-            in_bounds(self.setup.plan, poses[..., :2]),
-            np.stack((cos, sin), -1),
-            of.twists[..., ::2] / self._fastest,
-            of.voices[..., :1],
-            of.voices[..., 1:2] / LOUDEST_DB,
-            towards[..., 0, :],
-            area[..., :1],
-            towards[..., 1, :],
-            teammates.reshape(*shape, -1),
-        )
-        ranges = np.clip(of.ranges_m / self._range_max_m, 0.0, 1.0)
-        return np.concatenate((ranges, np.clip(np.concatenate(numbers, -1), -1.0, 1.0)), -1, dtype=np.float32)
+        shape, seen = of.poses.shape[:-1], self._seen(of)
+        numbers = np.empty((*shape, 13))
+        numbers[..., 0:2] = in_bounds(self.setup.plan, of.poses[..., :2])
+        numbers[..., 2], numbers[..., 3] = cos_sin(of.poses)
+        numbers[..., 4:6] = of.twists[..., ::2] / self._fastest
+        numbers[..., 6] = of.voices[..., 0]
+        numbers[..., 7] = of.voices[..., 1] / LOUDEST_DB
+        numbers[..., 8:10] = seen[..., 0, :]
+        numbers[..., 10] = of.area[..., 0]
+        numbers[..., 11:13] = seen[..., 1, :]
+        teammates = self._of_teammates(of, seen[..., 2:, :]).reshape(*shape, -1)
+        vectors = np.concatenate((of.ranges_m / self._range_max_m, numbers, teammates), -1, dtype=np.float32)
+        return np.maximum(np.minimum(vectors, 1.0), -1.0)
+
+    def _seen(self, of: Percepts) -> np.ndarray:
+        """Return the loudest cell, the area and the teammates as x and y from each robot, in their units.
+
+        Shape (..., n, 2 + teammates, 2); 0 for what is not known.
+        """
+        rows = *of.poses.shape[:-1], 2 + self.teammates
+        known, places_m, seen = np.empty(rows), np.empty((*rows, 2)), np.empty((*rows, 2))
+        known[..., 0], places_m[..., 0, :] = of.voices[..., 0], of.voices[..., 2:]
+        known[..., 1], places_m[..., 1, :] = of.area[..., 0], of.area[..., 1:]
+        known[..., 2:], places_m[..., 2:, :] = of.heard[..., 0], of.heard[..., 1:3]
+        offsets_m = places_m - of.poses[..., None, :2]
+        cos, sin = (part[..., None] for part in cos_sin(of.poses))
+        seen[..., 0] = cos * offsets_m[..., 0] + sin * offsets_m[..., 1]
+        seen[..., 1] = cos * offsets_m[..., 1] - sin * offsets_m[..., 0]
+        seen *= (known / self._units_m)[..., None]
+        return seen
+
+    def _of_teammates(self, of: Percepts, seen: np.ndarray) -> np.ndarray:
+        """Return the numbers of each teammate, shape (..., n, teammates, 5 + said). Args: seen: their places."""
+        known, places_m = of.heard[..., 0], of.heard[..., 1:3]
+        positions_m = np.empty(places_m.shape)
+        positions_m[:] = of.poses[..., None, :2]
+        signals_dbm = self._tx_power_dbm - self._radio.path_losses_db(positions_m, places_m)
+        numbers = np.empty((*known.shape, 5 + self.said))
+        numbers[..., 0], numbers[..., 1:3] = known, seen
+        numbers[..., 3] = known * np.maximum((signals_dbm - WEAKEST_DBM) / (STRONGEST_DBM - WEAKEST_DBM), 0.0)
+        numbers[..., 4] = known * of.heard[..., 3] / OLDEST_S
+        numbers[..., 5:] = of.heard[..., 4:]
+        return numbers
 
 
 def in_bounds(plan: FloorPlan, places_m: ArrayLike) -> np.ndarray:
