@@ -2,7 +2,8 @@
 
 from robotteamsim.hazards.effects import Dose, Doses, HeatStress, PersonState, walking_speed_share
 from robotteamsim.hazards.field import BURNING, BURNT_OUT, NOT_BURNING, HazardField, Ignited
-from robotteamsim.hazards.hazards import Hazards, HazardSource
+from robotteamsim.hazards.hazards import Hazards
+from robotteamsim.hazards.source import HazardSource
 
 __all__ = [
     "BURNING",

@@ -12,7 +12,7 @@ import numpy as np
 from robotteamsim.errors import PlacementError
 from robotteamsim.extras import missing_extra
 from robotteamsim.hazards.field import BURNING, HazardField, Ignited
-from robotteamsim.hazards.hazards import ClosedDoors, ambient_field
+from robotteamsim.hazards.source import ClosedDoors, ambient_field
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.fire import Fire

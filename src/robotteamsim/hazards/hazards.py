@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from typing import Protocol
 
 import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.errors import PlacementError
 from robotteamsim.hazards.field import NOT_BURNING, HazardField, Ignited
-from robotteamsim.hazards.topology import Doorway, Topology, check_free, fuel_of_cells, topology
+from robotteamsim.hazards.source import ClosedDoors, HazardSource, cells_and_fuel
+from robotteamsim.hazards.topology import Doorway, Topology, check_free
 from robotteamsim.rng import stream
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.building import Building
@@ -21,37 +21,6 @@ from robotteamsim.scenario.scenario import Scenario
 
 _AIR_KJ_M3_K = 1.204 * 1.005
 """Heat capacity of a cubic metre of air at 20 degC [kJ/(m^3 K)]."""
-
-
-class ClosedDoors(Protocol):
-    """The doors of a plan; `world.doors.DoorStates` is one."""
-
-    version: int
-
-    def closed(self) -> dict[str, bool]:
-        """Return whether each door is closed, by name."""
-
-
-class HazardSource(Protocol):
-    """Fire and smoke as functions of time: simulated, or the result of another program."""
-
-    field: HazardField
-    """Of the last update."""
-    version: int
-    """Number of changes of `field`."""
-    updated: bool
-    """Whether the last step was an update."""
-    ignited: tuple[Ignited, ...]
-    """What has begun to burn so far, in order."""
-
-    def step(self, sim_time_ns: int, doors: ClosedDoors) -> bool:
-        """Advance to the step with this stamp [ns]; return whether this was an update, see `Fire.updates_at`."""
-
-    def ignite(self, position_m: Point) -> None:
-        """Set fire to a place in `map` [m]. Raises: ValueError: nothing burns there."""
-
-    def burnt_doors(self) -> tuple[str, ...]:
-        """Return the names of the doors that have burnt through, which cannot be closed any more."""
 
 
 class Hazards:
@@ -67,7 +36,7 @@ class Hazards:
         self._step_ns, self._update_ns = scenario.run.step_ns, self._fire.update_ns
         self.updated = False
         """Whether the last step was an update."""
-        self._cells, self._fuel = building.shared(_cells_and_fuel, scenario.fire)
+        self._cells, self._fuel = building.shared(cells_and_fuel, scenario.fire)
         self._ignitions = deque(sorted(_ignitions(scenario, self._cells, self._fuel)))
         self._core = _core.hazards.BurningFloor(
             self._cells.east,
@@ -192,12 +161,6 @@ def make_hazards(scenario: Scenario, building: Building) -> HazardSource:
         raise PlacementError(scenario.origin.line(str(error), error.key), error.key) from None
 
 
-def _cells_and_fuel(building: Building, fire: Fire) -> tuple[Topology, np.ndarray]:
-    """Return the cells of a building, and the kind of fuel of each. Raises: PlacementError: fuel is in a wall."""
-    cells = topology(building.plan, fire.cell_m)
-    return cells, fuel_of_cells(building.plan, fire, cells)
-
-
 def _ignitions(scenario: Scenario, cells: Topology, kinds: np.ndarray) -> list[tuple[int, int]]:
     """Return time [ns] and cell of each ignition of the fire, and check those of the schedule.
 
@@ -242,12 +205,3 @@ def _fuels(fire: Fire, random: np.random.Generator) -> list[tuple[float, float, 
         (fuel.load_mj_m2 * 1e3 * area_m2, fuel.peak_kw_m2 * area_m2, fuel.growth_kw_s2 * share)
         for fuel, share in zip(fire.fuel, random.uniform(1.0 - most, 1.0 + most, len(fire.fuel)), strict=True)
     ]
-
-
-def ambient_field(fire: Fire, building: Building) -> HazardField:
-    """Return the field before anything burns."""
-    cells, _ = building.shared(_cells_and_fuel, fire)
-    shape = cells.shape
-    ambient = np.full(shape, fire.heat.ambient_c, dtype=np.float32)
-    nothing = np.zeros(shape, dtype=np.float32)
-    return HazardField(cells.origin_m, cells.resolution_m, ambient, nothing, np.zeros(shape, dtype=np.uint8), fire)
