@@ -20,6 +20,7 @@ from robotteamsim import _core
 from robotteamsim.campaign.design import Design, Trial
 from robotteamsim.campaign.trial import Outcome, run_trial
 from robotteamsim.errors import CampaignError
+from robotteamsim.wording import counted
 
 if TYPE_CHECKING:
     from distributed import Client, Future, LocalCluster
@@ -28,6 +29,8 @@ CONNECT_TIMEOUT_S = 5
 MIN_IN_FLIGHT = 100
 _NOTHING = logging.CRITICAL + 1
 """A level without messages: Dask's scheduler calls it critical that an interrupted client has closed its connection."""
+_FILES, _FILES_PER_WORKER = 30, 10
+"""Open files of a campaign, and of each worker; it has 35 with one worker, 55 with three."""
 _START_ATTEMPTS = 5
 _REPLACE_EVERY_MS = 2000
 _RESTART_CHECKS = 5
@@ -60,11 +63,25 @@ def local_workers(count: int | None = None) -> Iterator[Client]:
     from distributed import Client
 
     count = count or len(os.sched_getaffinity(0))
+    _check_open_files(count)
     with dask.config.set(_LOCAL_SETTINGS), _core_first_on_path():
         with _interrupts_kept_from_children():
             cluster = _start_cluster(count)
         with cluster, _dead_workers_replaced(cluster, count), Client(cluster) as client:
             yield client
+
+
+def _check_open_files(count: int) -> None:
+    """Raises: CampaignError: this process may open fewer files than a cluster needs; Dask would wait without an end."""
+    if sys.platform == "win32":
+        return
+    import resource
+
+    limit, _ = resource.getrlimit(resource.RLIMIT_NOFILE)
+    needed = _FILES + _FILES_PER_WORKER * count
+    if limit != resource.RLIM_INFINITY and limit < needed:
+        workers = counted(count, "worker")
+        raise CampaignError(f"{workers}: {needed} open files are needed, {limit} are allowed; raise `ulimit -n`")
 
 
 def _start_cluster(count: int) -> LocalCluster:

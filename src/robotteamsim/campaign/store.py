@@ -21,7 +21,7 @@ from robotteamsim.campaign.design import Design, Trial, settings_difference
 from robotteamsim.campaign.factors import MAX_TRIALS
 from robotteamsim.campaign.trial import Count, Outcome
 from robotteamsim.errors import CampaignError, ScenarioError
-from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
+from robotteamsim.recording.files import PART, atomically, prepare_folder, write_atomically
 from robotteamsim.recording.network_log import NetworkTotals
 from robotteamsim.recording.results import versions
 from robotteamsim.scenario.yaml_text import check_depth, shown
@@ -30,8 +30,7 @@ from robotteamsim.wording import counted, safe_cell
 STORE_NAME = "campaign.sqlite"
 CSV_NAME = "trials.csv"
 _LOCK_NAME = ".lock"
-_OUR_FILES = {STORE_NAME, f"{STORE_NAME}-wal", f"{STORE_NAME}-shm", f".part-{STORE_NAME}", _LOCK_NAME}
-_OUR_FILES |= {f".part-{STORE_NAME}-journal", CSV_NAME, f".part-{CSV_NAME}"}
+_OUR_FILES = {STORE_NAME, f"{STORE_NAME}-wal", f"{STORE_NAME}-shm", CSV_NAME, _LOCK_NAME}
 
 _FORMAT = 3
 _LACKS = {"1": "the robots' paths", "2": "the discoveries delivered to a base"}
@@ -226,18 +225,16 @@ def trials_csv(design: Design, outcomes: tuple[Outcome, ...]) -> str:
 
 def _make(path: Path, design: Design) -> None:
     """Create a store with all its settings, or none at all."""
-    with atomically(path) as part:
-        part.unlink(missing_ok=True)
-        with contextlib.closing(sqlite3.connect(part)) as database:
-            database.executescript(_SCHEMA)
-            rows = {
-                "format": _FORMAT,
-                "settings": json.dumps(design.settings()),
-                "versions": json.dumps(versions()),
-                "started": datetime.date.today().isoformat(),
-            }
-            with database:
-                database.executemany("INSERT INTO campaign VALUES (?, ?)", rows.items())
+    with atomically(path) as part, contextlib.closing(sqlite3.connect(part)) as database:
+        database.executescript(_SCHEMA)
+        rows = {
+            "format": _FORMAT,
+            "settings": json.dumps(design.settings()),
+            "versions": json.dumps(versions()),
+            "started": datetime.date.today().isoformat(),
+        }
+        with database:
+            database.executemany("INSERT INTO campaign VALUES (?, ?)", rows.items())
 
 
 def _check_ours(folder: Path) -> None:
@@ -245,7 +242,7 @@ def _check_ours(folder: Path) -> None:
         raise CampaignError(f"{folder}: is not a folder")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise CampaignError(f"{folder}: cannot be written")
-    others = sorted(set(os.listdir(folder)) - _OUR_FILES)
+    others = sorted(name for name in os.listdir(folder) if name not in _OUR_FILES and not name.startswith(PART))
     if others:
         raise CampaignError(f"{folder}: contains '{others[0]}' and no campaign; expected a new or an empty folder")
 

@@ -83,12 +83,17 @@ def add_to(commands: Any) -> None:
 def analyse(options: argparse.Namespace) -> None:
     """Read all bags, then write the requested files and print a table."""
     # Imported late, because rosbags slows down commands that read no bag.
+    from robotteamsim.analysis.runs.files import table_files
     from robotteamsim.analysis.runs.reading import read_run
     from robotteamsim.analysis.runs.totals import run_totals
 
     _check(options)
     loaded = scenario.load(options.scenario) if options.scenario else None
-    check_outputs(_outputs(options), [*options.bags, *(loaded.origin.files if loaded else ())])
+    check_outputs(
+        _outputs(options),
+        [*options.bags, *(loaded.origin.files if loaded else ())],
+        folders={"--csv": table_files(options.csv)} if options.csv else {},
+    )
     plan = loaded.plan if loaded else None
     runs = [read_run(paths) for paths in ([options.bags] if options.join else [[bag] for bag in options.bags])]
     if len({run.name for run in runs}) < len(runs):  # Folders distinguish bags of the same name.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import errno
 import logging
 import os
 import re
@@ -114,6 +115,8 @@ def _reported(error: BaseException) -> int:
             line, status = "interrupted", EXIT_INTERRUPTED
         case RobotTeamSimError():
             line, status = str(error), EXIT_MISTAKE
+        case OSError(errno=errno.EMFILE | errno.ENFILE):
+            line, status = "too many open files; raise `ulimit -n`", EXIT_ERROR
         case OSError(filename=None):
             close_stdout()
             line, status = f"standard output: {error.strerror or error}", EXIT_ERROR

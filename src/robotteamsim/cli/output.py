@@ -6,7 +6,7 @@ import argparse
 import io
 import os
 import sys
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
@@ -63,17 +63,24 @@ def add_png_option(parser: argparse.ArgumentParser, text: str = "the picture to 
 
 
 def check_outputs(
-    outputs: Mapping[str, Path | None], inputs: Iterable[str | Path], *, new_folders: Collection[str] = ()
+    outputs: Mapping[str, Path | None],
+    inputs: Iterable[str | Path],
+    *,
+    new_folders: Collection[str] = (),
+    folders: Mapping[str, Sequence[Path]] | None = None,
 ) -> None:
     """Check that files can be written, and over neither an input nor each other; call this before writing any.
 
     Args:   outputs: by option; None if it is not given.
             inputs: files that the command reads. new_folders: options whose folders it creates.
+            folders: the files that it writes into folders, which it creates, by option.
     Raises: UsageError, RecordingError.
     """
+    of_folders = [(option, file) for option, files in (folders or {}).items() for file in files]
     created = [path.parent for option, path in outputs.items() if path and option in new_folders]
+    created += [file.parent for _, file in of_folders]
     used = {os.path.realpath(file): "a file that this command reads" for file in inputs}
-    for option, path in outputs.items():
+    for option, path in (*of_folders, *outputs.items()):
         if path is None:
             continue
         check_replaceable(path)

@@ -125,6 +125,8 @@ def _check_files(options: argparse.Namespace, loaded: scenario.Scenario) -> None
     """Raises: UsageError: a file would be overwritten that this command reads, or writes as well."""
     if options.mcap and options.mcap.suffix != ".mcap":
         raise UsageError(f"--mcap {options.mcap}: expected a name that ends in .mcap")
+    if options.bag and options.bag.suffix == ".mcap":
+        raise UsageError(f"--bag {options.bag}: is a name of MCAP files, which --mcap writes")
     files = {"--bag": options.bag, "--mcap": options.mcap, "--html": options.html}
     result = options.out / FILE_NAME if options.out else None
     for option, path in files.items():

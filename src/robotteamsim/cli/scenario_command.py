@@ -1,13 +1,14 @@
 """`robotteamsim scenario`: check, show, draw, upgrade and list scenarios; print the JSON Schema for editors."""
 
 import argparse
+import contextlib
 import json
 import os
 import sys
 from collections.abc import Sequence
 from itertools import takewhile
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ruamel.yaml.error import YAMLError
 
@@ -134,19 +135,38 @@ def run_render(options: argparse.Namespace) -> None:
 
 
 def run_upgrade(options: argparse.Namespace) -> None:
-    """Rewrite scenarios with today's keys; one with another mistake stays as it is, and the mistake is reported."""
+    """Rewrite scenarios with today's keys; none if one of them has another mistake, which is reported."""
     mistakes: list[str] = []
+    upgrades: dict[Path, _Upgrade] = {}
     for path in options.files:
         try:
-            for change in _upgrade(path) or ["has no former keys"]:
-                print(f"{path}: {change}")
+            upgrades[path.resolve()] = _upgrade(path)  # a link stays a link
         except RobotTeamSimError as error:
             mistakes += _lines(error)
     _report(mistakes)
+    with contextlib.ExitStack() as stack:
+        for path, upgrade in upgrades.items():
+            if upgrade.changes:
+                part, kept_part = (stack.enter_context(atomically(file)) for file in (path, upgrade.kept))
+                kept_part.write_text(upgrade.former, encoding="utf-8")
+                part.write_text(upgrade.text, encoding="utf-8")
+    for upgrade in upgrades.values():
+        for change in upgrade.changes or ["has no former keys"]:
+            print(f"{upgrade.path}: {change}")
 
 
-def _upgrade(path: Path) -> list[str]:
-    """Rewrite a scenario if it has former keys; return a line for each. Raises: RobotTeamSimError: nothing changed."""
+class _Upgrade(NamedTuple):
+    """A scenario as the user names it, the file that keeps its former text, both texts, and a line for each change."""
+
+    path: Path
+    kept: Path
+    former: str
+    text: str
+    changes: list[str]
+
+
+def _upgrade(path: Path) -> _Upgrade:
+    """Return the upgrade of a scenario. Raises: RobotTeamSimError."""
     former = read_text(path, str(path))
     mapping_of(former, str(path), "a scenario")
     try:
@@ -156,15 +176,10 @@ def _upgrade(path: Path) -> list[str]:
     except ScenarioError as error:
         raise ScenarioError(f"{path}: {error}") from None
     from_text(text, path)
-    if changes:
-        kept = path.with_name(f"{path.name}.old")
-        if os.path.lexists(kept):
-            raise ScenarioError(f"{path}: its former text would overwrite {kept}; move that file first")
-        # A link stays a link.
-        with atomically(path.resolve()) as part, atomically(kept) as kept_part:
-            kept_part.write_text(former, encoding="utf-8")
-            part.write_text(text, encoding="utf-8")
-    return changes
+    kept = path.with_name(f"{path.name}.old")
+    if changes and os.path.lexists(kept):
+        raise ScenarioError(f"{path}: its former text would overwrite {kept}; move that file first")
+    return _Upgrade(path, kept, former, text, changes)
 
 
 def run_schema(options: argparse.Namespace) -> None:

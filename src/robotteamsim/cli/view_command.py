@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from robotteamsim import scenario
 from robotteamsim.cli.output import check_outputs
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of, positive_number, whole_number
-from robotteamsim.cli.run_command import add_scenario_options, check_code, load_scenario
+from robotteamsim.cli.run_command import TRAJECTORIES, add_scenario_options, check_code, load_scenario
 from robotteamsim.recording.files import write_atomically
 from robotteamsim.recording.results import FILE_NAME, read_mission
 
@@ -92,7 +92,10 @@ def _check(options: argparse.Namespace, targets: list[str]) -> None:
 
 def _inputs(options: argparse.Namespace, targets: list[str]) -> list[str | Path]:
     """Return the files of bags, folders and scenarios. Raises: ScenarioError."""
-    files: list[str | Path] = [Path(target, FILE_NAME) if Path(target).is_dir() else target for target in targets]
+    files: list[str | Path] = []
+    for target in map(Path, targets):
+        # All files of a recorded mission belong together, although only one is read.
+        files += [target / FILE_NAME, *(target / TRAJECTORIES).glob("*")] if target.is_dir() else [target]
     loaded = [load_scenario(options, target) for target in targets if not _is_recorded(target)]
     loaded += [scenario.load(options.scenario)] if options.scenario else []
     return [*files, *(file for one in loaded for file in one.origin.files)]

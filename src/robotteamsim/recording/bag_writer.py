@@ -14,6 +14,7 @@ from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.recording.files import cannot_write, check_replaceable, make_folder, remove_empty
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
+from robotteamsim.user_files import open_regular
 
 CHUNK_BYTES = 256 * 1024
 """Size of a chunk [bytes], the most that a killed process can lose; three robots fill one in about 4 s simulated."""
@@ -75,7 +76,7 @@ class BagWriter:
             check_size(self._path, setup)
             check_replaceable(self._path)
             self._created = make_folder(self._path.parent)
-            self._active.unlink(missing_ok=True)
+            self._remove_active()
             writer = _Writer(self._active)
             writer.chunk_threshold = CHUNK_BYTES
             writer.open()
@@ -130,6 +131,17 @@ class BagWriter:
             self._active.replace(self._path)
         except OSError as error:
             raise self._write_error(error) from error
+
+    def _remove_active(self) -> None:
+        """Delete the file of an earlier, killed run. Raises: OSError. RecordingError: it is something else."""
+        if os.path.lexists(self._active):
+            with open_regular(self._active) as file:
+                begin = file.read(len(_MAGIC))
+            if begin not in (b"", _MAGIC):
+                raise RecordingError(
+                    f"{self._path}: cannot be written: {self._active} would be overwritten; move it first"
+                )
+            self._active.unlink()
 
     def _write_error(self, error: OSError) -> RecordingError:
         """Close the file without an index, and return the error for the user."""

@@ -1,12 +1,16 @@
 """Writes files atomically: an incomplete file never has the name of a result."""
 
 import contextlib
+import itertools
 import os
 import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from robotteamsim.errors import RecordingError
+
+PART = ".part-"
+"""Begin of the names of incomplete files; a killed process leaves them."""
 
 
 def prepare_folder(folder: Path) -> list[Path]:
@@ -58,7 +62,9 @@ def atomically(path: Path) -> Iterator[Path]:
     Other processes see either the old file or the complete new one. Raises: RecordingError: writing or renaming fails.
     """
     check_replaceable(path)
-    part = path.with_name(f".part-{path.name}")
+    # A file of that name, such as a user's own, is not touched.
+    names = (f"{PART}{number}{path.name}" for number in itertools.chain([""], map("{}-".format, itertools.count(1))))
+    part = next(free for name in names if not os.path.lexists(free := path.with_name(name)))
     try:
         yield part
         with part.open("rb") as file:

@@ -1,6 +1,8 @@
 """Writes an MCAP file of a headless run, for Foxglove, Lichtblick, Rerun and ROS 2."""
 
 import contextlib
+import os
+import shutil
 from pathlib import Path
 from typing import Any, Literal
 
@@ -108,11 +110,16 @@ class McapWriter:
         self._writer = None
 
     def _remove_folder(self) -> None:
-        """Delete the folder of this or of an earlier, killed run. Raises: OSError: it contains something else."""
-        for file in (self._active, self._folder / "metadata.yaml", self._folder / "metadata.yaml.tmp"):
-            file.unlink(missing_ok=True)
-        if self._folder.exists():
-            self._folder.rmdir()
+        """Delete the folder of this or of an earlier, killed run.
+
+        Raises: OSError. RecordingError: it is something else.
+        """
+        if not os.path.lexists(self._folder):
+            return
+        ours = {self._active.name, "metadata.yaml", "metadata.yaml.tmp"}
+        if not self._folder.is_dir() or not ours.issuperset(os.listdir(self._folder)):
+            raise RecordingError(f"{self._path}: cannot be written: {self._folder} would be overwritten; move it first")
+        shutil.rmtree(self._folder)
 
     def _connect(self, topic: BagTopic) -> Any:
         assert self._writer is not None

@@ -228,3 +228,12 @@ def _wait_for_rows(process: subprocess.Popen[str], folder: Path, count: int) -> 
         with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(timeout=0.05)
     pytest.fail(f"the campaign ended too early: {process.communicate()}")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs ulimit")
+def test_too_few_open_files_for_the_workers_are_an_error_before_they_start(tmp_path):
+    command = f"{sys.executable} -m robotteamsim.cli campaign tutorial_arena --workers 1 --out {tmp_path}/c"
+    shell = ["bash", "-c", f"ulimit -n 20; {command} --quiet"]
+    done = subprocess.run(shell, capture_output=True, text=True, check=False, timeout=60)
+    line = "robotteamsim: 1 worker: 40 open files are needed, 20 are allowed; raise `ulimit -n`\n"
+    assert (done.returncode, done.stderr) == (2, line)

@@ -59,6 +59,7 @@ def contents() -> dict[str, bytes]:
         "run s.yaml --quiet --bag ../copy/plan.yaml",
         "run on_map.yaml --quiet --html map.png",
         "run patrol.yaml --quiet --html g.graph",
+        "view out --html out/trajectories/robot_0.tum",
         "analyse m.bag --json m.bag",
         "analyse m.bag --scenario s.yaml --json s.yaml",
         "plan render map.yaml --png map.png",
@@ -82,6 +83,8 @@ def test_file_that_a_command_reads_is_not_overwritten(refusal, command):
     [
         ("analyse m.bag --json x.png --png x.png", "--png x.png: would overwrite the file of --json"),
         ("run s.yaml --bag x --html ./x", "--html x: would overwrite the file of --bag"),
+        ("analyse m.bag --csv o --json o/events.csv", "--json o/events.csv: would overwrite the file of --csv"),
+        ("run s.yaml --bag x.mcap", "--bag x.mcap: is a name of MCAP files, which --mcap writes"),
         ("run s.yaml --out o --bag o/mission.json", "--bag o/mission.json: would overwrite the file of --out"),
         ("run s.yaml --out o --html o/trajectories/a", "--html o/trajectories/a: would be among the files of --out"),
         ("plan import map.yaml --out x.png --png x.png", "--png x.png: would overwrite the file of --out"),
@@ -134,3 +137,70 @@ def test_name_that_is_not_utf_8_is_refused_before_anything_is_written(tmp_path, 
     line = refusal("campaign", "\udcff.yaml", "--out", "c")
     assert line == r"\udcff.yaml: is not UTF-8; rename the file, or write the value in UTF-8"
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.usefixtures("_in_copy")
+def test_tables_do_not_overwrite_a_bag_among_them(refusal):
+    shutil.copy("m.bag", "out/paths.csv")
+    before = contents()
+    line = refusal("analyse", "out/paths.csv", "--csv", "out")
+    assert line == "--csv out/paths.csv: would overwrite a file that this command reads; choose another file"
+    assert contents() == before
+
+
+@pytest.mark.usefixtures("_in_copy")
+def test_scenarios_are_upgraded_all_or_none(refusal, capsys):
+    former = Path("s.yaml").read_text() + "things: []\n"
+    for name in ("one.yaml", "two.yaml"):
+        Path(name).write_text(former)
+    Path("bad.yaml").write_text("name: [")
+    before = contents()
+    assert refusal("scenario", "upgrade", "one.yaml", "bad.yaml", "two.yaml").startswith("bad.yaml")
+    assert contents() == before
+    capsys.readouterr()
+    assert main(["scenario", "upgrade", "one.yaml", "two.yaml", "./one.yaml"]) == 0
+    assert "objects" in Path("one.yaml").read_text()
+    assert "objects" in Path("two.yaml").read_text()
+    assert Path("one.yaml.old").read_text() == former
+
+
+@pytest.mark.usefixtures("_in_copy")
+@pytest.mark.parametrize(
+    ("command", "name"),
+    [
+        ("run s.yaml --quiet --html o.html", ".part-o.html"),
+        ("run s.yaml --quiet --out out", ".part-mission.json"),
+        ("analyse m.bag --json o.json", ".part-o.json"),
+    ],
+)
+def test_file_with_the_name_of_an_incomplete_one_is_kept(command, name):
+    for path in (Path(name), Path("out", name)):
+        path.write_text("mine")
+    assert main(command.split()) == 0
+    assert Path(name).read_text() == Path("out", name).read_text() == "mine"
+    assert [path.name for path in Path().rglob(".part-*")] == [name, name]
+
+
+@pytest.mark.usefixtures("_in_copy")
+@pytest.mark.parametrize("output", ["--bag o.bag", "--mcap o.mcap"])
+def test_file_with_the_name_of_a_growing_recording_is_kept_unless_it_is_one(refusal, output):
+    option, name = output.split()
+    active = Path(f"{name}.active")
+    command = ["run", "s.yaml", "--quiet", option, name]
+    active.write_text("mine")
+    assert refusal(*command) == f"{name}: cannot be written: {active} would be overwritten; move it first"
+    assert active.read_text() == "mine"
+    active.unlink()
+    if option == "--bag":  # of a killed run
+        active.write_bytes(Path("m.bag").read_bytes()[:5000])
+    else:
+        active.mkdir()
+        (active / f"{active}.mcap").write_bytes(b"x")
+    assert main(command) == 0
+    assert not active.exists()
+    if option == "--mcap":
+        active.mkdir()
+        (active / "metadata.yaml").write_text("mine")
+        (active / "other").write_text("mine")
+        assert "would be overwritten" in refusal(*command)
+        assert (active / "metadata.yaml").read_text() == "mine"

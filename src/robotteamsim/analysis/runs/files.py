@@ -29,6 +29,9 @@ Row = Sequence[Any]
 
 _VICTIM_STATES = tuple(state for state in get_args(VictimState) if state != "waiting")
 
+TABLES = ("bags", "robots", "contexts", "events", "victims", "people", "exits", "progress", "network", "paths")
+"""Names of the tables that `write_tables` writes."""
+
 _COUNTS = ("areas_explored", "victims_heard", "victims_saved", "endangered_links")
 
 
@@ -50,7 +53,7 @@ def write_tables(folder: Path, runs: Sequence[RecordedRun], all_totals: Sequence
     Times count from the start of the mission, or from the first message if there is no mission [s].
     """
     prepare_folder(folder)
-    tables: dict[str, tuple[Row, Iterable[Row]]] = {
+    contents: dict[str, tuple[Row, Iterable[Row]]] = {
         "bags": (_bag_head(), map(_bag_row, all_totals)),
         "robots": (("bag", *_robot_names()), (row for totals in all_totals for row in _robot_rows(totals))),
         "contexts": (
@@ -87,14 +90,19 @@ def write_tables(folder: Path, runs: Sequence[RecordedRun], all_totals: Sequence
         ),
     }
     written = []
-    for name, (head, rows) in tables.items():
-        path = folder / f"{name}.csv"
+    for path in table_files(folder):
+        head, rows = contents[path.stem]
         with atomically(path) as part, part.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
             writer.writerow(head)
             writer.writerows(map(safe_cell, row) for row in rows)
         written.append(path)
     return written
+
+
+def table_files(folder: Path) -> list[Path]:
+    """Return the files that `write_tables` writes into a folder."""
+    return [folder / f"{name}.csv" for name in TABLES]
 
 
 def _names(kind: Any) -> list[str]:
