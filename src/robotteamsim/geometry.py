@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import itertools
 import math
+import sys
 from collections.abc import Iterable
 
 import msgspec
+import numpy as np
+
+_LARGEST = sys.float_info.max
 
 
 def normalise_angle(angle_rad: float) -> float:
@@ -24,6 +28,12 @@ def path_length_m(points: Iterable[tuple[float, float]]) -> float:
     for before, point in itertools.pairwise(points):
         length_m += math.dist(before, point)
     return length_m
+
+
+def are_finite(*values: object) -> bool:
+    """Whether all values are numbers, and none is NaN or infinite."""
+    numbers = [value for value in values if isinstance(value, int | float | np.integer | np.floating)]
+    return len(numbers) == len(values) and all(-_LARGEST <= number <= _LARGEST for number in numbers)
 
 
 class Pose(msgspec.Struct, frozen=True):

@@ -11,10 +11,10 @@ def stream(seed: int, *name: str | int) -> np.random.Generator:
     A stream depends only on the seed and its own name, so a new consumer of random numbers never shifts the numbers of
     another. The SHA-256 of the name enters the seed sequence; the generator is PCG64.
 
-    Raises: ValueError: the seed is negative.
+    Raises: ValueError: the seed is negative, or not a whole number.
     """
-    if seed < 0:
-        raise ValueError(f"seed must be >= 0, got {seed}")
+    if not isinstance(seed, int | np.integer) or seed < 0:
+        raise ValueError(f"seed must be a whole number >= 0, got {seed!r:.60}")
     digest = hashlib.sha256("\x1f".join(map(repr, name)).encode()).digest()
     words = np.frombuffer(digest, dtype="<u4").tolist()
     return np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, *words])))

@@ -30,6 +30,7 @@ def test_stream_is_not_shifted_by_draws_of_another():
     assert first.random(2).tolist() == RECORD
 
 
-def test_negative_seed_is_rejected():
-    with pytest.raises(ValueError, match=r"^seed must be >= 0, got -1$"):
-        stream(-1, "odometry")
+@pytest.mark.parametrize("seed", [-1, 1.0, None, "1"])
+def test_seed_that_is_not_a_whole_number_from_zero_is_rejected(seed):
+    with pytest.raises(ValueError, match=r"^seed must be a whole number >= 0, got"):
+        stream(seed, "odometry")

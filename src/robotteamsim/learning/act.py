@@ -136,7 +136,9 @@ class DiscreteAct(Act):
 
 
 def _array_of(values: Any) -> np.ndarray:
-    """Return values as an array; of rows with different lengths, one of type object."""
+    """Return values as an array; masked ones, and rows with different lengths, as one of type object."""
+    if any(np.ma.isMaskedArray(value) for value in (values if isinstance(values, list) else [values])):
+        return np.asarray(None)
     try:
         return np.asarray(values)
     except ValueError:

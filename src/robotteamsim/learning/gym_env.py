@@ -46,8 +46,8 @@ class CentralEnv(gymnasium.Env[np.ndarray, Any]):
         self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin a mission, see `TeamEnv.reset`."""
-        super().reset(seed=seed)
         vectors, infos = self.team.reset(seed, options)
+        super().reset(seed=None if seed is None else int(seed))
         return self._observation(vectors), {"agents": infos}
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:

@@ -153,6 +153,6 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
 
     def _known(self, agent: Agent) -> Agent:
         """Return an agent. Raises: LearningError: there is no such agent."""
-        if agent not in self._action_spaces:
-            raise LearningError(f"there is no agent {agent!r}; expected one of {', '.join(self.possible_agents)}")
+        if not isinstance(agent, str) or agent not in self._action_spaces:
+            raise LearningError(f"there is no agent {agent!r:.60}; expected one of {', '.join(self.possible_agents)}")
         return agent

@@ -162,7 +162,8 @@ def _damage_reported(part: _Part) -> Iterator[None]:
         elif isinstance(error, MemoryError):  # a compressed part claims more than fits, or the bag is honest and large
             why = "is damaged, or has more data than the memory can hold"
         elif isinstance(error, rosbag1.ReaderError | rosbag2.ReaderError):
-            why = f"cannot be read: {' '.join(str(error).split()).rstrip('.')}"
+            # After a colon come Python's values and texts of other libraries.
+            why = f"cannot be read: {' '.join(str(error).partition(':')[0].split()).rstrip('.')}"
         raise RecordingError(f"{part.path}: {why}; {part.format.remedy.format(path=part.path)}") from error
 
 

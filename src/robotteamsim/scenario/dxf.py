@@ -128,7 +128,16 @@ def _read(path: Path) -> Drawing:
 
 
 def _unreadable(path: Path, error: Exception) -> ScenarioError:
-    reason = " ".join(str(error).split()) or type(error).__name__
+    """Return the line for an error of ezdxf; those of Python mean nothing to the user."""
+    from ezdxf import DXFError
+
+    reason = "it is damaged"
+    if isinstance(error, DXFError):
+        reason = " ".join(str(error).split()).removeprefix("DXFStructureError: ").rstrip(".") or reason
+    elif isinstance(error, OSError):  # also those that have no number, of ezdxf
+        reason = error.strerror or "it is not a DXF file"
+    elif isinstance(error, RecursionError):
+        reason = "a block contains itself"
     return ScenarioError(f"{path}: cannot be read as DXF: {printable(reason)}")
 
 
@@ -190,9 +199,9 @@ def _num_parts(drawing: Drawing) -> int:
 def _flat(part: DXFEntity, flat: float) -> float:
     """Return how far lines may be from a curve: not less than a share of its size, so that they are not too many.
 
-    Raises: ValueError: numbers of that size cannot be divided into lines.
+    Raises: DXFValueError: numbers of that size cannot be divided into lines.
     """
-    from ezdxf import bbox
+    from ezdxf import DXFValueError, bbox
 
     if part.dxftype() == "LINE":
         return flat
@@ -201,7 +210,7 @@ def _flat(part: DXFEntity, flat: float) -> float:
         return flat
     size = max(box.size.x, box.size.y)
     if not size <= LARGEST:
-        raise ValueError(f"a {part.dxftype()} has a size of {size:g}")
+        raise DXFValueError(f"a {part.dxftype()} has a size of {size:g}")
     return float(max(flat, LEAST_SHARE * size))
 
 

@@ -44,7 +44,12 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
     Raises: ScenarioError: one line with file (or --set), key, value and what was expected; the exception's notes
                 contain further mistakes in the same file. PlacementError: a door is not in a gap.
     """
-    place = os.fspath(path_or_name)
+    try:
+        place = os.fspath(path_or_name)
+    except TypeError:
+        place = None
+    if not isinstance(place, str):  # of bytes, too
+        raise ScenarioError(f"load: {path_or_name!r:.60}; expected a file, or the name of a shipped scenario")
     if not place:
         raise ScenarioError("the name of the scenario is empty")
     path = Path(place)

@@ -40,7 +40,8 @@ class Override:
     @classmethod
     def all_of(cls, texts: Sequence[str]) -> list[Override]:
         """Return the overrides of a list of "key=value". Raises: ScenarioError: one is wrong, or it is not a list."""
-        if isinstance(texts, str) or not isinstance(texts, Sequence):
+        is_list = isinstance(texts, Sequence) and not isinstance(texts, str)
+        if not is_list or not all(isinstance(text, str) for text in texts):
             raise ScenarioError(f"overrides: {texts!r:.60}; expected a list of KEY=VALUE, such as ['run.seed=1']")
         return [cls.of(text) for text in texts]
 

@@ -156,11 +156,13 @@ class OccupancyGrid(Grid):
 def grid_shape(plan: FloorPlan, resolution_m: float) -> tuple[int, int]:
     """Return (rows, columns) of the cells over a plan's bounds; the last ones may reach beyond.
 
-    Raises: ValueError: the resolution is not finite and above 0.
+    Raises: ValueError: the resolution is not finite and above 0, or far too small.
     """
     if not 0.0 < resolution_m < math.inf:
         raise ValueError(f"resolution_m must be finite and > 0, got {resolution_m}")
     (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
+    if not max(max_x - min_x, max_y - min_y) / resolution_m < 2.0**31:
+        raise ValueError(f"resolution_m {resolution_m:g} is too small for a plan of {plan.bounds}")
     columns = math.ceil((max_x - min_x) / resolution_m - _EDGE_TOLERANCE_CELLS)
     rows = math.ceil((max_y - min_y) / resolution_m - _EDGE_TOLERANCE_CELLS)
     return rows, columns
@@ -186,9 +188,12 @@ def occupancy_grid(plan: FloorPlan, resolution_m: float, closed: Mapping[str, bo
 
     Args:   resolution_m: edge of a cell; the last row and column may reach beyond the bounds.
             closed: door states by name that replace the plan's own.
-    Raises: ValueError: the resolution is not finite and above 0. ScenarioError: `closed` names no door of the plan.
+    Raises: ValueError: the resolution is not finite and above 0, or makes too many cells. ScenarioError: `closed` names
+            no door of the plan.
     """
     rows, columns = grid_shape(plan, resolution_m)
+    if why := too_many_cells(plan, resolution_m):
+        raise ValueError(f"resolution_m {why}")
     min_x, min_y = plan.bounds.min
     cells = np.zeros((rows, columns), dtype=np.int8)
     outlines = [solid.corners for solid in solids(plan, closed)]

@@ -228,6 +228,8 @@ def shown(value: Any) -> str:
         text = f"'{value}'" if isinstance(value, str) else write(value).splitlines()[0]
     except RecursionError:
         return "a list that contains itself"
+    except yaml.YAMLError:  # of Python alone, such as an array
+        text = repr(value)
     # A text may have line breaks of its own.
     text = printable(" ".join(text.split()))
     return text if len(text) <= 60 else f"{text[:57]}..."

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import msgspec
 
 from robotteamsim.errors import PlacementError, ScenarioError
-from robotteamsim.geometry import Pose, Twist
+from robotteamsim.geometry import Pose, Twist, are_finite
 from robotteamsim.interface import Decision, Task
 from robotteamsim.mission import Mission
 from robotteamsim.mission.events import Event
@@ -119,6 +119,8 @@ class Simulation:
 
     def decide(self, sensed: Sensed) -> StepRecord:
         """Complete a step: let the controllers decide and the mission judge, and return the record of the step."""
+        if not isinstance(sensed, Sensed):
+            raise ValueError(f"decide: {sensed!r:.60}; expected what sense returns")
         mission, (inputs, network, moved) = self.mission, sensed
         decisions = self.controllers.step(inputs)
         events = mission.step(self._judged(inputs, network, decisions, moved))
@@ -192,8 +194,13 @@ class Simulation:
         Whatever interrupts the run (an observer's RecordingError, a signal) is raised after every observer that began
         has abandoned the trial.
 
-        Raises: ScenarioError: the robots' poses come from tf. ValueError: the mission has ended.
+        Raises: ScenarioError: the robots' poses come from tf. ValueError: the mission has ended, or something else is
+                among the observers.
         """
+        others = observers if isinstance(observers, Sequence) else [observers]
+        for other in others:
+            if not all(callable(getattr(other, method, None)) for method in ("begin", "step", "end", "abandon")):
+                raise ValueError(f"run: {other!r:.60} is not an Observer; expected a list of them")
         check_headless(self.scenario)
         if self.mission.status.state == "ended":
             raise ValueError("run: the mission has ended; make another Simulation")
@@ -256,10 +263,12 @@ class Simulation:
         Raises: ValueError: no such robot, or a command is not finite.
         """
         num_robots = len(self._before.decisions)
+        if not isinstance(twists, Mapping):
+            raise ValueError(f"command: {twists!r:.60}; expected a Twist by robot")
         for robot_id, twist in twists.items():
             if robot_id not in range(num_robots):
                 raise ValueError(f"command: there is no robot {robot_id!r}, only 0 to {num_robots - 1}")
-            if not isinstance(twist, Twist) or not twist.is_finite:
+            if not isinstance(twist, Twist) or not are_finite(*msgspec.structs.astuple(twist)):
                 raise ValueError(f"command: robot {robot_id}: {twist!r}; expected a Twist of finite numbers")
         decisions = tuple(
             msgspec.structs.replace(decision, twist=twists[robot_id]) if robot_id in twists else decision

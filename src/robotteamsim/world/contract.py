@@ -305,7 +305,7 @@ class AnyWorld(ABC):
 
         Raises: ValueError: no such door.
         """
-        if name not in self._doors:
+        if not isinstance(name, str) or name not in self._doors:
             raise ValueError(f"unknown door '{name}'; known: {', '.join(self._doors) or 'none'}")
         self._physics.set_door(self._door_ids[name], closed)
         self._update_doors()
@@ -356,8 +356,8 @@ class AnyWorld(ABC):
 
     def _is_present(self, robot_id: int) -> bool:
         """Raises: ValueError: no such robot."""
-        if not 0 <= robot_id < self.num_robots:
-            raise ValueError(f"robot_id must be in 0..{self.num_robots - 1}, got {robot_id}")
+        if not isinstance(robot_id, int | np.integer) or not 0 <= robot_id < self.num_robots:
+            raise ValueError(f"robot_id must be in 0..{self.num_robots - 1}, got {robot_id!r:.60}")
         return bool(self.present[robot_id])
 
     def _occupants(self) -> Occupants:

@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from robotteamsim.errors import PlacementError
-from robotteamsim.geometry import Pose
+from robotteamsim.geometry import Pose, are_finite
 from robotteamsim.scenario.body import Body
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
@@ -85,7 +85,7 @@ class FreeSpace:
         self, thing: PlacedRobot | MovableObject, name: str, pose: Pose, doors: DoorStates, clearance: str = ""
     ) -> Body:
         """Return a body at a pose, inside the plan and clear of solids and leaves."""
-        if not all(map(math.isfinite, (pose.x_m, pose.y_m, pose.yaw_rad))):
+        if not isinstance(pose, Pose) or not are_finite(pose.x_m, pose.y_m, pose.yaw_rad):
             raise ValueError(f"{name} must be finite, got {pose}")
         if not self._plan.bounds.contains((pose.x_m, pose.y_m)):
             raise PlacementError(f"{_place(name, pose)} is outside the plan, {self._plan.bounds}")

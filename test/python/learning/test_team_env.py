@@ -14,6 +14,7 @@ from pettingzoo.test import max_cycles_test, parallel_api_test, parallel_seed_te
 from robotteamsim import learning, palette
 from robotteamsim.learning import (
     Act,
+    CentralEnv,
     DiscreteAct,
     LearningError,
     Observe,
@@ -302,6 +303,13 @@ def test_robots_of_other_kinds_have_the_same_spaces():
             lambda _: parallel_env(scenario("tutorial_arena"), observe=Blind).reset(seed=1),
             "observations array([[nan]]); expected finite numbers of shape (1, 1)",
         ),
+        (lambda _: parallel_env("garage_sar", every=True), "every: True; expected a whole number of at least 1"),
+        (lambda _: parallel_env("garage_sar", every=None), "every: None; expected a whole number of at least 1"),
+        (lambda env: env.action_space([1]), "there is no agent [1]; expected one of robot_0, robot_1, robot_2"),
+        (
+            lambda env: CentralEnv(env).reset(seed=-1),
+            "seed: -1; expected a whole number from 0 to 9007199254740992",
+        ),
         (lambda env: env.reset(seed=-1), "seed: -1; expected a whole number from 0 to 9007199254740992"),
     ],
 )
@@ -353,6 +361,10 @@ def test_actions_of_another_kind_are_rejected():
     for action in (2.7, "left", None, [[1], [1, 2]]):
         with pytest.raises(LearningError, match=r"^robot_0: action "):
             env.step(dict.fromkeys(env.agents, action))
+    env = parallel_env(scenario())
+    env.reset(seed=1)
+    with pytest.raises(LearningError, match=r"^robot_0: action masked_array"):
+        env.step(dict.fromkeys(env.agents, np.ma.array([0.0, 0.0], mask=[True, False])))
 
 
 def test_spaces_stay_the_same():

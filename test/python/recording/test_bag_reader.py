@@ -189,3 +189,12 @@ def test_bytes_changed_anywhere_give_one_line_or_can_be_read(recording):
             refused.append(str(error))
     assert refused
     assert all(line.startswith(f"{recording}: ") and "\n" not in line for line in refused)
+
+
+@pytest.mark.parametrize("recording", ["bag"], indirect=True)
+def test_damaged_index_is_named_without_values_of_python(recording, tmp_path):
+    path = tmp_path / "odd.bag"
+    before, key, after = recording.read_bytes().rpartition(b"message_definition=")
+    path.write_bytes(before + key.replace(b"message", b"Message") + after)
+    why = "cannot be read: Bag index looks damaged"
+    assert refusal(path) == f"{path}: {why}; `rosbag reindex {path}` recovers what can be read"

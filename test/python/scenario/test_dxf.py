@@ -124,11 +124,14 @@ def test_curve_of_any_size_becomes_few_lines_or_is_rejected(drawing, capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["text.dxf", "--layer", "WALLS"], "text.dxf: cannot be read as DXF: "),
+        (["text.dxf", "--layer", "WALLS"], "text.dxf: cannot be read as DXF: it is not a DXF file"),
         (["none.dxf", "--layer", "WALLS"], "none.dxf: there is no such file"),
         (["cut.dxf", "--layer", "WALLS"], "cut.dxf: cannot be read as DXF: "),
         (["header.dxf", "--layer", "WALLS"], "header.dxf: cannot be read as DXF: "),
-        (["within_itself.dxf", "--layer", "WALLS"], "within_itself.dxf: cannot be read as DXF: "),
+        (
+            ["within_itself.dxf", "--layer", "WALLS"],
+            "within_itself.dxf: cannot be read as DXF: a block contains itself",
+        ),
         (["many.dxf", "--layer", "WALLS"], "many.dxf: more than 200000 lines"),
         (["nested.dxf", "--layer", "WALLS"], "nested.dxf: more than 200000 lines and other parts"),
         (["surveyors.dxf", "--layer", "WALLS"], "has a unit that cannot be converted ($INSUNITS 21)"),

@@ -120,10 +120,16 @@ def test_plan_given_as_override_is_relative_to_the_current_folder(room: str) -> 
     assert _message("folder/room.yaml", "plan=hull.yaml") == "--set: plan: there is no file 'hull.yaml'"
 
 
-@pytest.mark.parametrize("overrides", ["run.seed=1", {"run.seed": 1}, None])
+@pytest.mark.parametrize("overrides", ["run.seed=1", {"run.seed": 1}, None, [None], ["run.seed=1", b"run.seed=1"]])
 def test_overrides_that_are_not_a_list_are_rejected(overrides: object) -> None:
     with pytest.raises(ScenarioError, match=r"^overrides: .*; expected a list of KEY=VALUE, such as \['run.seed=1'\]$"):
         load("garage_sar", overrides)
+
+
+@pytest.mark.parametrize("name", [None, 5, b"garage_sar", ["garage_sar"]])
+def test_name_of_another_kind_is_rejected(name: object) -> None:
+    with pytest.raises(ScenarioError, match=r"^load: .*; expected a file, or the name of a shipped scenario$"):
+        load(name)
 
 
 @pytest.mark.parametrize(

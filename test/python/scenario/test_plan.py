@@ -105,6 +105,12 @@ def test_resolution_must_be_finite_and_above_zero(resolution_m: float) -> None:
         occupancy_grid(_plan(), resolution_m)
 
 
+@pytest.mark.parametrize("resolution_m", [1e-4, 1e-9, 1e-200, 5e-324])
+def test_resolution_that_makes_too_many_cells_is_rejected_before_they_are_made(resolution_m: float) -> None:
+    with pytest.raises(ValueError, match=r"^resolution_m \S+ (makes a map of|is too small for a plan of)"):
+        occupancy_grid(_plan(), resolution_m)
+
+
 @pytest.mark.slow
 @settings(max_examples=40)
 @given(

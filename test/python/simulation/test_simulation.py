@@ -9,7 +9,7 @@ from msgspec.structs import astuple
 
 from robotteamsim import scenario
 from robotteamsim.errors import PlacementError, RecordingError, ScenarioError
-from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.interface import Decision, Task
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
 from robotteamsim.scenario import sections
@@ -295,6 +295,30 @@ def test_command_that_no_robot_can_obey_is_rejected_at_once(hall_scenario, twist
     with pytest.raises(ValueError, match=message):
         simulation.command(twists)
     simulation.step()
+
+
+@pytest.mark.parametrize(
+    ("do", "message"),
+    [
+        (lambda simulation: simulation.run([None]), "run: None is not an Observer; expected a list of them"),
+        (lambda simulation: simulation.run(5), "run: 5 is not an Observer; expected a list of them"),
+        (lambda simulation: simulation.command(None), "command: None; expected a Twist by robot"),
+        (lambda simulation: simulation.command({0: Twist("a")}), r"command: robot 0: Twist\(linear_x_mps='a', "),
+        (lambda simulation: simulation.spawn_robot(None), "robot_id must be in 0..1, got None"),
+        (lambda simulation: simulation.spawn_robot(1.0), "robot_id must be in 0..1, got 1.0"),
+        (lambda simulation: simulation.spawn_robot(1, (3, 3, 0)), r"robot_1: pose must be finite, got \(3, 3, 0\)"),
+        (lambda simulation: simulation.spawn_robot(1, Pose("a", 3, 0)), r"robot_1: pose must be finite, got Pose\("),
+        (lambda simulation: simulation.drop_object("a"), "robot_id must be in 0..1, got 'a'"),
+        (lambda simulation: simulation.set_door([], closed=True), r"unknown door '\[\]'; known: "),
+        (lambda simulation: simulation.set_noise_db(np.zeros(2)), r"noise_db: array\(\[0., 0.\]\) is not a number"),
+        (lambda simulation: simulation.decide(None), "decide: None; expected what sense returns"),
+    ],
+)
+def test_value_of_another_kind_is_a_value_error_of_one_line(hall_scenario, do, message):
+    simulation = Simulation(short(hall_scenario))
+    simulation.remove_robot(1)
+    with pytest.raises(ValueError, match=f"^{message}"):
+        do(simulation)
 
 
 def test_observers_abandon_when_one_of_them_fails(hall_scenario):
