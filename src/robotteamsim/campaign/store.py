@@ -11,7 +11,7 @@ import sqlite3
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 import msgspec
 from filelock import FileLock, Timeout
@@ -21,6 +21,7 @@ from robotteamsim.campaign.design import Design, Trial, settings_difference
 from robotteamsim.campaign.factors import MAX_TRIALS
 from robotteamsim.campaign.trial import Count, Outcome
 from robotteamsim.errors import CampaignError, ScenarioError
+from robotteamsim.mission.status import MissionEnd
 from robotteamsim.recording.files import PART, atomically, prepare_folder, write_atomically
 from robotteamsim.recording.network_log import NetworkTotals
 from robotteamsim.recording.results import versions
@@ -201,8 +202,12 @@ def read_store(folder: Path) -> StoredCampaign:
                 counts = f"{counted(len(values), 'value')} for {counted(len(settings.keys), 'key')}"
                 raise CampaignError(f"{path}: settings: cell {index} has {counts}")
         outcomes = _outcomes(database)
-        if strange := next((outcome for outcome in outcomes if outcome.cell >= len(settings.cells)), None):
-            raise CampaignError(f"{path}: trial: there is no cell {strange.cell}")
+        for outcome in outcomes:
+            if outcome.cell >= len(settings.cells):
+                raise CampaignError(f"{path}: trial: there is no cell {outcome.cell}")
+            if not 1 <= outcome.number <= settings.trials:
+                place = f"trial {outcome.number} of cell {outcome.cell}"
+                raise CampaignError(f"{path}: {place}: expected 1 to {settings.trials}")
         return StoredCampaign(
             msgspec.to_builtins(settings), of_versions, outcomes, properties.started, properties.command
         )
@@ -286,8 +291,18 @@ def _outcome(row: tuple[Any, ...]) -> Outcome:
             missing = [name for name in _OF_ENDED if values[name] is None]
             if missing:
                 raise ValueError(f"{missing[0]} is missing")
+            _check_values(outcome)
             _ = outcome.known_details
         return outcome
+
+
+def _check_values(outcome: Outcome) -> None:
+    """Raises: ValueError: values of a trial that no mission has."""
+    if outcome.end not in get_args(MissionEnd):
+        raise ValueError(f"end: {shown(outcome.end)} is not valid; expected one of {', '.join(get_args(MissionEnd))}")
+    for part, whole in (("areas_explored", "num_areas"), ("victims_saved", "num_victims")):
+        if getattr(outcome, part) > getattr(outcome, whole):
+            raise ValueError(f"{part}: {getattr(outcome, part)} is above {whole}, {getattr(outcome, whole)}")
 
 
 @contextlib.contextmanager

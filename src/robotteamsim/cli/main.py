@@ -95,6 +95,8 @@ def _run(words: list[str]) -> int:
     if words[:1] == ["help"] or not words:
         words = [*words[1:], "--help"]
     for word in words:
+        if "\0" in word:
+            raise UsageError(f"{word}: contains a NUL, which no name and no value does")
         if not word.isascii() and re.search("[\ud800-\udfff]", word):  # what Python makes of other bytes
             raise UsageError(f"{word}: is not UTF-8; rename the file, or write the value in UTF-8")
     options = make_parser().parse_args(words)

@@ -5,12 +5,14 @@ import datetime
 import json
 import os
 import sqlite3
+from typing import get_args
 
 import pytest
 
 import robotteamsim
 from robotteamsim.campaign import check_folder, open_store, read_store
 from robotteamsim.errors import CampaignError
+from robotteamsim.mission.status import MissionEnd
 
 SWEEP = "voice.noise_db=10,20"
 
@@ -153,6 +155,19 @@ def test_other_databases_and_files_under_the_stores_name_are_rejected(short_desi
         ("UPDATE trial SET time_s = 9e999", "trial 1 of cell 0: Expected `float` <= 1000000000000.0 - at `$.time_s`"),
         ("UPDATE trial SET time_s = NULL", "trial 1 of cell 0: time_s is missing"),
         ("UPDATE trial SET cell = 7", "trial: there is no cell 7"),
+        ("UPDATE trial SET number = 70", "trial 70 of cell 0: expected 1 to 2"),
+        (
+            "UPDATE trial SET \"end\" = 'x'",
+            f"trial 1 of cell 0: end: 'x' is not valid; expected one of {', '.join(get_args(MissionEnd))}",
+        ),
+        (
+            "UPDATE trial SET areas_explored = 1 + num_areas",
+            "trial 1 of cell 0: areas_explored: 5 is above num_areas, 4",
+        ),
+        (
+            "UPDATE trial SET victims_saved = 1 + num_victims",
+            "trial 1 of cell 0: victims_saved: 2 is above num_victims, 1",
+        ),
         (
             'UPDATE trial SET details = \'{"egress": {"people": 7}}\'',
             "trial 1 of cell 0: Expected `array`, got `int` - at `$.egress.people`",

@@ -61,6 +61,10 @@ def test_name_that_is_too_long_is_shortened_in_one_line(refusal, command):
     assert len(line) < 200
 
 
+def test_nul_in_an_argument_is_rejected(refusal):
+    assert refusal("analyse", "a\0.bag") == r"a\x00.bag: contains a NUL, which no name and no value does"
+
+
 def test_value_that_is_too_long_is_shortened_in_one_line(refusal):
     for option in ("--noise", "--set"):
         assert len(refusal("run", "garage_sar", option, "x y " * 100)) < 200
