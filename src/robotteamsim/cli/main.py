@@ -94,6 +94,10 @@ def _without_warnings(hidden: bool) -> Iterator[None]:
 def _run(words: list[str]) -> int:
     if words[:1] == ["help"] or not words:
         words = [*words[1:], "--help"]
+    try:
+        os.getcwd()
+    except FileNotFoundError:
+        raise UsageError("the current folder does not exist any more") from None
     for word in words:
         if "\0" in word:
             raise UsageError(f"{word}: contains a NUL, which no name and no value does")

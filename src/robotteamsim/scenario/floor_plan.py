@@ -10,6 +10,7 @@ from pydantic import Field, model_validator
 
 from robotteamsim.scenario.base import SMALLEST, Many, Model, Name, Point, by_index, check_names, wrong
 
+MIN_SIDE_M = 0.01
 MAX_SIDE_M = 1000.0
 """Grids of larger plans would not fit into memory."""
 
@@ -34,6 +35,8 @@ class Bounds(Model):
         for axis, (low, high) in zip("xy", zip(self.min, self.max, strict=True), strict=True):
             if not high > low:
                 raise wrong("max", f"{axis} {high:g} is not above min, {low:g}")
+            if high - low < MIN_SIDE_M:
+                raise wrong("max", f"{axis} {high:g} is less than {MIN_SIDE_M:g} m from min, {low:g}")
             if high - low > MAX_SIDE_M:
                 raise wrong("max", f"{axis} {high:g} is more than {MAX_SIDE_M:g} m from min, {low:g}")
             for key, value in (("min", low), ("max", high)):

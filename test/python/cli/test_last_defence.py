@@ -61,6 +61,14 @@ def test_name_that_is_too_long_is_shortened_in_one_line(refusal, command):
     assert len(line) < 200
 
 
+def test_folder_that_is_gone_is_named(tmp_path, monkeypatch, refusal):
+    gone = tmp_path / "gone"
+    gone.mkdir()
+    monkeypatch.chdir(gone)
+    gone.rmdir()
+    assert refusal("analyse", "a.bag") == "the current folder does not exist any more"
+
+
 def test_nul_in_an_argument_is_rejected(refusal):
     assert refusal("analyse", "a\0.bag") == r"a\x00.bag: contains a NUL, which no name and no value does"
 

@@ -161,6 +161,7 @@ def test_name_of_another_kind_is_rejected(name: object) -> None:
         ("control.swarms.min=3", "--set: control.swarms.initial: 1 is below min, 3"),
         ("control.swarms.initial=2", "--set: control.swarms.max: 1 is below initial, 2"),
         ("plan.bounds.max=[-1, 2]", "--set: plan.bounds.max: x -1 is not above min, 0"),
+        ("plan.bounds.max=[1e-300, 2]", "--set: plan.bounds.max: x 1e-300 is less than 0.01 m from min, 0"),
     ],
 )
 def test_wrong_override_is_rejected_with_its_exact_message(room: str, override: str, message: str) -> None:
