@@ -37,8 +37,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin all missions, see `BatchEnv.reset`."""
-        super().reset(seed=seed)
-        return self._observations(self.batch.reset(seed)), self._info()
+        observations = self._observations(self.batch.reset(seed))
+        super().reset(seed=None if seed is None else int(seed))
+        return observations, self._info()
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Let all robots act, see `BatchEnv.step`."""
