@@ -15,6 +15,7 @@ _EXTRA_OF_PACKAGE = {
     "pettingzoo": "learning",
     "scipy": "report",
     "statsmodels": "report",
+    "torch": "train",
     "tornado": "campaign",
 }
 """The smallest extra of pyproject.toml that contains each package."""
@@ -26,7 +27,7 @@ def missing_extra(error: ImportError) -> str | None:
     extra = _EXTRA_OF_PACKAGE.get(package)
     if extra is None:
         return None
-    return (
-        f"this needs the Python package {package}, which is not installed: "
-        f"`pip install 'robotteamsim[{extra}]'`, or `make setup` in a clone of the repository"
-    )
+    needs = f"this needs the Python package {package}, which is not installed: `pip install 'robotteamsim[{extra}]'`"
+    if extra == "train":
+        return f"{needs}; docs/learning.md has a smaller one"
+    return f"{needs}, or `make setup` in a clone of the repository"

@@ -84,7 +84,7 @@ def add_code_option(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         ALLOW_CODE,
         action="store_true",
-        help="let control.algorithm in a file be any Python class, module:Class, whose code then runs",
+        help="let control.algorithm in a file be any Python class, module:Class, or policy.pt, whose code then runs",
     )
 
 

@@ -14,6 +14,7 @@ from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.gym_env import CentralEnv, gym_env, register
 from robotteamsim.learning.observe import Observe, Part, Percepts
 from robotteamsim.learning.policy import PolicyController
+from robotteamsim.learning.policy_file import export_policy
 from robotteamsim.learning.reward import Reward, SearchReward
 from robotteamsim.learning.team_env import TeamEnv, env, parallel_env
 from robotteamsim.learning.vector_env import VectorEnv
@@ -34,6 +35,7 @@ __all__ = [
     "TeamEnv",
     "VectorEnv",
     "env",
+    "export_policy",
     "gym_env",
     "parallel_env",
 ]

@@ -12,6 +12,7 @@ from pydantic import ValidationError
 
 from robotteamsim.errors import PlacementError, ScenarioError
 from robotteamsim.scenario.base import Model
+from robotteamsim.scenario.controllers import is_policy_file
 from robotteamsim.scenario.door_places import misplaced_doors
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.map_image import import_map
@@ -29,6 +30,8 @@ _logger = logging.getLogger(__name__)
 MOST_LINES = 10
 """Of a file's mistakes, so that one that many elements share does not hide where it begins."""
 
+_ALGORITHM = "control.algorithm"
+
 M = TypeVar("M", bound=Model)
 
 
@@ -39,7 +42,7 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
 
     Args:   path_or_name: a file, or a name without folder and suffix, such as "garage_sar".
             overrides: "key=value" each, with a dotted key, list items by index (`mission.victims.0.position=[1, 2]`),
-                and the value as in YAML. A `plan` in an override is relative to the current folder. An override of
+                and the value as in YAML. A file in an override is relative to the current folder. An override of
                 `control.algorithm` drops the file's keys of `control` that the new algorithm lacks, with a warning.
     Raises: ScenarioError: one line with file (or --set), key, value and what was expected; the exception's notes
                 contain further mistakes in the same file. PlacementError: a door is not in a gap.
@@ -90,7 +93,7 @@ def _of_file(data: dict[str, Any], path: Path, place: str, overrides: Sequence[s
         plan_path, plan_place = _plan_file(data["plan"], folder, "--set" if ("plan",) in origin.set_keys else place)
         data["plan"], plan_files = _read_plan(plan_path, plan_place)
         files += plan_files
-    files += _read_patrol_graph(data, path.parent, origin)
+    files += _read_patrol_graph(data, path.parent, origin) + _find_policy(data, path.parent, origin)
     scenario = _validated(Scenario, data, origin)
     if plan_path is None:
         _check_doors(scenario.plan, "plan.", origin)
@@ -113,6 +116,8 @@ def from_mapping(data: dict[str, Any], place: str, overrides: Sequence[str] = ()
     drop_foreign_keys(data.get("control"), old_control, origin.set_keys)
     if ("plan",) in origin.set_keys and isinstance(data["plan"], str):
         data["plan"], _ = _read_plan(*_plan_file(data["plan"], Path(), "--set"))
+    if origin.is_set(_ALGORITHM):
+        _find_policy(data, Path(), origin)
     scenario = _validated(Scenario, data, origin)
     _check_doors(scenario.plan, "plan.", origin)
     return scenario.read_from(origin, None)
@@ -195,6 +200,19 @@ def _read_patrol_graph(data: Any, folder: Path, origin: Origin) -> tuple[Path, .
     if not is_file(path):
         raise ScenarioError(origin.line(f"{dotted}: there is no file {shown(name)}", dotted))
     section["graph"] = read_patrol_graph(path, name)
+    return (path,)
+
+
+def _find_policy(data: dict[str, Any], folder: Path, origin: Origin) -> tuple[Path, ...]:
+    """Replace the name of a policy's file by its absolute path, and return it; the name is relative to the folder."""
+    section = data.get("control")
+    name = section.get("algorithm") if isinstance(section, dict) else None
+    if not isinstance(section, dict) or not isinstance(name, str) or not is_policy_file(name):
+        return ()
+    path = (Path() if origin.is_set(_ALGORITHM) else folder) / name
+    if not is_file(path):
+        raise ScenarioError(origin.line(f"{_ALGORITHM}: there is no file {shown(name)}", _ALGORITHM))
+    section["algorithm"] = str(path.resolve())
     return (path,)
 
 

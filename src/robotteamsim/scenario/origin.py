@@ -22,8 +22,11 @@ class Origin:
     set_keys: tuple[Key, ...] = field(default=(), compare=False)
     files: tuple[Path, ...] = field(default=(), compare=False)
 
+    def is_set(self, key: str) -> bool:
+        """Whether an override set a dotted key, or a section that contains it."""
+        return any(f"{key}.".startswith(f"{'.'.join(map(str, set_key))}.") for set_key in self.set_keys)
+
     def line(self, text: str, key: str) -> str:
         """Return a message about a dotted key, preceded by the file or option that set the key."""
-        from_set = any(f"{key}.".startswith(f"{'.'.join(map(str, set_key))}.") for set_key in self.set_keys)
-        place = "--set" if from_set else self.place
+        place = "--set" if self.is_set(key) else self.place
         return f"{place}: {text}" if place else text

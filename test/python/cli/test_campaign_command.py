@@ -18,7 +18,7 @@ from robotteamsim.cli import campaign_command, main
 from robotteamsim.scenario.controllers import ALGORITHMS
 
 SHORT = ("--set", "mission.time_limit_s=1")
-KNOWN = f"expected one of: {', '.join(ALGORITHMS)}, or module:Class"
+KNOWN = f"expected one of: {', '.join(ALGORITHMS)}, module:Class, or policy.pt"
 NOISE = ("--noise", "10", "--noise", "20")
 
 

@@ -128,7 +128,7 @@ KNOWN = ", ".join([*ALGORITHMS, "still"])
 @pytest.mark.parametrize(
     ("name", "line"),
     [
-        ("rdspo", f"'rdspo' is not known; expected one of: {KNOWN}, or module:Class; did you mean 'rdpso'?"),
+        ("rdspo", f"'rdspo' is not known; expected one of: {KNOWN}, module:Class, or policy.pt; did you mean 'rdpso'?"),
         (
             "no_such_module:Class",
             "'no_such_module:Class': ModuleNotFoundError: No module named 'no_such_module'; "
@@ -154,7 +154,10 @@ KNOWN = ", ".join([*ALGORITHMS, "still"])
             "step(observation, inbox, task) replaces both",
         ),
         ("exiting_of_test:Class", "'exiting_of_test:Class': SystemExit: 3"),
-        (":Still", f"':Still' is not known; expected one of: {KNOWN}, or module:Class; did you mean 'still'?"),
+        (
+            ":Still",
+            f"':Still' is not known; expected one of: {KNOWN}, module:Class, or policy.pt; did you mean 'still'?",
+        ),
     ],
 )
 @pytest.mark.usefixtures("folder")

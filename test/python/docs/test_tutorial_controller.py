@@ -88,7 +88,7 @@ def test_package_of_the_tutorial_installs_and_is_known_by_its_name(folder, tmp_p
     done = run_cli(target, *arguments, "control.algorithm=mien")
     assert done.returncode == 2
     known = ", ".join([*ALGORITHMS, "mine"])
-    line = f"'mien' is not known; expected one of: {known}, or module:Class; did you mean 'mine'?"
+    line = f"'mien' is not known; expected one of: {known}, module:Class, or policy.pt; did you mean 'mine'?"
     assert " ".join(done.stderr.split()).endswith(f"tutorial_arena: control.algorithm: {line}")
 
 

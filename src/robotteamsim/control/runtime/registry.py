@@ -1,8 +1,9 @@
-"""Controllers by the name in `control.algorithm`: ours, those of installed packages, and any `module:Class`."""
+"""Controllers by the name in `control.algorithm`: ours, those of packages, any `module:Class`, files of policies."""
 
 import importlib
 import inspect
 from collections.abc import Callable, Collection
+from functools import partial
 from importlib.metadata import EntryPoint, entry_points
 
 from robotteamsim.control.people.dispatch import DispatchController
@@ -11,7 +12,7 @@ from robotteamsim.control.runtime.base_station import StandingBase, controls_bas
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.extras import missing_extra
 from robotteamsim.interface import Controller
-from robotteamsim.scenario.controllers import ALGORITHMS
+from robotteamsim.scenario.controllers import ALGORITHMS, is_policy_file
 from robotteamsim.scenario.problems import suggestion
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import Setup
@@ -30,11 +31,15 @@ _OF_ROLE: dict[str, MakeController] = {"firefighter": FirefighterController, "co
 ENTRY_POINTS = "robotteamsim.controllers"
 """The group of entry points with which other packages register controllers."""
 
+_OF_FILE = "robotteamsim.learning.policy_file:FilePolicy"
+"""The controller of the file of a policy."""
+
 
 def make_controller(robot_id: int, setup: Setup, arrival: int = 1) -> Controller:
     """Return the controller of one robot for `control.algorithm`, of a relay, or of people for their role.
 
-    The name is one of ALGORITHMS, or of an entry point in the group `robotteamsim.controllers`, or `module:Class`.
+    The name is one of ALGORITHMS, or of an entry point in the group `robotteamsim.controllers`, or `module:Class`, or
+    a file of a learned policy.
     If the scenario has a base, discoveries are announced to it, see `base_station.with_base`.
     Args:   arrival: number of the robot's arrivals, including the start.
     Raises: ScenarioError: no such algorithm, it cannot be imported or is not a controller; no such robot. Exceptions
@@ -95,11 +100,13 @@ def _find(name: str) -> MakeController:
     for point in entry_points(group=ENTRY_POINTS):
         if point.name == name:
             return _loaded(name, point)
+    if is_policy_file(name):
+        return partial(_loaded(name, EntryPoint(name, _OF_FILE, ENTRY_POINTS)), name)
     module, colon, attribute = name.partition(":")
     if colon and module and attribute:
         return _loaded(name, EntryPoint(name, name, ENTRY_POINTS))
     known = algorithm_names()
-    expected = f"expected one of: {', '.join(known)}, or module:Class{suggestion(name, known)}"
+    expected = f"expected one of: {', '.join(known)}, module:Class, or policy.pt{suggestion(name, known)}"
     raise _NotFoundError(f"'{name}' is not known; {expected}")
 
 

@@ -4,7 +4,7 @@ from typing import Annotated, Any, get_args
 
 from pydantic import Discriminator, Tag
 
-from robotteamsim.scenario.controllers.base import Control, OtherControl
+from robotteamsim.scenario.controllers.base import Control, OtherControl, is_policy_file
 from robotteamsim.scenario.controllers.cover import CoverControl
 from robotteamsim.scenario.controllers.patrolling import ConscientiousReactiveControl, SebsControl
 from robotteamsim.scenario.controllers.routes import BoustrophedonControl, InfotaxisControl
@@ -12,7 +12,7 @@ from robotteamsim.scenario.controllers.search import SearchControl
 from robotteamsim.scenario.controllers.simple import GreedyControl, RandomWalkControl, RelayControl
 from robotteamsim.scenario.controllers.swarms import DpsoControl, PsoControl, RdpsoControl, RpsoControl
 
-__all__ = ["ALGORITHMS", "AnyControl", "Control", "OtherControl", "control_kind"]
+__all__ = ["ALGORITHMS", "AnyControl", "Control", "OtherControl", "control_kind", "is_policy_file"]
 
 DEFAULT = "rdpso"
 """The algorithm of a scenario that names none."""

@@ -108,6 +108,13 @@ class LinkedControl(Control):
 
 
 class OtherControl(Control):
-    """A controller of an installed package, or any module:Class."""
+    """A controller of an installed package, any module:Class, or the file of a learned policy."""
 
-    algorithm: str = Field(description="name of a controller of an installed package, or module:Class")
+    algorithm: str = Field(
+        description="name of a controller of an installed package, module:Class, or a file .pt or .pt2 of a policy"
+    )
+
+
+def is_policy_file(algorithm: str) -> bool:
+    """Whether an algorithm is the file of a learned policy, see `robotteamsim.learning.export_policy`."""
+    return algorithm.endswith((".pt", ".pt2"))
