@@ -9,13 +9,14 @@ import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
 from robotteamsim.campaign.design import Cell, Design
 from robotteamsim.control import make_controller
 from robotteamsim.errors import CampaignError, PlacementError, RobotTeamSimError, ScenarioError
-from robotteamsim.scenario.controllers import ALGORITHMS, Control, control_kind
+from robotteamsim.scenario.controllers import ALGORITHMS, Control, control_kind, is_policy_file
 from robotteamsim.scenario.patrol import Patrol
 from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.scenario import Scenario
@@ -69,7 +70,8 @@ BUILDINGS: Mapping[str, tuple[str, tuple[str, ...]]] = {
 class SearchProtocol:
     """A benchmark of search.
 
-    controllers: names in VARIANTS, registered algorithms, or module:Class; the first is the reference of comparisons.
+    controllers: names in VARIANTS, registered algorithms, module:Class, or files of policies; the first is the
+                 reference of comparisons.
     buildings:   names in BUILDINGS, shipped scenarios, or files.
     victims:     number of victims at random places, which replace the scenario's own.
     areas:       whether missions have the building's areas, of which the last one ends the mission.
@@ -192,8 +194,9 @@ def load_building(name: str, overrides: Sequence[str] = ()) -> Scenario:
 
 
 def control_of(controller: str) -> Control:
-    """Return `control` with its defaults, except what makes a controller."""
-    keys = VARIANTS.get(controller, {"algorithm": controller})
+    """Return `control` with its defaults, except what makes a controller; a policy's file by its absolute path."""
+    algorithm = str(Path(controller).absolute()) if is_policy_file(controller) else controller
+    keys = VARIANTS.get(controller, {"algorithm": algorithm})
     return control_kind(keys["algorithm"])(**keys)
 
 
@@ -219,7 +222,8 @@ def _teams(base: Scenario, robots: Sequence[int], controllers: Sequence[str]) ->
                 made = make_controller(0, resolve(cell))
             except RobotTeamSimError as error:
                 message = str(error).removeprefix(f"{cell.name}: ").removeprefix("control.algorithm: ")
-                raise CampaignError(f"--controller: {message}") from None
+                option = "--policy" if is_policy_file(controller) else "--controller"
+                raise CampaignError(f"{option}: {message}") from None
             assert made is not None
             yield count, controller, cell
 

@@ -21,6 +21,7 @@ from robotteamsim.campaign.summary import UNLIMITED, aligned
 from robotteamsim.cli.campaign_command import add_worker_options, command_line, run_stored
 from robotteamsim.cli.parser import (
     SCENARIO_HELP,
+    UsageError,
     folder_of,
     number,
     path_of,
@@ -28,6 +29,7 @@ from robotteamsim.cli.parser import (
     positive_whole_number,
     whole_number,
 )
+from robotteamsim.scenario.controllers import is_policy_file
 
 if TYPE_CHECKING:
     from robotteamsim.analysis.report import Report
@@ -41,12 +43,14 @@ cores. docs/benchmark.md describes the protocols, the bound and its proof."""
 
 _SEARCH_EPILOG = """\
 A controller is rdpso_published, rdpso_adapted, a name of control.algorithm, or
-module:Class. The first one is the reference of all comparisons. The same command
-resumes a benchmark that was stopped.
+module:Class. The first one is the reference of all comparisons. --policy adds a learned
+policy, policy.pt or module:Class, to the controllers. The same command resumes a
+benchmark that was stopped.
 
 examples:
   robotteamsim benchmark search --out DIR
   robotteamsim benchmark search --full --out DIR --scheduler tcp://head:8786
+  robotteamsim benchmark search --policy policy.pt --out DIR
   robotteamsim benchmark search --controller greedy --controller my_package:Mine \\
       --building garage --building my.yaml --noise 30 --robots 4 --trials 20 --out DIR"""
 
@@ -71,6 +75,9 @@ def add_to(commands: Any) -> None:
     names = ", ".join(protocols.BUILDINGS)
     search.add_argument("--building", action="append", metavar="NAME", help=f"{names}; or {SCENARIO_HELP}; repeatable")
     search.add_argument("--noise", type=number, action="append", metavar="DB", help="background noise [dB]; repeatable")
+    search.add_argument(
+        "--policy", action="append", default=[], metavar="POLICY", help="a policy besides the controllers; repeatable"
+    )
     search.add_argument("--victims", type=whole_number, metavar="N", help="victims in each mission; default 4")
     search.add_argument("--no-areas", action="store_true", help="no areas to explore: the last one ends a mission")
     search.set_defaults(command=run_search)
@@ -102,10 +109,13 @@ def add_to(commands: Any) -> None:
 def run_search(options: argparse.Namespace) -> int:
     """Run a search benchmark. Returns: 0, or 1 if missions failed or were given up."""
     base = protocols.full_search() if options.full else protocols.quick_search()
+    for policy in options.policy:
+        if ":" not in policy and not is_policy_file(policy):
+            raise UsageError(f"--policy: '{policy}'; expected a file .pt or .pt2, or module:Class")
     protocol = dataclasses.replace(
         base,
         **_given(
-            controllers=options.controller,
+            controllers=(*(options.controller or base.controllers), *options.policy),
             buildings=options.building,
             noises_db=options.noise,
             robots=options.robots,

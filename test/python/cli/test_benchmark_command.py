@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from robotteamsim import learning
 from robotteamsim.campaign import read_store
 from robotteamsim.cli import benchmark_command, campaign_command, main
 
@@ -46,6 +47,33 @@ def test_search_reports_each_controller_and_a_bound_below_every_time(capsys, tmp
     assert "--controller greedy --controller random_walk --building warehouse" in page
     seeds = {(outcome.number, outcome.seed) for outcome in read_store(tmp_path).outcomes}
     assert len(seeds) == 3
+
+
+def test_policies_are_arms_besides_the_controllers_with_the_same_seeds(capsys, tmp_path):
+    policy = "robotteamsim.control.baselines.random_walk:RandomWalkController"
+    assert main([*SEARCH, "--policy", policy, "--trials", "2", "--quiet", "--out", str(tmp_path)]) == 0
+    _, greedy, walk, same = rows(tmp_path / "tables" / "search.csv")
+    assert [row["controller"] for row in (greedy, walk, same)] == ["greedy", "random_walk", policy]
+    assert walk | {"controller": policy} == same
+    assert main([*SEARCH, "--policy", "search", "--out", str(tmp_path / "none")]) == 2
+    assert capsys.readouterr().err.endswith("--policy: 'search'; expected a file .pt or .pt2, or module:Class\n")
+    assert main([*SEARCH, "--policy", "no.pt", "--out", str(tmp_path / "none")]) == 2
+    problem = f"--policy: {Path('no.pt').absolute()}: No such file or directory; expected a policy"
+    assert capsys.readouterr().err.endswith(f"{problem}\n")
+
+
+def test_trained_network_is_an_arm(tmp_path):
+    torch = pytest.importorskip("torch", reason="PyTorch is not installed (extra train)")
+    path = tmp_path / "policy.pt"
+    network = torch.nn.Sequential(torch.nn.Linear(204, 2), torch.nn.Tanh())
+    learning.export_policy(network, path, "garage_sar")
+    command = [*SEARCH, "--policy", str(path), "--trials", "2", "--quiet", "--out", str(tmp_path / "out")]
+    assert main(command) == 0
+    assert [row["controller"] for row in rows(tmp_path / "out" / "tables" / "search.csv")][1:] == [
+        "greedy",
+        "random_walk",
+        str(path),
+    ]
 
 
 def test_benchmark_that_is_finished_only_writes_its_report_again(capsys, tmp_path, monkeypatch):

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from robotteamsim import learning
+from robotteamsim.campaign.protocol import SearchProtocol, search_design
 from robotteamsim.control import foreign_code, make_controller
 from robotteamsim.errors import ScenarioError
 from robotteamsim.learning import DiscreteAct, LearningError, Observe, export_policy, parallel_env
@@ -311,3 +312,11 @@ def test_without_pytorch_it_is_named(tmp_path):
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
     needs = "this needs the Python package torch, which is not installed: `pip install 'robotteamsim[train]'`"
     assert (done.returncode, done.stderr) == (2, f"robotteamsim: {needs}; docs/learning.md has a smaller one\n")
+
+
+@pytest.mark.slow
+def test_file_is_an_arm_of_the_benchmark(policy, monkeypatch):
+    monkeypatch.chdir(policy.parent)
+    design = search_design(SearchProtocol(("random_walk", "policy.pt"), ("garage",), (20.0,), (3,), trials=1))
+    assert [cell.values[-1] for cell in design.cells] == ["random_walk", "policy.pt"]
+    assert design.cells[1].scenario.control.algorithm == str(policy)
