@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import msgspec
@@ -105,6 +105,8 @@ class Episode:
         """What the agents perceive, after `begin` and each `step`."""
         self.record: StepRecord | None = None
         """The last record of the simulation; None before the first step."""
+        self.watch: Callable[[Simulation, StepRecord], None] | None = None
+        """Is called when a mission begins and after each of its steps."""
 
     @property
     def present(self) -> np.ndarray:
@@ -140,6 +142,8 @@ class Episode:
             self._early += self._rewards(record)
             self._sense(simulation)
         self._simulation, self.percepts = simulation, self._senses.of_team(self._sensed.inputs)
+        if self.watch is not None and self.record is not None:
+            self.watch(simulation, self.record)
 
     def step(self, commands: Commands) -> Outcome:
         """Let the agents act. Raises: LearningError: no mission has begun."""
@@ -150,6 +154,8 @@ class Episode:
         for _ in range(self.rules.every):
             self.record = record = simulation.decide(self._sensed)
             rewards = rewards + self._rewards(record)
+            if self.watch is not None:
+                self.watch(simulation, record)
             self._sense(simulation)
             if record.mission.state == "ended":
                 break

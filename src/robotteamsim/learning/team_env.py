@@ -14,18 +14,21 @@ from pettingzoo.utils import parallel_to_aec
 from robotteamsim.learning.episode import AnyScenario, Episode, Rules
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.observe import Part
+from robotteamsim.learning.window import Window
 from robotteamsim.simulation import StepRecord
 
 Agent = str
 Vectors = dict[Agent, np.ndarray]
 Infos = dict[Agent, dict[str, Any]]
 
+RENDER_MODES = ["human", "rgb_array"]
+
 
 def parallel_env(scenario: AnyScenario, *, render_mode: str | None = None, **rules: Any) -> TeamEnv:
     """Return a mission as an environment of many agents, `robot_0` and so on.
 
     Args:   scenario: a file, a shipped name, or a scenario; its own controllers are not used.
-            render_mode: None, or rgb_array.
+            render_mode: None, rgb_array, or human: the browser viewer, whose address is printed.
             observe, act, reward: what agents perceive, decide and are rewarded for; derive from `Observe`, `Act` and
                 `Reward` to change it.
             every: an agent decides in each so many steps of the simulation (`run.step_s`, 0.1 s), and holds its command
@@ -35,8 +38,8 @@ def parallel_env(scenario: AnyScenario, *, render_mode: str | None = None, **rul
             teammates: how many teammates an observation has room for; None: as many as there are.
     Raises: RobotTeamSimError: one line: the scenario is invalid, or has no robot that can be driven.
     """
-    if render_mode not in (None, "rgb_array"):
-        raise LearningError(f"render_mode: {render_mode!r}; expected None or 'rgb_array'")
+    if render_mode not in (None, *RENDER_MODES):
+        raise LearningError(f"render_mode: {render_mode!r}; expected None, 'human' or 'rgb_array'")
     return TeamEnv(Episode(scenario, Rules.of(rules)), render_mode)
 
 
@@ -54,10 +57,13 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
     def __init__(self, episode: Episode, render_mode: str | None) -> None:
         """See `parallel_env`."""
         scenario = episode.scenario
-        self.metadata = {"name": f"{scenario.name}_v0", "render_modes": ["rgb_array"], "is_parallelizable": True}
+        self.metadata = {"name": f"{scenario.name}_v0", "render_modes": RENDER_MODES, "is_parallelizable": True}
         self.metadata["render_fps"] = max(round(1.0 / (episode.rules.every * scenario.run.step_s)), 1)
         self.render_mode = render_mode
         self._episode = episode
+        self._window = Window(scenario.name) if render_mode == "human" else None
+        if self._window is not None:
+            episode.watch = self._window.note
         self.possible_agents = [f"robot_{i}" for i in episode.robot_ids]
         self.agents: list[Agent] = []
         self._observation_spaces = {agent: copy.deepcopy(episode.observe.space) for agent in self.possible_agents}
@@ -116,6 +122,8 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
             raise LearningError(f"actions of {given}; expected {expected}")
         rest = episode.act.rest
         outcome = episode.step(episode.act.commands([actions.get(agent, rest) for agent in self.possible_agents]))
+        if self._window is not None:
+            self._window.publish()
         rewards, terminated, truncated = (
             {agent: value for agent, value in self._by_agent(values.tolist()) if agent in acting}
             for values in (outcome.rewards, outcome.terminated, outcome.truncated)
@@ -125,8 +133,8 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         return vectors, rewards, terminated, truncated, infos
 
     def render(self) -> np.ndarray | None:
-        """Return the mission as a picture, uint8, shape (rows, columns, 3); None without a render mode."""
-        if self.render_mode is None:
+        """Return the mission as a picture, uint8, shape (rows, columns, 3); None with another render mode."""
+        if self.render_mode != "rgb_array":
             return None
         from robotteamsim.learning.picture import picture  # late, because only pictures need Matplotlib
 
@@ -135,9 +143,11 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         return picture(self._episode.setup, self.record)
 
     def close(self) -> None:
-        """End the mission."""
+        """End the mission, and its page in the browser."""
         self._episode.end()
         self.agents = []
+        if self._window is not None:
+            self._window.close()
 
     def _by_agent(self, values: Iterable[Any]) -> Iterable[tuple[Agent, Any]]:
         return zip(self.possible_agents, values, strict=True)

@@ -10,7 +10,8 @@ import msgspec
 
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.view.html import MODULES, PAGE
-from robotteamsim.view.live import AnyCommand, LiveMission
+from robotteamsim.view.live import AnyCommand
+from robotteamsim.view.shown import ShownMission
 
 HOST = "127.0.0.1"
 _MAX_COMMAND_BYTES = 10_000
@@ -25,7 +26,7 @@ class ViewServer(ThreadingHTTPServer):
 
     daemon_threads = True
 
-    def __init__(self, port: int, page: str, mission: LiveMission | None = None) -> None:
+    def __init__(self, port: int, page: str, mission: ShownMission | None = None) -> None:
         """Args: port: 0 for a free one.  page: the HTML page.  mission: None for a page with recorded missions.
 
         Raises: OSError: the port is in use.
@@ -92,7 +93,7 @@ class _Handler(BaseHTTPRequestHandler):
         is_foreign = self.headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin")
         return not is_foreign and self.headers.get("Host", "").rpartition(":")[0] in (HOST, "localhost")
 
-    def _send_frames(self, mission: LiveMission) -> None:
+    def _send_frames(self, mission: ShownMission) -> None:
         self.close_connection = True
         self.send_response(HTTPStatus.OK)
         self.send_header("Content-Type", "text/event-stream")
@@ -100,7 +101,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.end_headers()
         viewer = mission.subscribe()
         try:
-            while True:
+            while not mission.is_closed:
                 update = mission.take(viewer, _KEEP_ALIVE_S)
                 # A comment finds out whether the browser is still there.
                 data = b": \n\n" if update is None else b"data: " + msgspec.json.encode(update) + b"\n\n"
@@ -120,7 +121,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(body)
 
 
-def _execute(mission: LiveMission, text: bytes) -> str:
+def _execute(mission: ShownMission, text: bytes) -> str:
     """Execute a command; return what is wrong with it, or ""."""
     try:
         mission.execute(_COMMANDS.decode(text))

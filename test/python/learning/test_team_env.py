@@ -268,7 +268,7 @@ def test_robots_of_other_kinds_have_the_same_spaces():
         (lambda _: parallel_env("garage_sar", every=0), "every: 0; expected a whole number of at least 1"),
         (
             lambda _: parallel_env("garage_sar", render_mode="ansi"),
-            "render_mode: 'ansi'; expected None or 'rgb_array'",
+            "render_mode: 'ansi'; expected None, 'human' or 'rgb_array'",
         ),
         (
             lambda _: parallel_env("garage_sar", said=1, act=DiscreteAct),

@@ -11,9 +11,10 @@ from typing import Any
 from playwright.sync_api import Browser, Page
 
 from robotteamsim.view.html import live_page, mission_page
-from robotteamsim.view.live import LiveMission, Update, Viewer
+from robotteamsim.view.live import LiveMission
 from robotteamsim.view.recorder import Recording
 from robotteamsim.view.server import ViewServer
+from robotteamsim.view.shown import ShownMission, Update, Viewer
 
 READY_MS = 120_000
 
@@ -81,7 +82,7 @@ def served(mission: LiveMission) -> Iterator[ViewServer]:
         thread.join()
 
 
-def taken(mission: LiveMission, viewer: Viewer) -> Update:
+def taken(mission: ShownMission, viewer: Viewer) -> Update:
     """Return the next update of a viewer."""
     update = mission.take(viewer, 60.0)
     assert update is not None
