@@ -18,7 +18,7 @@ if ! cmp -s setup/requirements-ros2.lock "$venv/.lock"; then
   cp setup/requirements-ros2.lock "$venv/.lock"
   rm -rf "$build"
 fi
-for source in test/ros2/tf2_msgs .; do  # no wheel has tf2_msgs
+for source in test/ros2/tf2_msgs test/ros2/simulation_interfaces .; do  # no wheel has the first two
   folder=$build/$(basename "$(realpath "$source")")
   if [ ! -f "$folder/Makefile" ]; then
     cmake -S "$source" -B "$folder" -DCMAKE_INSTALL_PREFIX="$venv" -DPython_EXECUTABLE="$python" \

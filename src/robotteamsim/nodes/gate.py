@@ -23,6 +23,11 @@ class Gate:
         # The lock is reentrant, because a signal handler may close the gate during `wait`.
         self._changed = threading.Condition()
 
+    @property
+    def is_paused(self) -> bool:
+        """Whether only single steps are allowed."""
+        return self._paused
+
     def wait(self) -> bool:
         """Wait until the next step, or a reset, is allowed; return False if closed."""
         with self._changed:

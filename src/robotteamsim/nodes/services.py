@@ -1,30 +1,24 @@
 """Services that change a simulation, or refuse to."""
 
 from collections.abc import Callable
-from contextlib import nullcontext
 from typing import Any
 
 from robotteamsim.errors import RobotTeamSimError
-from robotteamsim.nodes.gate import FairLock
 from robotteamsim.nodes.node import Node
 
 SERVICE_TIMEOUT_S = 5.0
 """A service waits this long for the current step [s, wall]."""
 
 
-def offer_command(
-    node: Node, name: str, type_name: str, do: Callable[[Any], str | None], lock: FairLock | None = None
-) -> None:
+def offer_command(node: Node, name: str, type_name: str, do: Callable[[Any], str | None]) -> None:
     """Offer a service below the node's name whose response has `success` and `message`.
 
     do: carries a request out and returns the message, None for none; ValueError and a user's mistake become a failure.
-    lock: held meanwhile; if it is not free in time, that is a failure, too.
     """
 
     def serve(request: Any) -> dict[str, Any]:
         try:
-            with nullcontext() if lock is None else lock.within(SERVICE_TIMEOUT_S):
-                return {"success": True, "message": do(request) or ""}
+            return {"success": True, "message": do(request) or ""}
         except (ValueError, RobotTeamSimError) as error:
             return {"success": False, "message": str(error)}
 

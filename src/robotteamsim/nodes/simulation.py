@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import itertools
 import logging
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -12,6 +13,7 @@ from typing import Any
 from rich.console import Console
 
 from robotteamsim.analysis.runs.tables import print_totals
+from robotteamsim.geometry import Pose
 from robotteamsim.nodes.answers import CommandsByTopic, ControllersByTopic, ControllersInside
 from robotteamsim.nodes.elsewhere import RobotsElsewhere, SensorsElsewhere
 from robotteamsim.nodes.gate import FairLock, Gate, Pacer
@@ -70,10 +72,11 @@ class SteppedSimulation:
         self._starts_paused = node.parameter("~paused", False)
         self._motion = _motion(node, settings)
         self._pacer = _pacer(node)
-        self._gate = Gate()
+        self.gate = Gate()
+        """Lets the simulation take steps."""
         if self._starts_paused:
-            self._gate.pause(0.0)
-        node.on_shutdown(self._gate.close)
+            self.gate.pause(0.0)
+        node.on_shutdown(self.gate.close)
         self._lock = FairLock()
         self._robots = settings.setup.robots
         self._elsewhere = RobotsElsewhere(node, settings) if settings.elsewhere else None
@@ -97,6 +100,29 @@ class SteppedSimulation:
             self._clock = output_of(node, CLOCK, settings)
             self._offer_world()
 
+    @contextmanager
+    def between_steps(self) -> Iterator[Simulation]:
+        """Hold the simulation between two steps, to read it or to change it; its objects are published at the end.
+
+        Raises: ValueError: the current step takes too long.
+        """
+        with self._lock.within(SERVICE_TIMEOUT_S):
+            yield self._simulation
+            self._record.publish_objects(self._simulation.world)  # a paused simulation makes no step, which would
+
+    def make_steps(self, steps: int) -> None:
+        """Take some steps while paused. Raises: ValueError: none are wanted, or it is not paused."""
+        if steps == 0:
+            raise ValueError("steps: 0; expected at least 1")
+        if not self.gate.step(steps):
+            raise ValueError("the world is not paused")
+
+    def spawn_robot(self, robot_id: int, pose: Pose | None) -> None:
+        """Spawn an absent robot, see `Simulation.spawn_robot`."""
+        with self.between_steps() as simulation:
+            simulation.spawn_robot(robot_id, pose)
+            self._commands.stop(robot_id)  # of its controller before the robot left
+
     def serve(self) -> None:
         """Step until the mission has ended (or longer, with `~stays`), or the node is shut down."""
         self._publish_clock(START_NS)
@@ -104,31 +130,31 @@ class SteppedSimulation:
             for name in self._controllers.wait_for_all(START_TIMEOUT_S):
                 logger.warning("starting without %s", name)
         if self._starts_paused:
-            self._gate.wait()  # until clients that need the first step have subscribed
+            self.gate.wait()  # until clients that need the first step have subscribed
         else:
             recorded = recorded_topics(self._settings) if self._node.parameter("~recorded", False) else []
-            self._node.wait_for_subscribers(recorded, START_TIMEOUT_S, self._gate.sleep)
+            self._node.wait_for_subscribers(recorded, START_TIMEOUT_S, self.gate.sleep)
         try:
             self._serve()
         finally:
             self._trial.abandon()
 
     def _serve(self) -> None:
-        while self._gate.wait():
-            if self._gate.reset_wanted:
-                self._gate.do_reset(self._reset)
+        while self.gate.wait():
+            if self.gate.reset_wanted:
+                self.gate.do_reset(self._reset)
                 continue
             stamp_ns = self._wait_for_step()
             if not self._node.is_running():
                 return
-            if self._gate.reset_wanted:
+            if self.gate.reset_wanted:
                 continue
             with self._lock:
                 record = self._step(stamp_ns)
             has_ended = self._trial.result is not None
             self._trial.add(record)  # before others see that it has ended, so that its files are complete
             self._publish(record)
-            self._gate.passed()
+            self.gate.passed()
             if self._trial.result is not None and not has_ended and self._settings.mission:
                 self._report()
                 if not self._stays:
@@ -142,7 +168,7 @@ class SteppedSimulation:
             stamp_ns = self._elsewhere.wait(self._is_present)
             if self._elsewhere.has_jumped_back:
                 logger.warning("simulated time has jumped back: the mission starts again")
-                self._gate.want_reset()
+                self.gate.want_reset()
             return stamp_ns
         if self._motion is None:
             self._tick(self._simulation.world.sim_time_ns)
@@ -202,7 +228,7 @@ class SteppedSimulation:
         ticks, step_ns = self._settings.scenario.run.physics_substeps, self._settings.step_ns
         for tick in range(1, ticks + 1):
             time_ns = from_ns + tick * step_ns // ticks
-            while (delay_s := self._delay_s(time_ns)) > 0.0 and self._gate.sleep(min(delay_s, NAP_S)):
+            while (delay_s := self._delay_s(time_ns)) > 0.0 and self.gate.sleep(min(delay_s, NAP_S)):
                 pass
             if tick < ticks:
                 if self._motion is not None and made is not None and self._motion.is_known:
@@ -211,7 +237,7 @@ class SteppedSimulation:
 
     def _delay_s(self, time_ns: int) -> float:
         """Return how long to wait [s, wall] until a time is due; 0 while a reset is wanted, which obeys no pace."""
-        return 0.0 if self._gate.reset_wanted else self._pacer.delay_s(time_ns)
+        return 0.0 if self.gate.reset_wanted else self._pacer.delay_s(time_ns)
 
     def _patience_s(self) -> float:
         """Return how long a step waits for answers [s, wall]: not longer than until the next tick."""
@@ -292,7 +318,7 @@ class SteppedSimulation:
         node.offer("/reset_positions", "std_srvs/Empty", self._reset_positions)
         offer_command(node, "pause", TRIGGER, self._pause)
         offer_command(node, "resume", TRIGGER, self._resume)
-        offer_command(node, "step", "robotteamsim/Step", self._make_steps)
+        offer_command(node, "step", "robotteamsim/Step", lambda request: self.make_steps(request.steps))
         offer_command(node, "reset", TRIGGER, self._restart)
         offer_command(node, "reset_seed", "robotteamsim/ResetSeed", self._reset_seed)
         offer_command(node, "set_speed", "robotteamsim/SetSpeed", lambda request: self._pacer.set_speed(request.speed))
@@ -301,7 +327,7 @@ class SteppedSimulation:
     def _offer_services(self) -> None:
         self._offer_changes(CHANGES)
         node = self._node
-        offer_command(node, "spawn_robot", "robotteamsim/SpawnRobot", self._spawn_robot, self._lock)
+        offer_command(node, "spawn_robot", "robotteamsim/SpawnRobot", self._spawn_robot)
         offer_command(node, "set_door", "robotteamsim/SetDoor", self._set_door)
         if self._settings.mission:
             node.offer("~get_radio_map", "robotteamsim/GetRadioMap", self._serve_radio_map)
@@ -313,11 +339,11 @@ class SteppedSimulation:
     def _offer_changes(self, changes: Mapping[str, Change]) -> None:
         for name, change in changes.items():
             type_name = f"robotteamsim/{name.title().replace('_', '')}"
-            offer_command(self._node, name, type_name, partial(self._change, change), self._lock)
+            offer_command(self._node, name, type_name, partial(self._change, change))
 
     def _change(self, change: Change, request: Any) -> None:
-        change(self._simulation, request)
-        self._record.publish_objects(self._simulation.world)  # a paused simulation makes no step, which would
+        with self.between_steps() as simulation:
+            change(simulation, request)
 
     def _follow_doors(self, _: str, __: int, doors: Mapping[str, bool]) -> None:
         """Open and close the doors that another world has opened and closed."""
@@ -353,8 +379,8 @@ class SteppedSimulation:
     def _order_mission(self, order: str, _: object) -> dict[str, Any]:
         """Start, pause, resume or abort the mission."""
         try:
-            with self._lock.within(SERVICE_TIMEOUT_S):
-                mission = self._simulation.mission
+            with self.between_steps() as simulation:
+                mission = simulation.mission
                 before = mission.status.state
                 getattr(mission, order)()
                 after = mission.status.state
@@ -363,33 +389,26 @@ class SteppedSimulation:
         return {"success": before != after, "message": f"the mission is {after}"}
 
     def _pause(self, _: object) -> str:
-        return "paused" if self._gate.pause(SERVICE_TIMEOUT_S) else "pausing after the current step"
+        return "paused" if self.gate.pause(SERVICE_TIMEOUT_S) else "pausing after the current step"
 
     def _resume(self, _: object) -> str:
-        self._gate.resume()
+        self.gate.resume()
         return "resumed"
 
-    def _make_steps(self, request: Any) -> None:
-        if request.steps == 0:
-            raise ValueError("steps: 0; expected at least 1")
-        if not self._gate.step(request.steps):
-            raise ValueError("the world is not paused")
-
     def _restart(self, _: object) -> str:
-        return "reset" if self._gate.reset(SERVICE_TIMEOUT_S) else "the reset is still under way"
+        return "reset" if self.gate.reset(SERVICE_TIMEOUT_S) else "the reset is still under way"
 
     def _reset_seed(self, request: Any) -> str:
         self._settings = self._settings.with_seed(request.seed)
         return self._restart(request)
 
     def _reset_positions(self, _: object) -> dict[str, Any]:
-        with self._lock.within(SERVICE_TIMEOUT_S):
-            self._simulation.world.reset_positions()
+        with self.between_steps() as simulation:
+            simulation.world.reset_positions()
         return {}
 
     def _spawn_robot(self, request: Any) -> None:
-        self._simulation.spawn_robot(request.robot_id, None if request.at_start else pose_of(request))
-        self._commands.stop(request.robot_id)  # of its controller before the robot left
+        self.spawn_robot(request.robot_id, None if request.at_start else pose_of(request))
 
     def _set_door(self, request: Any) -> None:
         """Open or close a door; another world that has doors does it itself, and publishes it."""
@@ -400,8 +419,8 @@ class SteppedSimulation:
                 if not answer.success:
                     raise ValueError(answer.message)
                 return
-        with self._lock.within(SERVICE_TIMEOUT_S):
-            self._simulation.set_door(request.name, request.closed)
+        with self.between_steps() as simulation:
+            simulation.set_door(request.name, request.closed)
 
 
 def _is_localized(node: Node) -> bool:

@@ -12,6 +12,7 @@ from typing import Any
 
 import rclpy
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
+from rclpy.action import ActionServer, CancelResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
 from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException, ParameterException
 from rclpy.executors import MultiThreadedExecutor
@@ -92,10 +93,12 @@ class Ros2Node:
         )
         self._at_once = ReentrantCallbackGroup()
         self._outputs: list[Ros2Output] = []
+        self._actions: list[ActionServer] = []
         self._changing: str | None = None
         self._threads: list[threading.Thread] = []
         self.wait_for_shutdown = shutdown.wait
         self.on_shutdown = shutdown.call
+        self.end = shutdown.begin
         if not owns_settings:
             self.spin()
 
@@ -119,6 +122,8 @@ class Ros2Node:
         failed = sum(output.failed for output in self._outputs)
         if failed:
             logger.warning("%d messages could not be sent, because receivers were too slow", failed)
+        for action in self._actions:
+            action.destroy()
         for node in (self._services, self._inputs, self._node):
             node.destroy_node()
 
@@ -217,9 +222,26 @@ class Ros2Node:
                 logger.error("%s: %s", name, error)
                 return response
 
-        name = name.replace("~", f"{self._node.get_fully_qualified_name()}/")
         # A service that waits for steps does not keep others from ending the wait.
-        self._services.create_service(interface("srv", type_name), name, respond, callback_group=self._at_once)
+        self._services.create_service(
+            interface("srv", type_name), self._full(name), respond, callback_group=self._at_once
+        )
+
+    def offer_action(self, name: str, action: Any, execute: Callable[[Any], Any]) -> None:
+        """Offer an action whose goals can be cancelled. Args: execute: returns the result of a goal's handle."""
+        self._actions.append(
+            ActionServer(
+                self._services,
+                action,
+                self._full(name),
+                execute,
+                callback_group=self._at_once,
+                cancel_callback=lambda _: CancelResponse.ACCEPT,
+            )
+        )
+
+    def _full(self, name: str) -> str:
+        return name.replace("~", f"{self._node.get_fully_qualified_name()}/")
 
     def call(self, name: str, type_name: str, request: Mapping[str, Any]) -> Any:
         """As for all nodes."""

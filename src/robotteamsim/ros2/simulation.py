@@ -1,5 +1,6 @@
 """The node `simulation` of ROS 2."""
 
+import importlib.util
 import os
 import tempfile
 from contextlib import AbstractContextManager
@@ -28,6 +29,10 @@ def _serve(node: Ros2Node) -> None:
         node.transforms()
     with _alone():
         simulation = SteppedSimulation(node, settings, Ros2TeamOutputs)
+        if importlib.util.find_spec("simulation_interfaces"):
+            from robotteamsim.ros2 import simulation_interfaces
+
+            simulation_interfaces.offer(node, simulation)
         node.spin()
         simulation.serve()
 
