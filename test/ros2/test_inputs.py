@@ -45,6 +45,24 @@ def test_stamped_commands_are_obeyed_where_they_are_asked_for(tmp_path, peer):
         drive(peer, publisher, TwistStamped(twist=FORWARD), lambda: is_driving(truth))
 
 
+def test_commands_of_another_type_are_ignored_with_one_warning(tmp_path, peer):
+    with running((*ARENA, "--ros-args", "-p", "stamped_cmd_vel:=true"), tmp_path) as mission:
+        peer.node.create_publisher(Twist, "/robot_0/cmd_vel", 1)
+        ignoring = "/robot_0/cmd_vel: ignoring geometry_msgs/msg/Twist; expected geometry_msgs/msg/TwistStamped"
+        mission.wait_for(lambda line: ignoring in line and "see stamped_cmd_vel" in line, "a warning")
+        step = peer.listen("/robot_0/odom", "nav_msgs/Odometry")
+        peer.wait_until(lambda: step and step[-1].header.stamp.sec > step[0].header.stamp.sec + 20, "more checks")
+    assert mission.output.count("ignoring") == 1
+
+
+def test_only_what_is_sensed_has_parameters_of_its_quality_of_service(arena, peer):
+    names = peer.call("/simulation/list_parameters", "rcl_interfaces/ListParameters").result.names
+    sensed = ("base_pose_ground_truth", "base_scan", "odom")
+    wanted = [f"qos_overrides./robot_0/{topic}.publisher.reliability" for topic in sensed]
+    assert sorted(name for name in names if name.startswith("qos_overrides./robot_0/")) == wanted
+    assert sum(name.startswith("qos_overrides.") for name in names) < 10
+
+
 def is_driving(truth):
     return truth and abs(truth[-1].twist.twist.linear.x - 0.3) < 0.01
 
@@ -99,7 +117,8 @@ def test_scans_are_sent_by_best_effort_on_request(tmp_path, peer):
         (("scenario:=garage_sar", "set:=voice.noise_bd=20"), "voice.noise_bd: unknown key; did you mean 'noise_db'"),
         (("scenario:=garage_sar", "controllers:=tema"), "controllers: tema; expected nodes, team, inside, none"),
         (("scenario:=garage_sar", "speed:=fast"), "speed: expected a number, such as 1.0"),
-        (("scenario:=garage_sar", "speed:=-1.0"), "speed: "),
+        (("scenario:=garage_sar", "speed:=-1.0"), "speed: -1; expected 0 to 1000000"),
+        (("scenario:=garage_sar", "speed:=.nan"), "speed: nan; expected 0 to 1000000"),
         (
             ("scenario:=garage_sar", "qos_overrides./robot_0/odom.publisher.reliability:=besteffort"),
             "qos_overrides./robot_0/odom: ",
@@ -145,6 +164,9 @@ def test_arguments_of_ros_that_are_wrong_end_a_node_with_their_reason(
 
 
 def test_second_simulation_in_a_domain_is_refused(arena, tmp_path, peer):
-    with running((*SIMULATION, "-p", "scenario:=tutorial_arena", "-p", "controllers:=none"), tmp_path) as second:
-        assert second.wait() == 2, second.output
-    assert "another simulation runs in it; expected another domain" in second.output
+    own = (*SIMULATION, "-p", "scenario:=tutorial_arena", "-p", "controllers:=none")
+    for command in (own, (*MISSION, "garage_sar")):
+        with running(command, tmp_path) as second:
+            assert second.wait() == 2, second.output
+        (line,) = second.output.splitlines()  # no controller has started
+        assert "another simulation runs in it; expected another domain" in line

@@ -6,6 +6,7 @@ import json
 import os
 import re
 import signal
+from pathlib import Path
 
 import pytest
 from peer import MISSION
@@ -55,6 +56,38 @@ def test_mission_ends_when_a_controller_is_killed(tmp_path):
         assert mission.wait() == 1, mission.output
     assert "a controller has ended, and this ends the mission" in mission.output
     assert "Traceback" not in mission.output
+
+
+def test_nodes_end_with_their_starter_however_it_ends(tmp_path, peer):
+    with running((*MISSION, "garage_sar", "--speed", "1"), tmp_path) as mission:
+        mission.wait_for(lambda line: "mission starts" in line, "the start of the mission")
+        nodes = [Path("/proc", str(pid), "cmdline") for pid in descendants(mission.process.pid)]
+        assert len(nodes) == 4
+        mission.process.kill()
+        peer.wait_until(lambda: not any(is_node(node) for node in nodes), "the end of all nodes")
+    assert "Traceback" not in mission.output
+
+
+def is_node(cmdline: Path) -> bool:
+    try:
+        return b"robotteamsim" in cmdline.read_bytes()
+    except OSError:
+        return False
+
+
+def test_wrong_class_of_all_controllers_is_one_line(tmp_path):
+    command = (*MISSION, "garage_sar", "--allow-code", "--set", "control.algorithm=json:Nope")
+    with running(command, tmp_path) as mission:
+        assert mission.wait() == 1, mission.output
+    assert mission.output.count("control.algorithm: 'json:Nope'") == 1
+    assert mission.output.splitlines()[-1] == "robotteamsim.ros2: a controller has ended, and this ends the mission"
+
+
+@pytest.mark.parametrize("option", ["--robots", "--teleop"])
+def test_number_that_is_negative_is_refused(tmp_path, option):
+    with running((*MISSION, "garage_sar", f"{option}=-1"), tmp_path) as mission:
+        assert mission.wait() == 2
+    assert f"argument {option}: -1; expected a whole number from 0 on" in mission.output
 
 
 def test_ctrl_c_ends_a_mission_without_a_traceback(tmp_path):

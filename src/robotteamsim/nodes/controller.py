@@ -8,6 +8,7 @@ from typing import Any
 import msgspec
 
 from robotteamsim.control import Guard, make_controller
+from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.message_parts import robot_name
@@ -16,7 +17,7 @@ from robotteamsim.nodes.inputs import Input, RobotInputs
 from robotteamsim.nodes.node import Node, ParameterError, Transforms
 from robotteamsim.nodes.outputs import Decided, decision_outputs
 from robotteamsim.nodes.scan_check import ScanCheck
-from robotteamsim.nodes.settings import Settings, read_seed, read_settings
+from robotteamsim.nodes.settings import OTHERS_REPORT_S, Settings, read_seed, read_settings
 from robotteamsim.nodes.steps import Step, Steps
 from robotteamsim.nodes.tf_pose import TfPose
 from robotteamsim.recording.topics.decisions import STAMPED_COMMAND
@@ -33,7 +34,13 @@ def serve_robot(node: Node) -> None:
     robot_id = node.parameter("~robot_id", -1)
     if not 0 <= robot_id < settings.num_robots:
         raise ParameterError(f"~robot_id: {robot_id}; expected 0 to {settings.num_robots - 1}")
-    TeamController(node, settings, [robot_id]).serve()
+    try:
+        controller = TeamController(node, settings, [robot_id])
+    except RobotTeamSimError:
+        if robot_id > 0:  # the same mistake for robot 0 is reported at once, and ends the launch
+            node.wait_for_shutdown(OTHERS_REPORT_S)
+        raise
+    controller.serve()
 
 
 def serve_team(node: Node) -> None:

@@ -1,7 +1,13 @@
-"""The scenario of a launch, for nodes and for what starts them, before it imports rospy."""
+"""The scenario and the domain of a launch, for nodes and for what starts them, before it imports rospy."""
 
+import os
+import tempfile
 from collections.abc import Callable
+from contextlib import AbstractContextManager
+from pathlib import Path
 from typing import Any
+
+from filelock import FileLock, Timeout
 
 from robotteamsim.nodes.node import ParameterError
 from robotteamsim.scenario import Scenario, load
@@ -44,3 +50,14 @@ def read_ros1_scenario(parameter: Callable[[str, Any], Any]) -> Scenario:
     Raises: ParameterError, ScenarioError.
     """
     return read_scenario(lambda key, default: parameter(ros1_setting_name(key), default), ros1_setting_name)
+
+
+def alone(domain: int) -> AbstractContextManager[object]:
+    """Lock a domain for the simulations of this machine, whose topics would mix. Raises: ParameterError."""
+    path = Path(tempfile.gettempdir(), f"robotteamsim-{os.getuid()}-domain-{domain}.lock")
+    try:
+        return FileLock(path, timeout=0).acquire()
+    except Timeout:
+        raise ParameterError(
+            f"ROS_DOMAIN_ID: {domain}; another simulation runs in it; expected another domain"
+        ) from None

@@ -19,9 +19,22 @@ from typing import Any
 
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.message_parts import robot_name
-from robotteamsim.nodes.launched import NOT_SET, read_scenario
+from robotteamsim.nodes.launched import NOT_SET, alone, read_scenario
 from robotteamsim.nodes.settings import HOSTED
 
+NODE = """
+import os, signal, threading
+signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+def end_with_the_starter():  # which holds the other end of the pipe that is the standard input
+    os.read(0, 1)
+    os.kill(os.getpid(), signal.SIGTERM)
+
+threading.Thread(target=end_with_the_starter, daemon=True).start()
+from robotteamsim.nodes.start import start
+start({node!r})
+"""
+"""The program of a node."""
 CHECK_S = 0.1
 """Interval of checks whether a node has ended [s, wall]."""
 GRACE_S = 10.0
@@ -53,6 +66,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     own = {name: getattr(options, name) for name in ("speed", "out", "stays", "paused", "localization")}
     try:
         num_robots = read_scenario(settings.get).team_size
+        with alone(_domain()):  # before controllers start, which would answer another simulation
+            pass
     except RobotTeamSimError as error:
         sys.stderr.write(f"robotteamsim.ros2: {error}\n")
         return 2
@@ -64,17 +79,28 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return _run(nodes)
 
 
+def _domain() -> int:
+    text = os.environ.get("ROS_DOMAIN_ID", "")
+    return int(text) if text.isdecimal() else 0  # the nodes report a wrong one
+
+
+def _natural(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text}; expected a whole number from 0 on")
+    return int(text)
+
+
 def _parser() -> argparse.ArgumentParser:
     more = "Arguments of ROS for the simulation follow --ros-args, such as -p stamped_cmd_vel:=true."
     parser = argparse.ArgumentParser(prog="python -m robotteamsim.ros2", description=__doc__, epilog=more)
     parser.add_argument("scenario", help="name or file of a scenario")
-    parser.add_argument("--robots", type=int, default=NOT_SET, metavar="N", help="number of robots")
+    parser.add_argument("--robots", type=_natural, default=NOT_SET, metavar="N", help="number of robots")
     parser.add_argument("--seed", type=int, metavar="S", help="seed of all random numbers")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="changes a key of the scenario")
     parser.add_argument("--speed", type=float, default=5.0, help="times real time; 0: as fast as possible (default: 5)")
     parser.add_argument("--lockstep", action="store_true", help="each step waits for all controllers")
     parser.add_argument("--controllers", choices=HOSTED, default="nodes", help="where they run (default: nodes)")
-    parser.add_argument("--teleop", type=int, default=NOT_SET, metavar="ID", help="id of a robot driven by cmd_vel")
+    parser.add_argument("--teleop", type=_natural, default=NOT_SET, metavar="ID", help="id of robot driven by cmd_vel")
     frames = "ground_truth: tf has map -> odom of each robot (default); none: it has not"
     parser.add_argument("--localization", choices=("ground_truth", "none"), default="ground_truth", help=frames)
     parser.add_argument("--out", default="", metavar="FOLDER", help="where mission.json and trajectories go")
@@ -89,9 +115,8 @@ def _node(
 ) -> subprocess.Popen[bytes]:
     """Start a node as its script does. Args: more: arguments of ROS."""
     values = [part for key, value in parameters.items() for part in ("-p", f"{key}:={json.dumps(value)}")]
-    code = "import signal; signal.signal(signal.SIGINT, signal.SIG_DFL); from robotteamsim.nodes.start import start; "
-    command = (sys.executable, "-c", f"{code}start({node!r})", "--ros-args", "-r", f"__ns:={namespace}", *values, *more)
-    return subprocess.Popen(command, env=os.environ | {"ROS_VERSION": "2"})
+    command = (sys.executable, "-c", NODE.format(node=node), "--ros-args", "-r", f"__ns:={namespace}", *values, *more)
+    return subprocess.Popen(command, stdin=subprocess.PIPE, env=os.environ | {"ROS_VERSION": "2"})
 
 
 def _run(nodes: Sequence[subprocess.Popen[bytes]]) -> int:

@@ -14,7 +14,8 @@ import rclpy
 from rcl_interfaces.msg import FloatingPointRange, ParameterDescriptor, SetParametersResult
 from rclpy.action import ActionServer, CancelResponse
 from rclpy.callback_groups import ReentrantCallbackGroup
-from rclpy.exceptions import InvalidParameterTypeException, InvalidParameterValueException, ParameterException
+from rclpy.clock import Clock, ClockType
+from rclpy.exceptions import InvalidParameterTypeException, ParameterException
 from rclpy.executors import MultiThreadedExecutor
 from rclpy.experimental.events_executor import EventsExecutor
 from rclpy.node import Node as RclpyNode
@@ -41,6 +42,10 @@ SPIN_S = 0.1
 """A node that waits for topics and requests looks so often whether it should end [s, wall]."""
 QUIET_S = 1.0
 """The simulation starts when there was no new subscriber for this time [s, wall]."""
+FASTEST = 1e6
+"""Largest speed, times real time."""
+TYPES_S = 2.0
+"""Interval of checks for publishers whose messages have another type than the node reads [s, wall]."""
 TWIST = "geometry_msgs/Twist"
 LATEST_S = 2**31 - 1
 """A header has 31 bits for the seconds."""
@@ -94,6 +99,8 @@ class Ros2Node:
         self._at_once = ReentrantCallbackGroup()
         self._outputs: list[Ros2Output] = []
         self._actions: list[ActionServer] = []
+        self._read: dict[str, str] = {}
+        """The types of topics that are read, in rclpy's form, unless there was a warning."""
         self._changing: str | None = None
         self._threads: list[threading.Thread] = []
         self.wait_for_shutdown = shutdown.wait
@@ -109,6 +116,7 @@ class Ros2Node:
     def spin(self) -> None:
         """Begin to serve: from now on the node answers. One that owns settings does so when it has read them all."""
         self._node.add_on_set_parameters_callback(self._judge)
+        self._inputs.create_timer(TYPES_S, self._warn_of_types, clock=Clock(clock_type=ClockType.STEADY_TIME))
         executors = EventsExecutor(), EventsExecutor(), MultiThreadedExecutor(SERVICES_AT_ONCE)
         for node, executor in zip((self._node, self._inputs, self._services), executors, strict=True):
             executor.add_node(node)
@@ -145,15 +153,18 @@ class Ros2Node:
         key = name.strip("~/")
         if self._node.has_parameter(key):
             return self._node.get_parameter(key).value
-        ranges = [FloatingPointRange(from_value=0.0, to_value=1e6)] if key == "speed" else []
-        descriptor = ParameterDescriptor(read_only=key != "seed", floating_point_range=ranges)
         try:
-            return self._node.declare_parameter(key, default, descriptor).value
+            value = self._node.declare_parameter(key, default).value
         except InvalidParameterTypeException:
             example = f", such as {default}" if isinstance(default, float) else ""
             raise ParameterError(f"{key}: expected {KINDS[type(default)]}{example}") from None
-        except InvalidParameterValueException as error:
-            raise ParameterError(f"{key}: {error}") from None
+        ranges = [FloatingPointRange(from_value=0.0, to_value=FASTEST)] if key == "speed" else []
+        if ranges and not 0.0 <= value <= FASTEST:
+            raise ParameterError(f"{key}: {value:g}; expected 0 to {FASTEST:.0f}")
+        kind = self._node.get_parameter(key).type_.value
+        descriptor = ParameterDescriptor(type=kind, read_only=key != "seed", floating_point_range=ranges)
+        self._node.set_descriptor(key, descriptor)
+        return value
 
     def change_setting(self, key: str, value: str) -> None:
         """As for all nodes."""
@@ -185,6 +196,18 @@ class Ros2Node:
         if type_name == TWIST and self.parameter("~stamped_cmd_vel", False):
             type_name, receive = f"{TWIST}Stamped", self._unstamped(receive)
         self._inputs.create_subscription(interface("msg", type_name), topic, receive, profile, raw=True)
+        self._read[topic] = type_name.replace("/", "/msg/")
+
+    def _warn_of_types(self) -> None:
+        """Warn once of each topic that has a publisher with messages of another type, which do not arrive."""
+        found = dict(self._node.get_topic_names_and_types())
+        for topic, type_name in list(self._read.items()):
+            if len(found.get(topic, ())) > 1:
+                sent = {info.topic_type for info in self._node.get_publishers_info_by_topic(topic)} - {type_name}
+                if sent:
+                    del self._read[topic]
+                    hint = ", see stamped_cmd_vel" if TWIST.partition("/")[2] in type_name else ""
+                    logger.warning("%s: ignoring %s; expected %s%s", topic, ", ".join(sent), type_name, hint)
 
     def _unstamped(self, receive: Callable[[bytes], None]) -> Callable[[bytes], None]:
         """Return a receiver of TwistStamped, which nav2 publishes, that passes on what it takes for a Twist."""

@@ -1,14 +1,10 @@
 """The node `simulation` of ROS 2."""
 
 import importlib.util
-import os
-import tempfile
-from contextlib import AbstractContextManager
-from pathlib import Path
 
-from filelock import FileLock, Timeout
 from rclpy.utilities import get_default_context
 
+from robotteamsim.nodes.launched import alone
 from robotteamsim.nodes.node import ParameterError
 from robotteamsim.nodes.settings import read_settings
 from robotteamsim.nodes.simulation import SteppedSimulation
@@ -27,7 +23,7 @@ def _serve(node: Ros2Node) -> None:
         raise ParameterError("elsewhere: robots in another world are not available in ROS 2; expected none")
     if settings.by_tf:
         node.transforms()
-    with _alone():
+    with alone(get_default_context().get_domain_id()):
         simulation = SteppedSimulation(node, settings, Ros2TeamOutputs)
         if importlib.util.find_spec("simulation_interfaces"):
             from robotteamsim.ros2 import simulation_interfaces
@@ -35,18 +31,6 @@ def _serve(node: Ros2Node) -> None:
             simulation_interfaces.offer(node, simulation)
         node.spin()
         simulation.serve()
-
-
-def _alone() -> AbstractContextManager[object]:
-    """Lock this domain for the simulations of this machine, whose topics would mix. Raises: ParameterError."""
-    domain = get_default_context().get_domain_id()
-    path = Path(tempfile.gettempdir(), f"robotteamsim-{os.getuid()}-domain-{domain}.lock")
-    try:
-        return FileLock(path, timeout=0).acquire()
-    except Timeout:
-        raise ParameterError(
-            f"ROS_DOMAIN_ID: {domain}; another simulation runs in it; expected another domain"
-        ) from None
 
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from rclpy.node import Node as RclpyNode
-from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.serialization import deserialize_message
 
@@ -17,6 +17,10 @@ from robotteamsim.recording.bag_types import Ros2Types
 
 QUEUE = 10
 """Number of messages of a topic that wait for a slow reader, and of a latched one that a late reader may get."""
+
+SENSED = ("sensor_msgs/", "nav_msgs/Odometry")
+BEST_EFFORT = QoSOverridingOptions((QoSPolicyKind.RELIABILITY,))
+"""For what is sensed, such as over a wireless network; each topic with it adds a parameter to the node."""
 
 logger = logging.getLogger(__name__)
 
@@ -59,7 +63,7 @@ class Ros2Output:
             topic,
             quality(latched=latched),
             # Users may ask for best effort: qos_overrides./robot_0/base_scan.publisher.reliability.
-            qos_overriding_options=None if latched else QoSOverridingOptions.with_default_policies(),
+            qos_overriding_options=BEST_EFFORT if type_name.startswith(SENSED) and not latched else None,
         )
         self.failed = 0
         """Number of messages that could not be sent."""
