@@ -9,6 +9,7 @@ VENV := .venv
 PYTHON := $(VENV)/bin/python
 BUILD := build
 ROS2_VENV := $(BUILD)/venv-ros2
+PEERS := $(BUILD)/venv-peers
 JOBS ?= $(shell nproc)
 SPEED ?= 5
 # Of PyPI: Debian 13 has another version, which formats differently.
@@ -27,7 +28,7 @@ unexport PYTHONDONTWRITEBYTECODE
 check test_python test_ros test_ros2: export OPENBLAS_NUM_THREADS ?= 1
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help announce setup build build_tests compile garage_sar run check test test_cpp test_python test_ros test_ros2 lint tidy bench bench_ros bench_ros2 exactness report build_fuzz fuzz sanitize faults garbage gazebo wheel pictures docs notebook man lock clean
+.PHONY: help announce setup build build_tests compile garage_sar run check test test_cpp test_python test_ros test_ros2 lint tidy bench bench_learning bench_ros bench_ros2 exactness report build_fuzz fuzz sanitize faults garbage gazebo wheel pictures docs notebook man lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -151,7 +152,14 @@ bench: build_tests ## measure the speed of each part relative to a straightforwa
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_bench > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@$(ENV) $(PYTHON) bench/run.py $(BUILD)/devel/lib/robotteamsim/robotteamsim_bench --csv bench/results/speed.csv $(ARGS)
 	@$(ENV) $(PYTHON) bench/mission_bench.py --csv bench/results/missions.csv
-	@$(ENV) for script in bench/world_bench.py $(filter-out bench/ros_%.py bench/ros2_bench.py bench/world_bench.py bench/mission_bench.py,$(wildcard bench/*_bench.py)); do $(PYTHON) $$script || exit 1; done
+	@$(ENV) for script in bench/world_bench.py $(filter-out bench/ros_%.py bench/ros2_bench.py bench/world_bench.py bench/mission_bench.py bench/learning_bench.py,$(wildcard bench/*_bench.py)); do $(PYTHON) $$script || exit 1; done
+
+$(PEERS)/.ready: setup/requirements-peers.txt
+	$(call step,VMAS and IR-SIM in $(PEERS),peers) bash -c '/usr/bin/python3 -m venv --clear $(PEERS) && $(PEERS)/bin/python -m pip install --disable-pip-version-check --requirement $<'
+	@touch $@
+
+bench_learning: build_tests $(PEERS)/.ready ## measure environments for learning, VMAS and IR-SIM; ARGS="--csv bench/results/learning.csv"
+	@$(ENV) $(PYTHON) bench/learning_bench.py $(PEERS)/bin/python $(ARGS)
 
 bench_ros: build_tests ## measure worlds, missions, a team and the network of 1000 robots in ROS; ARGS="--csv bench/results/ros.csv"
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_ros_listener > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
