@@ -6,8 +6,8 @@ of the three simulators differ by at most 1.3 mm at the start, as IR-SIM's discs
 centre only. What each computes beyond that is in `Case.computes`.
 
 The peers have their fastest configurations: VMAS no gradients, no drag and the simplest integration, and batches of 64
-too, because larger ones are slower; IR-SIM no figure, and walls as polygons, which are three times as fast as a map.
-IR-SIM 2.12.1, which casts the beams of all robots together, could not be installed. Our time includes the resets of
+too, sometimes faster than 256; IR-SIM no figure, and walls as polygons, which are three times as fast as a
+map. IR-SIM 2.12.1, which casts the beams of all robots together, could not be installed. Our time includes resets of
 missions that have ended; the peers' never end.
 Usage: python bench/learning_cases.py CASE BUILDING.json SECONDS
 """
