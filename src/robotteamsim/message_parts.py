@@ -42,3 +42,10 @@ def header(make: Make, time_ns: int, frame: str) -> Any:
 def point(make: Make, position_m: tuple[float, float]) -> Any:
     """geometry_msgs/Point on the floor."""
     return make("geometry_msgs/Point", x=float(position_m[0]), y=float(position_m[1]), z=0.0)
+
+
+def time_ns(stamp: Any) -> int:
+    """Return the time of a stamp of genpy, rosbags or rclpy [ns]."""
+    if hasattr(stamp, "secs"):
+        return int(stamp.secs * 10**9 + stamp.nsecs)
+    return int(stamp.sec * 10**9 + stamp.nanosec)

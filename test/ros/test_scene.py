@@ -18,10 +18,10 @@ from PIL import Image
 from running import TIMEOUT_S, environment, wait_for_port
 
 from robotteamsim import palette
+from robotteamsim.nodes.scene.building import FLOOR
+from robotteamsim.nodes.scene.team import robot_colour
 from robotteamsim.recording import BagWriter
 from robotteamsim.ros.nodes.rviz_view import fitted
-from robotteamsim.ros.scene.building import FLOOR
-from robotteamsim.ros.scene.team import robot_colour
 from robotteamsim.scenario import Bounds, load
 from robotteamsim.simulation import Simulation
 

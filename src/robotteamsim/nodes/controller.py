@@ -14,12 +14,13 @@ from robotteamsim.interface import Decision, Observation, Task
 from robotteamsim.message_parts import robot_name
 from robotteamsim.network.messages import Message
 from robotteamsim.nodes.inputs import Input, RobotInputs
-from robotteamsim.nodes.node import Node, ParameterError, Transforms
+from robotteamsim.nodes.node import Node, ParameterError
 from robotteamsim.nodes.outputs import Decided, decision_outputs
 from robotteamsim.nodes.scan_check import ScanCheck
 from robotteamsim.nodes.settings import OTHERS_REPORT_S, Settings, read_seed, read_settings
 from robotteamsim.nodes.steps import Step, Steps
 from robotteamsim.nodes.tf_pose import TfPose
+from robotteamsim.nodes.transforms import Transforms
 from robotteamsim.recording.topics.decisions import STAMPED_COMMAND
 from robotteamsim.recording.topics.mission import MISSION_STATUS
 from robotteamsim.recording.topics.radio import INBOX, VOICE
@@ -137,7 +138,7 @@ class TeamController:
     def __init__(self, node: Node, settings: Settings, robot_ids: Sequence[int]) -> None:
         self._node = node
         self._settings = settings
-        self._transforms = node.transforms() if settings.by_tf else None
+        self._transforms = Transforms(node) if settings.by_tf else None
         self._slots = [ControllerSlot(node, settings, robot_id, self._transforms) for robot_id in robot_ids]
         self._newest: dict[str, Any] = {}
         self._task = Task()

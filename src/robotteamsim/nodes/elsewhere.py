@@ -14,10 +14,11 @@ from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import PoseReading
 from robotteamsim.message_parts import robot_name
 from robotteamsim.nodes.inputs import RobotInputs
-from robotteamsim.nodes.node import Node, Transforms
+from robotteamsim.nodes.node import Node
 from robotteamsim.nodes.settings import Settings
 from robotteamsim.nodes.steps import REPORT_TIMEOUT_S
 from robotteamsim.nodes.tf_pose import TfPose
+from robotteamsim.nodes.transforms import Transforms
 from robotteamsim.sensing.readings import RobotReading, TeamReadings
 from robotteamsim.sensing.robots import Sensors
 from robotteamsim.world.contract import AnyWorld
@@ -82,7 +83,7 @@ class RobotsElsewhere:
         """Subscribe."""
         self._step_ns = settings.step_ns
         self._has_time = settings.is_another_world
-        self._transforms = node.transforms() if settings.by_tf else None
+        self._transforms = Transforms(node) if settings.by_tf else None
         self._robots = {i: _Robot(node, settings, i, self._transforms) for i in settings.elsewhere}
         self._changed = threading.Condition()
         self._closed = False

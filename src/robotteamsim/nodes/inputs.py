@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -15,7 +15,7 @@ from robotteamsim.message_parts import robot_name
 from robotteamsim.nodes.node import Node
 from robotteamsim.nodes.settings import Settings
 from robotteamsim.recording.topics import Topic
-from robotteamsim.recording.topics.robots import CONTACT, ODOM, SCAN, TRUTH, ContactReading
+from robotteamsim.recording.topics.robots import BODY_TOPICS, CONTACT, ODOM, SCAN, TRUTH, ContactReading
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.sensors import Sensor
 from robotteamsim.scenario.sensors.base import Moment
@@ -41,6 +41,7 @@ class Input:
     decode:  returns the value of a message. Raises: ValueError.
     is_due:  whether there is a message in the step with a stamp [ns].
     latched: whether the publisher keeps the last message.
+    lossy:   whether the publisher may lose some.
     """
 
     node: Node
@@ -49,6 +50,7 @@ class Input:
     decode: Callable[[Any], Any]
     is_due: Callable[[int], bool] = _always
     latched: bool = False
+    lossy: bool = False
 
     @classmethod
     def of(cls, node: Node, topic: Topic, settings: Settings, robot_id: int | None = None) -> Input:
@@ -57,8 +59,9 @@ class Input:
         reader, setup, name = topic.read, settings.setup, topic.name
         if robot_id is not None:
             name = settings.robot_topic(robot_id, topic.name)
-        latched = settings.is_latched(topic)
-        return cls(node, name, topic.type_name, lambda message: reader(message, setup, robot_id), latched=latched)
+        latched, lossy = settings.is_latched(topic), robot_id in settings.elsewhere and topic in BODY_TOPICS
+        found = cls(node, name, topic.type_name, lambda message: reader(message, setup, robot_id))
+        return replace(found, latched=latched, lossy=lossy)
 
     def listen(self, put: Callable[[str, int, Any], None], queue_size: int | None = None) -> None:
         """Subscribe. Args: put: called with topic, stamp [ns] and value, in a thread of the publisher."""
@@ -76,7 +79,8 @@ class Input:
             else:
                 put(self.topic, stamp_ns, value)
 
-        self.node.listen(self.topic, self.type_name, receive, latched=self.latched, queue_size=queue_size)
+        quality = {"latched": self.latched, "lossy": self.lossy}
+        self.node.listen(self.topic, self.type_name, receive, **quality, queue_size=queue_size)
 
 
 class RobotInputs:
@@ -95,6 +99,7 @@ class RobotInputs:
                 sensor.reading,
                 partial(_is_due, sensor, settings.step_ns, fire),
                 latched=settings.lockstep,
+                lossy=robot_id in settings.elsewhere,
             )
             for sensor in robot.sensors
             if fire is not None or not sensor.needs_fire

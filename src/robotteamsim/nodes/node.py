@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, Protocol
 
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.message_parts import Make
-from robotteamsim.nodes.tf_pose import Newest
 
 KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
 """What is expected of a parameter, by the type of its default."""
@@ -26,17 +25,6 @@ class Output(Protocol):
 
     def publish(self, message: Any) -> None:
         """Publish a message that the node's `make` has made."""
-
-
-class Transforms(Protocol):
-    """The newest transforms from tf."""
-
-    @property
-    def newest(self) -> Newest:
-        """Returns the newest transform between two frames."""
-
-    def clear(self) -> None:
-        """Forget all transforms but static ones."""
 
 
 class Node(Protocol):
@@ -61,7 +49,10 @@ class Node(Protocol):
         """Return such a setting, of the type of its default. Raises: ParameterError."""
 
     def parameter(self, name: str, default: Any) -> Any:
-        """Return a parameter of this node, of the type of its default. Raises: ParameterError."""
+        """Return a parameter of this node, of the type of its default. Raises: ParameterError.
+
+        Names that begin with ~ are below the node's name; /use_sim_time is that of all nodes.
+        """
 
     def change_setting(self, key: str, value: str) -> None:
         """Change a setting for all nodes."""
@@ -76,11 +67,13 @@ class Node(Protocol):
         receive: Callable[[bytes], None],
         *,
         latched: bool = False,
+        lossy: bool = False,
         queue_size: int | None = None,
     ) -> None:
         """Subscribe. Args: receive: called with each message as it was sent, in a thread of its own.
 
-        latched: whether the publisher keeps the last message.  queue_size: of messages that wait; None: all of them.
+        latched: whether the publisher keeps the last message.  lossy: whether it may lose some, as sensors do in ROS 2.
+        queue_size: of messages that wait; None: all of them.
         """
 
     def read(self, type_name: str, data: bytes) -> tuple[int, Any]:
@@ -92,8 +85,8 @@ class Node(Protocol):
     def call(self, name: str, type_name: str, request: Mapping[str, Any]) -> Any:
         """Call a service that another node may offer, with attributes; return the response, or None without one."""
 
-    def transforms(self) -> Transforms:
-        """Listen to tf. Raises: ParameterError: this version of ROS cannot."""
+    def topics(self) -> Collection[str]:
+        """Return the full names of the topics that somebody publishes or, in ROS 2, receives."""
 
     def wait_for_subscribers(self, recorded: Sequence[str], timeout_s: float, sleep: Callable[[float], object]) -> None:
         """Wait until no new subscriber comes, with a timeout [s, wall].

@@ -191,6 +191,6 @@ def _check_tf(node: Node, settings: Settings) -> None:
     scenario = settings.scenario
     walking = [f"victim {victim.name} who walks" for victim in scenario.mission.victims if victim.walks]
     timed = ["schedule", *walking] if scenario.schedule else walking
-    # Their times begin at 0.
-    if timed and not node.parameter("/use_sim_time", False):
+    # Their times begin at 0, as this world's do.
+    if timed and settings.is_another_world and not node.parameter("/use_sim_time", False):
         raise ParameterError(f"/use_sim_time: false; expected true, because the scenario has a {timed[0]}")

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import importlib
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any
 
 import rospy
 
 from robotteamsim.nodes.launched import ros1_setting_name
-from robotteamsim.nodes.node import Output, Transforms
+from robotteamsim.nodes.node import Output
 from robotteamsim.ros.messages import RosTypes, stamp_ns
 from robotteamsim.ros.node import is_running, on_shutdown, parameter, wait_for_shutdown
 from robotteamsim.ros.subscriptions import wait_for_subscribers
-from robotteamsim.ros.topics import RoscppOutput, RospyOutput, read, received_class
-from robotteamsim.ros.transforms import TfTransforms
+from robotteamsim.ros.topics import RospyOutput, read, received_class
 
 LAST_WORDS = (
     "The mission has ended, and this ends the launch. roslaunch reports it in red, as 'REQUIRED process [simulation] "
@@ -28,7 +27,7 @@ logger = logging.getLogger(__name__)
 class Ros1Node:
     """A `Node` of ROS 1: rospy, and roscpp for topics."""
 
-    def __init__(self, kind: type[RospyOutput] | type[RoscppOutput] = RospyOutput) -> None:
+    def __init__(self, kind: Callable[..., Output] = RospyOutput) -> None:
         """Args: kind: of the topics that it publishes."""
         self.make = RosTypes()
         self._kind = kind
@@ -60,6 +59,7 @@ class Ros1Node:
         receive: Callable[[bytes], None],
         *,
         latched: bool = False,
+        lossy: bool = False,
         queue_size: int | None = None,
     ) -> None:
         """As for all nodes."""
@@ -101,9 +101,9 @@ class Ros1Node:
         except rospy.ServiceException:
             return None
 
-    def transforms(self) -> Transforms:
+    def topics(self) -> Collection[str]:
         """As for all nodes."""
-        return TfTransforms()
+        return [name for name, _ in rospy.get_published_topics()]
 
 
 def _service_class(type_name: str) -> Any:

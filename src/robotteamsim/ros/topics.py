@@ -21,12 +21,12 @@ CHECK_S = 0.1
 
 
 class RospyOutput:
-    """A topic of a controller; without receivers, messages need not be built."""
+    """A topic of most nodes; without receivers, messages need not be built."""
 
-    def __init__(self, topic: str, message_class: Any, *, latched: bool = False) -> None:
-        """Advertise."""
+    def __init__(self, topic: str, message_class: Any, *, latched: bool = False, queue_size: int = UNLIMITED) -> None:
+        """Advertise. Args: queue_size: of messages that wait for a slow receiver."""
         self._latched = latched
-        self._publisher = rospy.Publisher(topic, message_class, tcp_nodelay=True, latch=latched, queue_size=UNLIMITED)
+        self._publisher = rospy.Publisher(topic, message_class, tcp_nodelay=True, latch=latched, queue_size=queue_size)
         self.publish = self._publisher.publish
 
     @property

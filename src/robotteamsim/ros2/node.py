@@ -7,7 +7,7 @@ import signal
 import sys
 import threading
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import rclpy
@@ -24,7 +24,7 @@ from rclpy.qos_overriding_options import InvalidQosOverridesError
 from rclpy.signals import SignalHandlerOptions
 
 from robotteamsim.errors import RobotTeamSimError
-from robotteamsim.nodes.node import KINDS, ParameterError, Transforms
+from robotteamsim.nodes.node import KINDS, ParameterError
 from robotteamsim.nodes.shutdown import Shutdown
 from robotteamsim.nodes.steps import REPORT_TIMEOUT_S
 from robotteamsim.recording.bag_types import Ros2Types
@@ -142,15 +142,20 @@ class Ros2Node:
 
     def setting_name(self, key: str) -> str:
         """As for all nodes."""
-        return key if self._owns_settings else f"{SIMULATION} {key}"
+        return key if self._has_settings() else f"{SIMULATION} {key}"
 
     def setting(self, key: str, default: Any) -> Any:
-        """As for all nodes; a parameter of the simulation, for which other nodes wait."""
-        return self.parameter(key, default) if self._owns_settings else self._setting_of_simulation(key, default)
+        """As for all nodes; a parameter of the simulation, for which other nodes without a `scenario` wait."""
+        return self.parameter(key, default) if self._has_settings() else self._setting_of_simulation(key, default)
+
+    def _has_settings(self) -> bool:
+        return self._owns_settings or bool(self.parameter("scenario", ""))
 
     def parameter(self, name: str, default: Any) -> Any:
         """As for all nodes."""
         key = name.strip("~/")
+        if name.startswith("/") and not self._has_settings():
+            return self._setting_of_simulation(key, default)
         if self._node.has_parameter(key):
             return self._node.get_parameter(key).value
         try:
@@ -187,12 +192,11 @@ class Ros2Node:
         receive: Callable[[bytes], None],
         *,
         latched: bool = False,
+        lossy: bool = False,
         queue_size: int | None = None,
     ) -> None:
         """As for all nodes. A latched topic is received from latching publishers only."""
-        profile = quality(latched=False, queue_size=queue_size)
-        if latched:
-            profile.durability = quality(latched=True).durability
+        profile = quality(latched=latched, lossy=lossy, queue_size=queue_size)
         if type_name == TWIST and self.parameter("~stamped_cmd_vel", False):
             type_name, receive = f"{TWIST}Stamped", self._unstamped(receive)
         self._inputs.create_subscription(interface("msg", type_name), topic, receive, profile, raw=True)
@@ -284,9 +288,9 @@ class Ros2Node:
         finally:
             self._inputs.destroy_client(client)
 
-    def transforms(self) -> Transforms:
-        """As for all nodes. Raises: ParameterError: always."""
-        raise ParameterError("control.localisation: tf is not available in ROS 2; expected ground_truth or odometry")
+    def topics(self) -> Collection[str]:
+        """As for all nodes."""
+        return [name for name, _ in self._node.get_topic_names_and_types()]
 
     def wait_for_subscribers(self, recorded: Sequence[str], timeout_s: float, sleep: Callable[[float], object]) -> None:
         """As for all nodes; recorders are subscribers as others are."""

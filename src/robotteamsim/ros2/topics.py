@@ -25,13 +25,12 @@ BEST_EFFORT = QoSOverridingOptions((QoSPolicyKind.RELIABILITY,))
 logger = logging.getLogger(__name__)
 
 
-def quality(*, latched: bool, queue_size: int | None = QUEUE) -> QoSProfile:
+def quality(*, latched: bool, lossy: bool = False, queue_size: int | None = QUEUE) -> QoSProfile:
     """Return the quality of service of a topic. Args: queue_size: None: of all messages."""
     durability = DurabilityPolicy.TRANSIENT_LOCAL if latched else DurabilityPolicy.VOLATILE
     keep = HistoryPolicy.KEEP_ALL if queue_size is None else HistoryPolicy.KEEP_LAST
-    return QoSProfile(
-        history=keep, depth=queue_size or 0, durability=durability, reliability=ReliabilityPolicy.RELIABLE
-    )
+    reliability = ReliabilityPolicy.BEST_EFFORT if lossy else ReliabilityPolicy.RELIABLE
+    return QoSProfile(history=keep, depth=queue_size or 0, durability=durability, reliability=reliability)
 
 
 def interface(kind: str, type_name: str) -> Any:

@@ -1,7 +1,7 @@
 import pytest
 import shapely
 
-from robotteamsim.ros.scene.building import building_markers, door_markers
+from robotteamsim.nodes.scene.building import building_markers, door_markers
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.plan import leaf_corners
@@ -27,8 +27,8 @@ PLAN = FloorPlan(
 
 
 def triangles(item):
-    z = item.pose.position.z
-    corners = [(point.x, point.y, z + point.z) for point in item.points]
+    z = item.position[2]
+    corners = [(x, y, z + height_m) for x, y, height_m in item.points]
     return [corners[i : i + 3] for i in range(0, len(corners), 3)]
 
 
@@ -38,12 +38,11 @@ def only(markers, namespace, marker_id=0):
 
 
 @pytest.mark.parametrize("plan", [PLAN, load("garage_sar").plan], ids=lambda plan: plan.name)
-def test_ids_are_unique_and_no_frame_has_a_leading_slash(plan):
+def test_ids_are_unique(plan):
     states = {door.name: 1.0 for door in plan.doors}
     markers = building_markers(plan, 1.0) + door_markers(plan, states, 1.0)
     assert len({(item.ns, item.id) for item in markers}) == len(markers)
-    assert {item.header.frame_id for item in markers} == {"map"}
-    assert all(len(item.points) == len(item.colors) > 0 for item in markers)
+    assert all(len(item.points) == len(item.tints) > 0 for item in markers)
 
 
 def test_walls_stand_from_the_floor_to_the_cut_and_lower_ones_keep_their_height():
@@ -67,9 +66,9 @@ def test_sides_are_brighter_toward_the_sun_in_the_north_west():
     item = only(building_markers(PLAN, 1.0), "walls")
     light = {}
     for i in range(0, len(item.points), 3):
-        corners, tint = item.points[i : i + 3], item.colors[i]
-        light[frozenset(point.x for point in corners), "x"] = tint.r
-        light[frozenset(point.y for point in corners), "y"] = tint.r
+        corners, tint = item.points[i : i + 3], item.tints[i]
+        light[frozenset(point[0] for point in corners), "x"] = tint[0]
+        light[frozenset(point[1] for point in corners), "y"] = tint[0]
     west, east, south, north = (
         light[frozenset({place}), axis] for place, axis in ((8.0, "x"), (8.5, "x"), (2.0, "y"), (2.5, "y"))
     )
@@ -108,9 +107,9 @@ def test_leaf_that_swings_or_slides_is_drawn_where_it_is():
 
 def test_open_door_can_be_seen_through_and_fireproof_door_looks_different():
     def tint(item):
-        return (item.colors[0].r, item.colors[0].g, item.colors[0].b)
+        return item.tints[0][:3]
 
     closed, fireproof = door_markers(PLAN, {"gate": 0.0, "fire": 0.0}, 1.0)
     opened, _ = door_markers(PLAN, {"gate": 1.0, "fire": 0.0}, 1.0)
-    assert closed.colors[0].a == 1.0 > opened.colors[0].a
+    assert closed.tints[0][3] == 1.0 > opened.tints[0][3]
     assert tint(closed) != tint(fireproof)

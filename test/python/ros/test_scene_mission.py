@@ -6,9 +6,8 @@ from geometry_msgs.msg import Point
 from nav_msgs.msg import OccupancyGrid
 
 from robotteamsim import msg, palette
-from robotteamsim.recording.topics.world import BURNING_VALUE, BURNT_OUT_VALUE
-from robotteamsim.ros.scene.maps import LOUDEST_DB, MAX_CELLS, fire_markers, smoke_markers, voice_markers
-from robotteamsim.ros.scene.mission import (
+from robotteamsim.nodes.scene.maps import LOUDEST_DB, MAX_CELLS, fire_markers, smoke_markers, voice_markers
+from robotteamsim.nodes.scene.mission import (
     VICTIM_COLOURS,
     VictimPictures,
     area_markers,
@@ -17,6 +16,7 @@ from robotteamsim.ros.scene.mission import (
     legend_entries,
     legend_markers,
 )
+from robotteamsim.recording.topics.world import BURNING_VALUE, BURNT_OUT_VALUE
 from robotteamsim.scenario import load
 
 VICTIMS = [
@@ -47,41 +47,40 @@ def named(markers, namespace):
 
 
 def rgb(tint):
-    return (tint.r, tint.g, tint.b)
+    return tuple(tint[:3])
 
 
 @pytest.mark.parametrize("markers", [drawn(VICTIMS), drawn_areas()])
-def test_ids_are_unique_and_no_frame_has_a_leading_slash(markers):
+def test_ids_are_unique(markers):
     assert len({(item.ns, item.id) for item in markers}) == len(markers)
-    assert {item.header.frame_id for item in markers} == {"map"}
 
 
 def test_victims_are_coloured_by_state_named_above_the_walls_and_filled_when_saved():
     markers = drawn(VICTIMS)
     rings, names = named(markers, "victim_rings"), named(markers, "victim_names")
-    assert [rgb(ring.colors[-1]) for ring in rings] == [VICTIM_COLOURS[victim.state][:3] for victim in VICTIMS]
-    assert len({rgb(ring.colors[-1]) for ring in rings}) == 3
-    assert [rgb(ring.colors[0]) == rgb(ring.colors[-1]) for ring in rings] == [False, False, True]
+    assert [rgb(ring.tints[-1]) for ring in rings] == [VICTIM_COLOURS[victim.state][:3] for victim in VICTIMS]
+    assert len({rgb(ring.tints[-1]) for ring in rings}) == 3
+    assert [rgb(ring.tints[0]) == rgb(ring.tints[-1]) for ring in rings] == [False, False, True]
     assert [item.text for item in names] == ["victim 1", "victim 2", "victim 3"]
-    assert {item.pose.position.z for item in names} == {TEXT_Z_M}
+    assert {item.position[2] for item in names} == {TEXT_Z_M}
 
 
 def test_figure_lies_within_the_ring_where_she_is_saved():
     markers = drawn(VICTIMS[:1])
     ring = named(markers, "victim_rings")[0]
-    assert max(np.hypot(point.x - 3.0, point.y - 4.0) for point in ring.points) == pytest.approx(1.0)
+    assert max(np.hypot(point[0] - 3.0, point[1] - 4.0) for point in ring.points) == pytest.approx(1.0)
     for part in named(markers, "victims"):
-        assert np.hypot(part.pose.position.x - 3.0, part.pose.position.y - 4.0) < 1.0
-        assert part.pose.position.z - part.scale.z / 2.0 >= -1e-9
+        assert np.hypot(part.position[0] - 3.0, part.position[1] - 4.0) < 1.0
+        assert part.position[2] - part.scale[2] / 2.0 >= -1e-9
 
 
 def test_areas_are_numbered_in_order_and_look_different_when_explored_target_or_open():
     markers = drawn_areas()
     assert [item.text for item in named(markers, "area_numbers")] == ["A1", "A2", "A3"]
     explored, target, still_open = named(markers, "areas")
-    assert rgb(explored.colors[-1]) == palette.rgb(palette.EXPLORED_AREA)
-    assert len({rgb(item.colors[-1]) for item in (explored, target, still_open)}) == 3
-    assert explored.colors[0].a > still_open.colors[0].a
+    assert rgb(explored.tints[-1]) == palette.rgb(palette.EXPLORED_AREA)
+    assert len({rgb(item.tints[-1]) for item in (explored, target, still_open)}) == 3
+    assert explored.tints[0][3] > still_open.tints[0][3]
 
 
 def rescue():
@@ -102,7 +101,7 @@ def rescue():
 
 
 def heights_m(markers, x_m):
-    return max(m.pose.position.z for m in markers if m.ns == "victims" and abs(m.pose.position.x - x_m) < 1.5)
+    return max(m.position[2] for m in markers if m.ns == "victims" and abs(m.position[0] - x_m) < 1.5)
 
 
 def test_victim_who_can_walk_stands_until_they_collapse():
@@ -125,7 +124,7 @@ def test_fleeing_person_is_blue_without_ring_and_name_until_they_need_help():
     assert {m.text for m in located if m.text} == {"ann", "bob", "eve"}
     assert len(named(fleeing, "victim_rings")) == 2
     blue = palette.rgb(palette.FLEEING)
-    assert {round(m.pose.position.x) for m in named(fleeing, "victims") if rgb(m.color) == blue} == {10}
+    assert {round(m.position[0]) for m in named(fleeing, "victims") if rgb(m.tint) == blue} == {10}
 
 
 def voice(levels_db, resolution_m=0.5, origin_m=(0.0, 0.0)):
@@ -156,16 +155,16 @@ def fading_voice(rows=20, columns=30, resolution_m=0.5):
 
 def test_voice_layer_is_where_it_is_heard():
     (layer,) = voice_markers(voice(fading_voice(), origin_m=(10.0, 20.0)))
-    x = [point.x for point in layer.points]
-    y = [point.y for point in layer.points]
+    x = [point[0] for point in layer.points]
+    y = [point[1] for point in layer.points]
     assert 14.0 - 7.5 < min(x) < 14.0 < max(x) < 14.0 + 7.5
     assert min(y) < 25.0 < max(y)
 
 
 def test_voice_is_more_opaque_where_it_is_louder_and_fades_out_at_its_edge():
     (layer,) = voice_markers(voice(fading_voice()))
-    distance_m = [np.hypot(point.x - 4.0, point.y - 5.0) for point in layer.points]
-    opacity = [tint.a for tint in layer.colors]
+    distance_m = [np.hypot(point[0] - 4.0, point[1] - 5.0) for point in layer.points]
+    opacity = [tint[3] for tint in layer.tints]
     assert opacity[int(np.argmin(distance_m))] == max(opacity)
     assert min(opacity) == 0.0
 
@@ -180,7 +179,7 @@ def test_pillar_tears_no_hole_into_the_voice_layer():
     torn[10:12, 12:14] = 0.0
     (layer,), (mended,) = voice_markers(voice(whole)), voice_markers(voice(torn))
     assert len(mended.points) == len(layer.points)
-    assert [tint.a for tint in mended.colors] == pytest.approx([tint.a for tint in layer.colors], abs=0.15)
+    assert [tint[3] for tint in mended.tints] == pytest.approx([tint[3] for tint in layer.tints], abs=0.15)
 
 
 def grid(cells):
@@ -194,17 +193,17 @@ def test_fire_has_the_colour_of_flames_where_it_burns_and_of_char_where_it_has_b
     cells = np.zeros((4, 5), dtype=np.int8)
     cells[1, 2], cells[2, 4] = BURNING_VALUE, BURNT_OUT_VALUE
     (fire,) = fire_markers(grid(cells))
-    drawn_at = {(point.x, point.y): tint for point, tint in zip(fire.points, fire.colors, strict=True)}
+    drawn_at = {(point[0], point[1]): tint for point, tint in zip(fire.points, fire.tints, strict=True)}
     assert rgb(drawn_at[2.25, 2.75]) == palette.rgb(palette.FLAME)
     assert rgb(drawn_at[3.25, 3.25]) == palette.rgb(palette.CHAR)
-    assert {tint.a for tint in drawn_at.values()} == {0.0, 0.9, 0.95}
+    assert {tint[3] for tint in drawn_at.values()} == {0.0, 0.9, 0.95}
     assert fire_markers(grid(0 * cells)) == []
 
 
 def test_smoke_is_more_opaque_where_one_sees_less_far():
     cells = np.tile(np.arange(0, 101, 25, dtype=np.int8), (3, 1))
     (smoke,) = smoke_markers(grid(cells))
-    opacity = {point.x: tint.a for point, tint in zip(smoke.points, smoke.colors, strict=True)}
+    opacity = {point[0]: tint[3] for point, tint in zip(smoke.points, smoke.tints, strict=True)}
     assert [opacity[x] for x in sorted(opacity)] == pytest.approx([0.0, 0.18, 0.36, 0.54, 0.72])
 
 
@@ -237,11 +236,11 @@ def test_headline_is_north_and_the_legend_south_of_the_building_and_no_wider():
     for name in ("garage_sar", "office_fire"):
         scenario = load(name)
         (min_x, min_y), (max_x, max_y) = scenario.plan.bounds.min, scenario.plan.bounds.max
-        assert headline_marker("words", scenario).pose.position.y > max_y
+        assert headline_marker("words", scenario).position[1] > max_y
         markers = list(legend_markers(scenario))
-        assert max(point.y for item in named(markers, "legend") for point in item.points) < min_y
-        assert min(point.x for item in named(markers, "legend") for point in item.points) >= min_x
-        assert max(word.pose.position.x for word in named(markers, "legend_words")) < max_x
+        assert max(point[1] for item in named(markers, "legend") for point in item.points) < min_y
+        assert min(point[0] for item in named(markers, "legend") for point in item.points) >= min_x
+        assert max(word.position[0] for word in named(markers, "legend_words")) < max_x
         assert len({(item.ns, item.id) for item in markers}) == len(markers)
 
 

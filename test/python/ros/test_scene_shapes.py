@@ -3,10 +3,12 @@ from pathlib import Path
 
 import pytest
 import shapely
+import visualization_msgs.msg
 import yaml
-from visualization_msgs.msg import Marker
 
-from robotteamsim.ros.scene.shapes import PITCH_RAD, Mesh, colour, drawn_below, label, lines, marker, unit
+from robotteamsim.nodes.markers import CYLINDER, Marker, marker_message
+from robotteamsim.nodes.scene.shapes import PITCH_RAD, Mesh, colour, drawn_below, label, lines, unit
+from robotteamsim.ros.messages import RosTypes
 from robotteamsim.scenario import Bounds
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -18,7 +20,7 @@ def test_colour_code_is_read_as_red_green_blue_and_opacity():
 
 
 def test_marker_has_a_frame_without_slash_stamp_0_and_a_unit_quaternion():
-    item = marker("bodies", 3, Marker.CYLINDER, RED, position=(1.0, 2.0, 3.0), yaw_rad=math.pi / 2)
+    item = marker_message(RosTypes(), Marker("bodies", 3, CYLINDER, RED, (1.0, 2.0, 3.0), math.pi / 2))
     assert item.header.frame_id == "map"
     assert item.header.stamp.to_nsec() == 0
     turn = item.pose.orientation
@@ -29,33 +31,33 @@ def test_marker_has_a_frame_without_slash_stamp_0_and_a_unit_quaternion():
 
 def test_label_is_opaque_and_lighter_than_its_colour():
     item = label("names", 0, "ann", (1.0, 0.0, 0.0, 0.2), (0.0, 0.0, 1.0), 0.8)
-    assert item.type == Marker.TEXT_VIEW_FACING
-    assert (item.color.r, item.color.g, item.color.b, item.color.a) == (1.0, 0.5, 0.5, 1.0)
-    assert (item.text, item.scale.z) == ("ann", 0.8)
+    assert item.type == visualization_msgs.msg.Marker.TEXT_VIEW_FACING
+    assert item.tint == (1.0, 0.5, 0.5, 1.0)
+    assert (item.text, item.scale[2]) == ("ann", 0.8)
 
 
 def test_lines_have_two_points_and_two_colours_per_segment():
     item = lines("links", 0, [((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), RED), ((0.0, 1.0, 0.0), (1.0, 1.0, 0.0), BLUE)], 0.1)
-    assert len(item.points) == len(item.colors) == 4
-    assert [tint.b for tint in item.colors] == [0.0, 0.0, 1.0, 1.0]
+    assert len(item.points) == len(item.tints) == 4
+    assert [tint[2] for tint in item.tints] == [0.0, 0.0, 1.0, 1.0]
 
 
 def test_lines_are_as_opaque_as_their_faintest_segment_or_rviz_would_not_blend_them():
     segments = [((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), tint) for tint in (RED, (0.0, 0.0, 1.0, 0.4))]
-    assert lines("links", 0, segments, 0.1).color.a == 0.4
+    assert lines("links", 0, segments, 0.1).tint[3] == 0.4
 
 
 def test_sunken_origin_leaves_the_points_where_they_were():
     item = lines("links", 0, [((1.0, 2.0, 0.5), (3.0, 4.0, 0.5), RED)], 0.1)
     drawn_below(item, 2)
-    assert item.pose.position.z < -100.0
-    assert [item.pose.position.z + point.z for point in item.points] == [0.5, 0.5]
+    assert item.position[2] < -100.0
+    assert [item.position[2] + point[2] for point in item.points] == [0.5, 0.5]
 
 
 def test_label_is_on_the_line_of_sight_of_the_default_view_to_its_place_on_the_floor():
-    at = label("names", 0, "ann", RED, (3.0, 4.0, 2.0), 0.8).pose.position
-    assert (at.x, at.z) == (3.0, 2.0)
-    assert math.atan2(at.z, 4.0 - at.y) == pytest.approx(PITCH_RAD)
+    x_m, y_m, z_m = label("names", 0, "ann", RED, (3.0, 4.0, 2.0), 0.8).position
+    assert (x_m, z_m) == (3.0, 2.0)
+    assert math.atan2(z_m, 4.0 - y_m) == pytest.approx(PITCH_RAD)
 
 
 def test_default_view_is_that_of_the_file_of_rviz():
@@ -70,7 +72,7 @@ def test_sizes_are_equal_on_the_screen_in_every_building():
 
 def area_m2(item):
     triangles = [item.points[i : i + 3] for i in range(0, len(item.points), 3)]
-    return sum(shapely.Polygon([(p.x, p.y) for p in triangle]).area for triangle in triangles)
+    return sum(shapely.Polygon([p[:2] for p in triangle]).area for triangle in triangles)
 
 
 def test_polygon_with_a_hole_is_covered_by_triangles_exactly():
@@ -78,8 +80,8 @@ def test_polygon_with_a_hole_is_covered_by_triangles_exactly():
     mesh.polygon(shapely.box(0, 0, 10, 10) - shapely.box(4, 4, 6, 6), 0.5, RED)
     item = mesh.marker("floor", 0)
     assert area_m2(item) == pytest.approx(96.0)
-    assert len(item.colors) == len(item.points)
-    assert {point.z for point in item.points} == {0.5}
+    assert len(item.tints) == len(item.points)
+    assert {point[2] for point in item.points} == {0.5}
 
 
 def test_ring_area_is_that_of_the_disc_without_the_hole():

@@ -6,7 +6,7 @@ from visualization_msgs.msg import Marker
 
 from robotteamsim import msg, palette
 from robotteamsim.geometry import Pose
-from robotteamsim.ros.scene.team import (
+from robotteamsim.nodes.scene.team import (
     EXCLUDED,
     Links,
     RobotPicture,
@@ -30,17 +30,16 @@ def robot(robot_id, x_m=0.0, y_m=0.0, yaw_rad=0.0, **more):
 
 
 def tint(item):
-    return (item.color.r, item.color.g, item.color.b)
+    return item.tint[:3]
 
 
 def named(markers, namespace):
     return [item for item in markers if item.ns == namespace]
 
 
-def test_ids_of_a_team_are_unique_and_no_frame_has_a_leading_slash():
+def test_ids_of_a_team_are_unique():
     markers = drawn(*(robot(i, i, 2.0 * i, 0.1 * i) for i in range(30)))
     assert len({(item.ns, item.id) for item in markers}) == len(markers)
-    assert {item.header.frame_id for item in markers} == {"map"}
 
 
 def test_robot_without_a_pose_is_not_drawn():
@@ -54,28 +53,28 @@ def test_first_robots_have_different_colours():
 def test_body_has_the_robots_size_at_its_place():
     markers = drawn(robot(4, 3.0, 5.0, math.pi / 2, model=Robot(radius_m=0.3, height_m=0.4)))
     (body,), (deck,) = named(markers, "bodies"), named(markers, "decks")
-    assert (body.scale.x, body.scale.y) == (0.6, 0.6)
-    assert (body.pose.position.x, body.pose.position.y) == (3.0, 5.0)
-    assert deck.pose.position.z + deck.scale.z / 2.0 == pytest.approx(0.4)
+    assert (body.scale[0], body.scale[1]) == (0.6, 0.6)
+    assert (body.position[0], body.position[1]) == (3.0, 5.0)
+    assert deck.position[2] + deck.scale[2] / 2.0 == pytest.approx(0.4)
     assert tint(deck) == robot_colour(4)[:3]
     assert named(markers, "robot_ids")[0].text == "R4"
 
 
 def test_arrow_points_ahead():
     (item,) = named(drawn(robot(0, yaw_rad=1.0)), "arrows")
-    assert 2.0 * math.atan2(item.pose.orientation.z, item.pose.orientation.w) == pytest.approx(1.0)
-    assert max(point.x for point in item.points) > -min(point.x for point in item.points)
+    assert item.yaw_rad == 1.0
+    assert max(point[0] for point in item.points) > -min(point[0] for point in item.points)
 
 
 def test_body_with_corners_is_drawn_over_its_footprint():
     model = Robot(footprint_m=((-0.1, -0.2), (0.5, -0.2), (0.5, 0.2), (-0.1, 0.2)), height_m=0.3)
     (body,) = named(drawn(robot(1, 2.0, 3.0, math.pi / 2.0, model=model)), "bodies")
     assert body.type == Marker.TRIANGLE_LIST
-    xs, ys, zs = zip(*((point.x, point.y, point.z) for point in body.points), strict=True)
+    xs, ys, zs = zip(*body.points, strict=True)
     assert (min(xs), max(xs), min(ys), max(ys)) == pytest.approx((-0.1, 0.5, -0.2, 0.2))
     assert (min(zs), max(zs)) == pytest.approx((0.0, 0.3))
-    assert (body.pose.position.x, body.pose.position.y) == (2.0, 3.0)
-    assert body.pose.orientation.z == pytest.approx(math.sqrt(0.5))
+    assert (body.position[0], body.position[1]) == (2.0, 3.0)
+    assert body.yaw_rad == math.pi / 2.0
 
 
 @pytest.mark.parametrize(
@@ -95,19 +94,19 @@ def test_ring_has_the_colour_of_the_robot_or_its_swarm_and_is_grey_if_excluded(s
 
 def test_number_is_north_of_a_lone_robot_and_away_from_the_rest_of_a_team():
     (number,) = named(drawn(robot(0, 1.0, 1.0)), "robot_ids")
-    assert number.pose.position.x == pytest.approx(1.0)
-    assert number.pose.position.y > 1.0
+    assert number.position[0] == pytest.approx(1.0)
+    assert number.position[1] > 1.0
     west, east = named(drawn(robot(0, 1.0, 1.0), robot(1, 2.0, 1.0)), "robot_ids")
-    assert west.pose.position.x < 0.5
-    assert east.pose.position.x > 2.5
-    assert {west.pose.position.z, east.pose.position.z} == {TEXT_Z_M}
+    assert west.position[0] < 0.5
+    assert east.position[0] > 2.5
+    assert {west.position[2], east.position[2]} == {TEXT_Z_M}
 
 
 def test_base_has_a_second_ring_and_is_named_and_no_other_robot_is():
     markers = drawn(robot(0, is_base=True), robot(1, x_m=9.0))
     (base,), (ring, _) = named(markers, "bases"), named(markers, "rings")
     assert base.id == 0
-    assert max(point.x for point in base.points) > max(point.x for point in ring.points)
+    assert max(point[0] for point in base.points) > max(point[0] for point in ring.points)
     assert [number.text for number in named(markers, "robot_ids")] == ["base R0", "R1"]
 
 
@@ -138,10 +137,10 @@ def test_trail_has_points_at_its_spacing_and_restarts_when_time_jumps_back_or_th
 
 def test_trail_fades_toward_its_oldest_point():
     item = trail_marker(1, [(float(i), 0.0) for i in range(5)], 1.0)
-    opacities = [point_colour.a for point_colour in item.colors]
+    opacities = [point_colour[3] for point_colour in item.tints]
     assert opacities == sorted(opacities)
-    assert len(item.points) == len(item.colors) == 5
-    assert item.color.a < 1.0
+    assert len(item.points) == len(item.tints) == 5
+    assert item.tint[3] < 1.0
 
 
 POSITIONS_M = {0: (0.0, 0.0), 1: (10.0, 0.0), 2: (30.0, 0.0)}
@@ -161,7 +160,7 @@ def among(count, pairs):
 def ends(markers):
     """Return the robots' x at the ends of each link."""
     (links,) = markers
-    return [(a.x, b.x) for a, b in zip(links.points[::2], links.points[1::2], strict=True)]
+    return [(a[0], b[0]) for a, b in zip(links.points[::2], links.points[1::2], strict=True)]
 
 
 def test_links_are_green_and_endangered_ones_red():
@@ -169,7 +168,7 @@ def test_links_are_green_and_endangered_ones_red():
     (item,) = link_markers(links, POSITIONS_M, 1.0)
     assert ends([item]) == [(0.0, 10.0), (10.0, 30.0)]
     codes = [palette.STRONG_LINK, palette.STRONG_LINK, palette.ENDANGERED_LINK, palette.ENDANGERED_LINK]
-    assert [(c.r, c.g, c.b) for c in item.colors] == [palette.rgb(code) for code in codes]
+    assert [c[:3] for c in item.tints] == [palette.rgb(code) for code in codes]
 
 
 def test_link_of_an_unknown_robot_is_not_drawn_and_that_of_robots_in_one_place_is():

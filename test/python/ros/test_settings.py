@@ -132,11 +132,11 @@ def test_robots_elsewhere_are_all_or_listed(parameters, text, ids):
             "/robotteamsim/controllers: inside; expected nodes or team with control.localisation=tf",
         ),
         (
-            {"set": TF + ' schedule=[{"at_s":9.0,"noise_db":20.0}]'},
+            {"set": TF + ' schedule=[{"at_s":9.0,"noise_db":20.0}]', "elsewhere": "all"},
             "/use_sim_time: false; expected true, because the scenario has a schedule",
         ),
         (
-            {"set": TF + " mission.victims.0.path=[[29.0,5.0]]"},
+            {"set": TF + " mission.victims.0.path=[[29.0,5.0]]", "elsewhere": "all"},
             "/use_sim_time: false; expected true, because the scenario has a victim victim_1 who walks",
         ),
         ({**ALONE, "robots": 2}, "/robotteamsim/prefix: false; expected true unless"),
@@ -150,8 +150,9 @@ def test_settings_that_are_wrong_or_do_not_fit_are_rejected(parameters, given, l
         read_settings(NODE)
 
 
-def test_times_of_a_scenario_go_with_poses_from_tf_by_the_simulated_clock(parameters):
-    parameters |= {"/robotteamsim/set": TF + ' schedule=[{"at_s":9.0,"noise_db":20.0}]', "/use_sim_time": True}
+@pytest.mark.parametrize("given", [{}, {"/robotteamsim/elsewhere": "all", "/use_sim_time": True}])
+def test_times_of_a_scenario_go_with_poses_from_tf_by_the_simulated_clock(parameters, given):
+    parameters |= {"/robotteamsim/set": TF + ' schedule=[{"at_s":9.0,"noise_db":20.0}]'} | given
     assert read_settings(NODE).scenario.control.tf_timeout_s == 0.3
 
 

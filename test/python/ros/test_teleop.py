@@ -6,7 +6,7 @@ import termios
 
 import pytest
 
-from robotteamsim.ros.nodes.teleop import FIRST_HOLD_S, REPEAT_HOLD_S, Keys, read_keys, unbuffered
+from robotteamsim.nodes.teleop import FIRST_HOLD_S, REPEAT_HOLD_S, Keys, read_keys, unbuffered
 
 STOP = (0.0, 0.0)
 

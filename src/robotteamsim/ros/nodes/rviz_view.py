@@ -12,7 +12,7 @@ import yaml
 from robotteamsim import palette
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.nodes.launched import read_ros1_scenario
-from robotteamsim.ros.scene.shapes import unit
+from robotteamsim.nodes.scene.shapes import unit
 from robotteamsim.scenario import Scenario
 from robotteamsim.scenario.sections import Team
 

@@ -1,14 +1,14 @@
 """The mission in the 3D scene: areas, victims, and the headline above the building with the legend below it."""
 
 from collections.abc import Iterator, Sequence
+from typing import Any
 
-from visualization_msgs.msg import Marker
-
-from robotteamsim import msg, palette
+from robotteamsim import palette
 from robotteamsim.geometry import Pose
 from robotteamsim.mission.status import SAVED
-from robotteamsim.ros.scene.building import DISC_LAYER, DISC_Z_M
-from robotteamsim.ros.scene.shapes import Mesh, colour, drawn_below, faded, label, person, unit
+from robotteamsim.nodes.markers import Marker
+from robotteamsim.nodes.scene.building import DISC_LAYER, DISC_Z_M
+from robotteamsim.nodes.scene.shapes import Mesh, colour, drawn_below, faded, label, person, unit
 from robotteamsim.scenario import Scenario
 
 VICTIM_COLOURS = {state: colour(code) for state, code in palette.VICTIM_STATES.items()}
@@ -22,8 +22,8 @@ WIDTH_PER_LETTER = 0.48
 """Of a text on the screen, per height of a capital letter."""
 
 
-def area_markers(areas: Sequence[msg.Area], size: float) -> Iterator[Marker]:
-    """Yield a numbered disc for each area: an outline if unexplored, bright if it is the target, green if explored.
+def area_markers(areas: Sequence[Any], size: float) -> Iterator[Marker]:
+    """Yield a numbered disc for each robotteamsim/Area: outlined if unexplored, bright if target, green if explored.
 
     Args: size: see `shapes.unit`.
     """
@@ -54,8 +54,8 @@ class VictimPictures:
         self._text_z_m = text_z_m
         self._fallen: set[str] = set()
 
-    def markers(self, victims: Sequence[msg.Victim]) -> Iterator[Marker]:
-        """Yield a figure for each victim in the colour of their state; with a name and a ring if they need help.
+    def markers(self, victims: Sequence[Any]) -> Iterator[Marker]:
+        """Yield a figure for each robotteamsim/Victim in the colour of their state; name and ring if they need help.
 
         In the ring, a robot saves the victim; it is filled when they are saved.
         """
@@ -65,7 +65,7 @@ class VictimPictures:
         for i, victim in enumerate(victims):
             yield from self._parts(i, victim)
 
-    def _parts(self, index: int, victim: msg.Victim) -> Iterator[Marker]:
+    def _parts(self, index: int, victim: Any) -> Iterator[Marker]:
         of_scenario = self._of_scenario.get(victim.name)
         walks = of_scenario is not None and (of_scenario.can_walk or of_scenario.walks or of_scenario.flees)
         lies = not walks or victim.name in self._fallen
@@ -85,10 +85,13 @@ class VictimPictures:
         yield label("victim_names", index, victim.name.replace("_", " "), tint, at, height_m)
 
 
-def headline_words(status: msg.MissionStatus) -> str:
-    """Return the headline, such as "garage_sar   251.3 s   areas 3/5   victims 2/4   noise 10 dB   running"."""
+def headline_words(status: Any) -> str:
+    """Return the headline of a robotteamsim/MissionStatus.
+
+    Such as "garage_sar   251.3 s   areas 3/5   victims 2/4   noise 10 dB   running".
+    """
     parts = [status.scenario, f"{status.time_s:.1f} s"]
-    if status.explored:
+    if len(status.explored):
         parts.append(f"areas {sum(map(bool, status.explored))}/{len(status.explored)}")
     if status.victims:
         parts.append(f"victims {sum(state in SAVED for state in status.victims)}/{len(status.victims)}")

@@ -2,16 +2,16 @@
 
 import math
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-from nav_msgs.msg import OccupancyGrid
 from scipy import ndimage
-from visualization_msgs.msg import Marker
 
-from robotteamsim import msg, palette
+from robotteamsim import palette
+from robotteamsim.nodes.markers import Colour, Marker
+from robotteamsim.nodes.scene.building import SMOKE_LAYER, VOICE_LAYER, VOICE_Z_M
+from robotteamsim.nodes.scene.shapes import Mesh, colour, drawn_below, faded
 from robotteamsim.recording.topics.world import BURNING_VALUE, BURNT_OUT_VALUE
-from robotteamsim.ros.scene.building import SMOKE_LAYER, VOICE_LAYER, VOICE_Z_M
-from robotteamsim.ros.scene.shapes import Colour, Mesh, colour, drawn_below
 
 FINEST_CELL_M, LOUDEST_DB = 0.01, 300.0
 MAX_CELLS = 12_000
@@ -37,8 +37,8 @@ SMOKE_Z_M, FIRE_Z_M = 0.6, 0.65
 """Smoke is a sheet above the robots, from which people stand out; it does not hide fire [m]."""
 
 
-def voice_markers(voice: msg.FloatMap) -> list[Marker]:
-    """Return a voice map; nothing without voices. Raises: ValueError."""
+def voice_markers(voice: Any) -> list[Marker]:
+    """Return a voice map, robotteamsim/FloatMap; nothing without voices. Raises: ValueError."""
     levels_db = np.reshape(voice.data, (voice.height, voice.width))
     if not (voice.resolution_m >= FINEST_CELL_M and ((levels_db >= 0.0) & (levels_db <= LOUDEST_DB)).all()):
         raise ValueError(f"expected cells of at least {FINEST_CELL_M:g} m and levels of 0 to {LOUDEST_DB:g} dB")
@@ -53,17 +53,17 @@ def voice_markers(voice: msg.FloatMap) -> list[Marker]:
     return [drawn_below(_layer("voice", x_m, y_m, levels_db, VOICE, VOICE_Z_M, fade), VOICE_LAYER)]
 
 
-def fire_markers(grid: OccupancyGrid) -> list[Marker]:
-    """Return the cells that burn or have burnt. Raises: ValueError."""
+def fire_markers(grid: Any) -> list[Marker]:
+    """Return the cells of a nav_msgs/OccupancyGrid that burn or have burnt. Raises: ValueError."""
     return _grid_markers("fire", grid, FIRE, FIRE_Z_M)
 
 
-def smoke_markers(grid: OccupancyGrid) -> list[Marker]:
+def smoke_markers(grid: Any) -> list[Marker]:
     """Return smoke, more opaque where one sees less far. Raises: ValueError."""
     return [drawn_below(item, SMOKE_LAYER) for item in _grid_markers("smoke", grid, SMOKE, SMOKE_Z_M)]
 
 
-def _grid_markers(name: str, grid: OccupancyGrid, scale: Scale, z_m: float) -> list[Marker]:
+def _grid_markers(name: str, grid: Any, scale: Scale, z_m: float) -> list[Marker]:
     info, values = grid.info, np.reshape(grid.data, (grid.info.height, grid.info.width))
     if not (values > 0).any():
         return []
@@ -97,5 +97,5 @@ def _layer(
         around = ((i, j), (i, j + 1), (i + 1, j + 1), (i + 1, j))
         mesh.quad([(xs[column], ys[row], z_m) for row, column in around], [tint[row][column] for row, column in around])
     result = mesh.marker(name, 0)
-    result.color.a = 0.99  # rviz blends only what is not opaque
+    result.tint = faded(result.tint, 0.99)  # rviz blends only what is not opaque
     return result

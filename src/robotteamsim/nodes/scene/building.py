@@ -4,10 +4,10 @@ import itertools
 from collections.abc import Iterator, Mapping
 
 import shapely
-from visualization_msgs.msg import Marker
 
 from robotteamsim import palette
-from robotteamsim.ros.scene.shapes import Colour, Mesh, Position, colour, faded, lines
+from robotteamsim.nodes.markers import Colour, Marker, Position
+from robotteamsim.nodes.scene.shapes import Mesh, colour, faded, lines
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import leaf_corners, solids
 

@@ -4,31 +4,27 @@ import math
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import shapely
-from geometry_msgs.msg import Point
 from scipy.sparse import csgraph
 from scipy.spatial import distance
-from std_msgs.msg import ColorRGBA
-from visualization_msgs.msg import Marker
 
-from robotteamsim import msg, palette
+from robotteamsim import palette
 from robotteamsim.geometry import Pose
 from robotteamsim.network.compact import row_bytes, unpacked
-from robotteamsim.ros.scene.building import TRAIL_LAYER, TRAIL_Z_M
-from robotteamsim.ros.scene.shapes import (
+from robotteamsim.nodes.markers import CYLINDER, LINE_STRIP, Colour, Marker, Position
+from robotteamsim.nodes.scene.building import TRAIL_LAYER, TRAIL_Z_M
+from robotteamsim.nodes.scene.shapes import (
     WHITE,
-    Colour,
     Mesh,
-    Position,
     circle_points,
     colour,
     drawn_below,
     faded,
     label,
     lines,
-    marker,
     person,
     shaded,
 )
@@ -126,10 +122,10 @@ def _body(robot: RobotPicture, pose: Pose) -> list[Marker]:
         return [_placed(mesh.marker("bodies", robot.robot_id), pose)]
     width_m, height_m = 2.0 * model.reach_m, model.height_m
     return [
-        marker(
+        Marker(
             name,
             robot.robot_id,
-            Marker.CYLINDER,
+            CYLINDER,
             part_tint,
             position=(pose.x_m, pose.y_m, z * height_m),
             scale=(part * width_m, part * width_m, thickness * height_m),
@@ -142,8 +138,8 @@ def _ring(robot: RobotPicture, pose: Pose, sign: Colour, ring_m: float, width_m:
     """Yield a ring with an arrow ahead; a second, white ring around the base."""
     for name, tint, radius_m in (("rings", sign, ring_m), ("bases", WHITE, 1.35 * ring_m)):
         if name == "rings" or robot.is_base:
-            ring = marker(name, robot.robot_id, Marker.LINE_STRIP, tint, scale=(width_m, 0.0, 0.0))
-            ring.points = [Point(x, y, RING_Z_M) for x, y in circle_points(radius_m, 24)]
+            ring = Marker(name, robot.robot_id, LINE_STRIP, tint, scale=(width_m, 0.0, 0.0))
+            ring.points = [(x, y, RING_Z_M) for x, y in circle_points(radius_m, 24)]
             yield _placed(ring, pose)
     arrow, base_m, half_m = Mesh(), ring_m, 0.36 * ring_m
     corners = [(1.6 * ring_m, 0.0), (base_m - 0.1 * ring_m, half_m), (base_m - 0.1 * ring_m, -half_m)]
@@ -153,20 +149,19 @@ def _ring(robot: RobotPicture, pose: Pose, sign: Colour, ring_m: float, width_m:
 
 def _placed(item: Marker, pose: Pose) -> Marker:
     """Return a marker of points in base_link, moved to a robot."""
-    item.pose.position.x, item.pose.position.y = pose.x_m, pose.y_m
-    item.pose.orientation.z, item.pose.orientation.w = math.sin(0.5 * pose.yaw_rad), math.cos(0.5 * pose.yaw_rad)
+    item.position, item.yaw_rad = (pose.x_m, pose.y_m, item.position[2]), pose.yaw_rad
     return item
 
 
 def trail_marker(robot_id: int, points_m: Sequence[tuple[float, float]], size: float) -> Marker:
     """Return a line that fades towards its oldest point; needs at least two points."""
     tint = robot_colour(robot_id)
-    result = marker("trails", robot_id, Marker.LINE_STRIP, faded(tint, 0.99), scale=(0.16 * size, 0.0, 0.0))
+    result = Marker("trails", robot_id, LINE_STRIP, faded(tint, 0.99), scale=(0.16 * size, 0.0, 0.0))
     # Trails have slightly different heights; otherwise they would flicker where they cross.
     z_m = TRAIL_Z_M + 0.003 * (robot_id % 8)
-    result.points = [Point(x, y, z_m) for x, y in points_m]
+    result.points = [(x, y, z_m) for x, y in points_m]
     opacities = np.linspace(0.25, 0.9, len(points_m)).tolist()
-    result.colors = [ColorRGBA(*faded(shaded(tint, 0.9), opacity)) for opacity in opacities]
+    result.tints = [faded(shaded(tint, 0.9), opacity) for opacity in opacities]
     return drawn_below(result, TRAIL_LAYER)
 
 
@@ -178,8 +173,8 @@ class Links:
     endangered: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), bool))
 
 
-def links_of(message: msg.NetworkLinks) -> Links:
-    """Return the links in a message. Raises: ValueError: it has too few bytes."""
+def links_of(message: Any) -> Links:
+    """Return the links in a robotteamsim/NetworkLinks. Raises: ValueError: it has too few bytes."""
     shape = (message.num_robots, row_bytes(message.num_robots))
     rows = (np.frombuffer(bits, np.uint8).reshape(shape) for bits in (message.adjacency, message.endangered))
     return Links(*(unpacked(bits, message.num_robots) for bits in rows))

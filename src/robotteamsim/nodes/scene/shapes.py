@@ -5,28 +5,18 @@ import math
 from collections.abc import Iterable, Sequence
 
 import shapely
-from geometry_msgs.msg import Point
 from shapely.geometry.polygon import orient
-from std_msgs.msg import ColorRGBA
-from visualization_msgs.msg import Marker
 
 from robotteamsim import palette
 from robotteamsim.geometry import Pose
+from robotteamsim.nodes.markers import LINE_LIST, SPHERE, TEXT_VIEW_FACING, TRIANGLE_LIST, Colour, Marker, Position
 from robotteamsim.scenario import Bounds
-
-FRAME = "map"
 
 FITTED_M = 60.0, 40.0
 """Width and depth of the building for which the sizes of the scene and rviz/robotteamsim.rviz were made."""
 
 PITCH_RAD = 1.12
 """Of the camera of the default view, which looks north and down."""
-
-Colour = tuple[float, float, float, float]
-"""Red, green, blue and opacity, each 0..1."""
-
-Position = tuple[float, float, float]
-"""x, y, z in the map frame, or in the frame of the marker's own pose [m]."""
 
 _SUN_AZIMUTH_RAD = 0.75 * math.pi
 
@@ -61,29 +51,6 @@ def shaded(base: Colour, factor: float) -> Colour:
     return (red, green, blue, base[3])
 
 
-def marker(
-    namespace: str,
-    marker_id: int,
-    kind: int,
-    tint: Colour,
-    *,
-    position: Position = (0.0, 0.0, 0.0),
-    yaw_rad: float = 0.0,
-    scale: Position = (1.0, 1.0, 1.0),
-) -> Marker:
-    """Return a marker of a kind such as Marker.CYLINDER in the map frame.
-
-    Its stamp is 0, "at any time", so that rviz needs no current transform, which a paused or slow world lacks.
-    """
-    result = Marker(ns=namespace, id=marker_id, type=kind, action=Marker.ADD, color=ColorRGBA(*tint))
-    result.header.frame_id = FRAME
-    result.pose.position = Point(*position)
-    result.pose.orientation.z = math.sin(yaw_rad / 2.0)
-    result.pose.orientation.w = math.cos(yaw_rad / 2.0)
-    result.scale.x, result.scale.y, result.scale.z = scale
-    return result
-
-
 def label(namespace: str, marker_id: int, words: str, tint: Colour, position: Position, height_m: float) -> Marker:
     """Return a text that faces the viewer, in a light tone of `tint`.
 
@@ -93,20 +60,18 @@ def label(namespace: str, marker_id: int, words: str, tint: Colour, position: Po
     (red, green, blue, _), (x, y, z) = tint, position
     light = (0.5 + 0.5 * red, 0.5 + 0.5 * green, 0.5 + 0.5 * blue, 1.0)
     at, scale = (x, y - z / math.tan(PITCH_RAD), z), (0.0, 0.0, height_m)
-    result = marker(namespace, marker_id, Marker.TEXT_VIEW_FACING, light, position=at, scale=scale)
-    result.text = words
-    return result
+    return Marker(namespace, marker_id, TEXT_VIEW_FACING, light, at, scale=scale, text=words)
 
 
 def lines(
     namespace: str, marker_id: int, segments: Iterable[tuple[Position, Position, Colour]], width_m: float
 ) -> Marker:
     """Return one marker of many straight lines, each with its own colour."""
-    result = marker(namespace, marker_id, Marker.LINE_LIST, WHITE, scale=(width_m, 0.0, 0.0))
+    result = Marker(namespace, marker_id, LINE_LIST, WHITE, scale=(width_m, 0.0, 0.0))
     for start, end, tint in segments:
-        result.points += [Point(*start), Point(*end)]
-        result.colors += [ColorRGBA(*tint)] * 2
-        result.color.a = min(result.color.a, tint[3])  # rviz blends lines only where this is below 1
+        result.points += [start, end]
+        result.tints += [tint] * 2
+        result.tint = faded(WHITE, min(result.tint[3], tint[3]))  # rviz blends lines only where this is below 1
     return result
 
 
@@ -118,9 +83,9 @@ def drawn_below(item: Marker, layer: int) -> Marker:
     computes with 24 bits and the layers are a centimetre apart.
     """
     depth_m = 100.0 + 5.0 * layer
-    item.pose.position.z -= depth_m
-    for point in item.points:
-        point.z += depth_m
+    x_m, y_m, z_m = item.position
+    item.position = (x_m, y_m, z_m - depth_m)
+    item.points = [(x_m, y_m, z_m + depth_m) for x_m, y_m, z_m in item.points]
     return item
 
 
@@ -132,9 +97,7 @@ def person(
     for i, (dressed, along_m, z_m, size_m) in enumerate(_LYING if lies else _UPRIGHT):
         at, tint = pose @ Pose(along_m, 0.0, 0.0), clothes if dressed else head
         place = (at.x_m, at.y_m, z_m + raised_m)
-        found.append(
-            marker(namespace, 2 * number + i, Marker.SPHERE, tint, position=place, yaw_rad=pose.yaw_rad, scale=size_m)
-        )
+        found.append(Marker(namespace, 2 * number + i, SPHERE, tint, place, pose.yaw_rad, size_m))
     return found
 
 
@@ -151,13 +114,13 @@ class Mesh:
     """
 
     def __init__(self) -> None:
-        self._points: list[Point] = []
-        self._colours: list[ColorRGBA] = []
+        self._points: list[Position] = []
+        self._colours: list[Colour] = []
 
     def triangle(self, corners: Sequence[Position], tints: Sequence[Colour]) -> None:
         """Add one triangle with a colour per corner."""
-        self._points += [Point(*corner) for corner in corners]
-        self._colours += [ColorRGBA(*tint) for tint in tints]
+        self._points += corners
+        self._colours += tints
 
     def quad(self, corners: Sequence[Position], tints: Sequence[Colour]) -> None:
         """Add a quadrilateral; corners in order around it."""
@@ -192,6 +155,4 @@ class Mesh:
 
     def marker(self, namespace: str, marker_id: int) -> Marker:
         """Return the collected triangles as one marker."""
-        result = marker(namespace, marker_id, Marker.TRIANGLE_LIST, WHITE)
-        result.points, result.colors = self._points, self._colours
-        return result
+        return Marker(namespace, marker_id, TRIANGLE_LIST, WHITE, points=self._points, tints=self._colours)

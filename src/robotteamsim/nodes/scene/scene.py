@@ -1,0 +1,300 @@
+"""The node `scene`: draws the public topics of a run, or of a bag, as markers for rviz."""
+
+import logging
+import re
+import time
+from collections import deque
+from collections.abc import Callable, Iterable
+from typing import Any, Generic, TypeVar
+
+import shapely
+
+from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.geometry import Pose
+from robotteamsim.message_parts import MAP_FRAME, header, robot_name
+from robotteamsim.nodes.inputs import Input
+from robotteamsim.nodes.launched import read_scenario
+from robotteamsim.nodes.markers import ARRAY, ARROW, DELETE, DELETE_ALL, Marker, array_message
+from robotteamsim.nodes.node import Node
+from robotteamsim.nodes.scene.building import building_markers, door_markers, openings_at_start
+from robotteamsim.nodes.scene.maps import fire_markers, smoke_markers, voice_markers
+from robotteamsim.nodes.scene.mission import (
+    VictimPictures,
+    area_markers,
+    headline_marker,
+    headline_words,
+    legend_markers,
+)
+from robotteamsim.nodes.scene.shapes import WHITE, unit
+from robotteamsim.nodes.scene.team import Links, RobotPicture, link_markers, links_of, team_markers, trail_marker
+from robotteamsim.nodes.settings import OTHERS_REPORT_S
+from robotteamsim.nodes.transforms import STATIC, Transforms
+from robotteamsim.recording.topics.decisions import STATUS
+from robotteamsim.recording.topics.robots import ODOM, TF, TRUTH, read_odometry
+from robotteamsim.recording.topics.world import FIRE, ROBOTS, SMOKE
+from robotteamsim.scenario import Bounds, Scenario
+from robotteamsim.scenario.sections import Robot
+from robotteamsim.setup import resolve
+
+logger = logging.getLogger(__name__)
+
+DRAW_PERIOD_S = 0.1
+IDLE_RATIO = 4.0
+"""After each update the node waits for this multiple of its duration, up to a limit: more robots, fewer updates."""
+MAX_IDLE_S = 0.5
+DISCOVERY_PERIOD_S = 0.5
+TRAIL_PERIOD_S = 0.5
+RESEND_PERIOD_S = 3.0
+"""rviz deletes all markers when time jumps backwards, and with its Reset button."""
+TRAIL_POINTS = 6_000
+"""Of all robots together."""
+WALL_HEIGHT_M, LOW_WALLS_PER_UNIT_M = 1.1, 3.0
+"""Where walls are cut by default; lower in small buildings, where so high walls would hide the floor."""
+TEXT_ABOVE_WALLS_M = 0.8
+"""Height of the middle of texts above walls, which would hide them, in a building of 60 x 40 m."""
+UNREADABLE = (ValueError, KeyError, ArithmeticError, shapely.errors.ShapelyError)
+T = TypeVar("T")
+
+
+def serve(node: Node) -> None:
+    """Draw until the node is shut down. Its parameter ~wall_height_m is the height at which walls are cut, to look in.
+
+    Raises: ParameterError, PlacementError, ScenarioError.
+    """
+    try:
+        scenario = read_scenario(node.setting, node.setting_name)
+        scene = Scene(node, scenario, node.parameter("~wall_height_m", wall_height(scenario.plan.bounds)))
+    except RobotTeamSimError:
+        node.wait_for_shutdown(OTHERS_REPORT_S)
+        raise
+    while node.is_running():
+        started_s = time.monotonic()
+        scene.step(started_s)
+        drawing_s = time.monotonic() - started_s
+        node.wait_for_shutdown(max(DRAW_PERIOD_S - drawing_s, min(IDLE_RATIO * drawing_s, MAX_IDLE_S)))
+
+
+def wall_height(bounds: Bounds) -> float:
+    """Return the default height at which the walls of a building are cut [m]."""
+    return min(WALL_HEIGHT_M, LOW_WALLS_PER_UNIT_M * unit(bounds))
+
+
+class Newest(Generic[T]):
+    """What the newest message of a topic contains, if it was not drawn yet."""
+
+    def __init__(
+        self, node: Node, topic: str, type_name: str, read: Callable[[Any], T], *, latched: bool = True
+    ) -> None:
+        """Subscribe. Args: read: returns what is drawn, or raises one of UNREADABLE."""
+        self._node, self._topic, self._type_name, self._read = node, topic, type_name, read
+        self._messages: deque[bytes] = deque(maxlen=1)
+        self._is_warned = False
+        node.listen(topic, type_name, self._messages.append, latched=latched, queue_size=1)
+
+    def take(self) -> T | None:
+        """Return it once; None if there is no new message, or one that does not fit to the scenario."""
+        try:
+            return self._read(self._node.read(self._type_name, self._messages.pop())[1]) if self._messages else None
+        except UNREADABLE as error:
+            if not self._is_warned:
+                self._is_warned = True
+                logger.warning("%s: ignoring messages that cannot be drawn: %r", self._topic, error)
+            return None
+
+
+class Layer:
+    """A latched topic of markers."""
+
+    def __init__(self, node: Node, name: str, markers: Iterable[Marker] = ()) -> None:
+        self._make = node.make
+        self._output = node.output(f"/scene/{name}", ARRAY, latched=True)
+        self._markers: list[Marker] = []
+        self.draw(markers, gone=[_deletion("", 0, DELETE_ALL)])  # those of an earlier run
+
+    def draw(self, markers: Iterable[Marker], gone: Iterable[Marker] = ()) -> None:
+        """Replace the contents of the topic. Args: gone: further deletions."""
+        found = list(markers)
+        left = {(item.ns, item.id): None for item in self._markers}  # in their order
+        for item in found:
+            left.pop((item.ns, item.id), None)
+        deletions = [*gone, *(_deletion(*key, DELETE) for key in left)]
+        self._output.publish(array_message(self._make, deletions + found))
+        self._markers = found
+
+    def draw_again(self) -> None:
+        """Publish the contents again."""
+        self._output.publish(array_message(self._make, self._markers))
+
+
+def _deletion(namespace: str, marker_id: int, action: int) -> Marker:
+    return Marker(namespace, marker_id, ARROW, WHITE, action=action)
+
+
+class Team:
+    """The robots, their trails and links; each robot is drawn from its first pose on."""
+
+    def __init__(self, node: Node, scenario: Scenario, text_z_m: float) -> None:
+        """Args: text_z_m: height of texts, above the walls."""
+        self._node = node
+        self._scenario, self._text_z_m, self._size = scenario, text_z_m, unit(scenario.plan.bounds)
+        self._models = resolve(scenario).robots
+        self._robots: dict[int, RobotPicture] = {}
+        self._statuses: dict[int, Newest[Any]] = {}
+        self._present = Newest(node, ROBOTS.name, ROBOTS.type_name, lambda message: bytes(message.present))
+        self._absent: set[int] = set()
+        self._newest_links = Newest(node, "/network/links", "robotteamsim/NetworkLinks", links_of, latched=False)
+        self._links = Links()
+        self.layers = {name: Layer(node, name) for name in ("trails", "links", "robots")}
+        self._transforms = Transforms(node) if scenario.control.localisation == "tf" else None
+        self._changed = False
+        self._trails_due_s = 0.0
+
+    def discover(self) -> None:
+        """Subscribe to the topics of further robots; a single robot without a namespace is robot 0."""
+        names = TRUTH.name if self._transforms is None else f"{TRUTH.name}|{ODOM.name}"
+        for topic in self._node.topics():
+            found = re.fullmatch(rf"(/(?:robot_(\d+)/)?)({names})", topic)
+            if found and int(found[2] or 0) not in self._robots:
+                self._add(int(found[2] or 0), found[1])
+
+    def _add(self, robot_id: int, prefix: str) -> None:
+        scenario = self._scenario
+        model = self._models[robot_id] if robot_id < len(self._models) else Robot()
+        robot = RobotPicture(robot_id, model, scenario.role_of(robot_id), scenario.base == robot_id)
+        if self._transforms is None:
+            truth = Input(self._node, prefix + TRUTH.name, TRUTH.type_name, read_odometry)
+            truth.listen(lambda _, stamp_ns, seen: self._move(robot, stamp_ns / 1e9, seen.pose.pose))
+        status = f"{prefix}{STATUS.name}"
+        self._statuses[robot_id] = Newest(self._node, status, STATUS.type_name, lambda message: message, latched=False)
+        self._robots = dict(sorted([*self._robots.items(), (robot_id, robot)]))
+
+    def _move(self, robot: RobotPicture, time_s: float, pose: Pose) -> None:
+        robot.move(time_s, pose)
+        self._changed = True
+
+    def _look_up(self, transforms: Transforms) -> None:
+        for robot_id, robot in self._robots.items():
+            found, _ = transforms.newest(MAP_FRAME, f"{robot_name(robot_id)}/base_link")
+            if found is not None:
+                stamp_ns, *pose = found
+                self._move(robot, stamp_ns / 1e9, Pose(*pose))
+
+    def update(self, now_s: float) -> None:
+        """Draw new messages; trails twice per second [s, wall]."""
+        if self._transforms is not None:
+            self._look_up(self._transforms)
+        self._read()
+        if not self._changed:
+            return
+        self._changed = False
+        seen = [robot for robot in self._robots.values() if robot.pose and robot.robot_id not in self._absent]
+        self.layers["robots"].draw(team_markers(seen, self._size, self._text_z_m))
+        positions_m = {robot.robot_id: (robot.pose.x_m, robot.pose.y_m) for robot in seen if robot.pose}
+        self.layers["links"].draw(link_markers(self._links, positions_m, self._size))
+        if now_s < self._trails_due_s:
+            self._changed = True
+            return
+        self._trails_due_s = now_s + TRAIL_PERIOD_S
+        trails = {robot.robot_id: list(robot.trail_m) for robot in self._robots.values()}
+        points = max(100, TRAIL_POINTS // max(1, len(trails)))
+        self.layers["trails"].draw(
+            trail_marker(robot_id, trail[-points:], self._size) for robot_id, trail in trails.items() if len(trail) > 1
+        )
+
+    def _read(self) -> None:
+        """Note what robots, controllers and the network have published."""
+        present, links = self._present.take(), self._newest_links.take()
+        if present is not None:
+            absent = {robot_id for robot_id, is_present in enumerate(present) if not is_present}
+            for robot_id in self._absent - absent & self._robots.keys():
+                self._robots[robot_id].trail_m.clear()
+            self._changed |= absent != self._absent
+            self._absent = absent
+        if links is not None:
+            self._links, self._changed = links, True
+        several_swarms = self._scenario.control.several_swarms
+        for robot_id, newest in self._statuses.items():
+            status = newest.take()
+            if status is not None:
+                robot = self._robots[robot_id]
+                robot.excluded, robot.swarm = status.excluded, status.swarm if several_swarms else None
+
+
+class Scene:
+    """Publishes markers when something has changed."""
+
+    def __init__(self, node: Node, scenario: Scenario, wall_height_m: float) -> None:
+        scenario = resolve(scenario).scenario  # with the people whom the seed draws
+        plan, size = scenario.plan, unit(scenario.plan.bounds)
+        text_z_m = wall_height_m + TEXT_ABOVE_WALLS_M * size
+        victims = VictimPictures(scenario, text_z_m)
+        at_start, legend = openings_at_start(plan), list(legend_markers(scenario))
+
+        def draw_doors(doors: Any) -> list[Marker]:
+            openings = at_start | {door.name: door.opening for door in doors.doors}
+            return door_markers(plan, openings, wall_height_m)
+
+        def draw_headline(status: Any) -> list[Marker]:
+            return [headline_marker(headline_words(status), scenario), *legend]
+
+        def draw_areas(found: Any) -> list[Marker]:
+            return list(area_markers(found.areas, size))
+
+        def draw_victims(found: Any) -> list[Marker]:
+            return list(victims.markers(found.victims))
+
+        doors = door_markers(plan, at_start, wall_height_m)
+        self._pictures = [
+            (Newest(node, topic, type_name, draw), Layer(node, layer, begin))
+            for layer, topic, type_name, draw, begin in (
+                ("doors", "/world/doors", "robotteamsim/Doors", draw_doors, doors),
+                ("areas", "/mission/areas", "robotteamsim/Areas", draw_areas, []),
+                ("victims", "/mission/victims", "robotteamsim/Victims", draw_victims, []),
+                ("headline", "/mission/status", "robotteamsim/MissionStatus", draw_headline, legend),
+                ("voice", "/voice_map/values", "robotteamsim/FloatMap", voice_markers, []),
+                ("fire", FIRE.name, FIRE.type_name, fire_markers, []),
+                ("smoke", SMOKE.name, SMOKE.type_name, smoke_markers, []),
+            )
+        ]
+        self._team = Team(node, scenario, text_z_m)
+        building = Layer(node, "building", building_markers(plan, wall_height_m))
+        self._layers = [building, *(layer for _, layer in self._pictures), *self._team.layers.values()]
+        self._discovery_due_s = 0.0
+        self._resend_due_s = RESEND_PERIOD_S + time.monotonic()
+        _publish_frame(node, plan.bounds)
+
+    def step(self, now_s: float) -> None:
+        """Draw new messages; now_s is wall time, as in rviz."""
+        if now_s >= self._discovery_due_s:
+            self._discovery_due_s = now_s + DISCOVERY_PERIOD_S
+            self._team.discover()
+        for newest, layer in self._pictures:
+            markers = newest.take()
+            if markers is not None:
+                layer.draw(markers)
+        self._team.update(now_s)
+        if now_s >= self._resend_due_s:
+            self._resend_due_s = now_s + RESEND_PERIOD_S
+            for layer in self._layers:
+                layer.draw_again()
+
+
+def _publish_frame(node: Node, bounds: Bounds) -> None:
+    """Publish the frame `building` at the centre of the plan, at which rviz's camera looks.
+
+    This also defines `map`, which the world may not publish; rviz warns if its fixed frame does not exist.
+    """
+    make = node.make
+    x, y = ((low + high) / 2.0 for low, high in zip(bounds.min, bounds.max, strict=True))
+    place = make(
+        "geometry_msgs/Transform",
+        translation=make("geometry_msgs/Vector3", x=x, y=y, z=0.0),
+        rotation=make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
+    )
+    frame = make(
+        "geometry_msgs/TransformStamped",
+        header=header(make, 0, MAP_FRAME),
+        child_frame_id="building",
+        transform=place,
+    )
+    node.output(STATIC, TF.type_name, latched=True).publish(make(TF.type_name, transforms=[frame]))
