@@ -123,10 +123,10 @@ def test_scans_are_sent_by_best_effort_on_request(tmp_path, peer):
             ("scenario:=garage_sar", "qos_overrides./robot_0/odom.publisher.reliability:=besteffort"),
             "qos_overrides./robot_0/odom: ",
         ),
-        (("scenario:=garage_sar", "elsewhere:=all"), "elsewhere: robots in another world are not"),
+        (("scenario:=garage_sar", "elsewhere:=3"), "elsewhere: 3; expected 0 to 2"),
         (
-            ("scenario:=garage_sar", "set:=control.localisation=tf"),
-            "control.localisation: tf is not available in ROS 2",
+            ("scenario:=garage_sar", "set:=control.localisation=tf", "controllers:=inside"),
+            "controllers: inside; expected nodes or team with control.localisation=tf",
         ),
     ],
 )

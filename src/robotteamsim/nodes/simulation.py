@@ -12,6 +12,7 @@ from typing import Any
 
 from rich.console import Console
 
+from robotteamsim import recording
 from robotteamsim.analysis.runs.tables import print_totals
 from robotteamsim.geometry import Pose
 from robotteamsim.nodes.answers import CommandsByTopic, ControllersByTopic, ControllersInside
@@ -51,6 +52,8 @@ PATIENCE_S = 0.02
 """Without lockstep, a step waits this long for the answers of controllers [s, wall]."""
 FAREWELL_S = 0.5
 """Time for the last messages to reach recorders before the node, and with it the launch, ends [s, wall]."""
+RECORDERS = {".bag": "BagWriter", ".mcap": "McapWriter"}
+"""Observers by the ending of ~record, imported on first use."""
 RADIO_MAP_RESOLUTION_M = 0.25
 FINEST_M, COARSEST_M = 0.05, 10.0
 """Range of the resolution of requested maps; a finer map would be a message of many megabytes."""
@@ -69,6 +72,7 @@ class SteppedSimulation:
         self._stays = node.parameter("~stays", False) or not settings.mission
         out = node.parameter("~out", "")
         self._folder = Path(out).expanduser() if out else None
+        self._recording = _recording(node)
         self._starts_paused = node.parameter("~paused", False)
         self._motion = _motion(node, settings)
         self._pacer = _pacer(node)
@@ -264,6 +268,8 @@ class SteppedSimulation:
         if self._folder is not None:
             # mission.json is written last: if it exists, the rest is complete.
             recorders = [TumWriter(self._folder / "trajectories"), ResultWriter(self._folder)]
+        if self._recording is not None:
+            recorders.insert(0, getattr(recording, RECORDERS[self._recording.suffix])(self._recording))
         simulation = self._simulation
         self._trial = Trial(simulation.setup, recorders)
         self._last = None
@@ -429,6 +435,15 @@ def _is_localized(node: Node) -> bool:
     if localization not in ("none", "ground_truth"):
         raise ParameterError(f"~localization: {localization!r}; expected none or ground_truth")
     return bool(localization == "ground_truth")
+
+
+def _recording(node: Node) -> Path | None:
+    """Return the file of ~record, if any."""
+    name = node.parameter("~record", "")
+    path = Path(name).expanduser()
+    if name and path.suffix not in RECORDERS:
+        raise ParameterError(f"~record: {name!r}; expected a name that ends in {' or '.join(RECORDERS)}")
+    return path if name else None
 
 
 def _motion(node: Node, settings: Settings) -> StepMotion | None:

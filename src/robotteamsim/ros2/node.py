@@ -24,11 +24,11 @@ from rclpy.qos_overriding_options import InvalidQosOverridesError
 from rclpy.signals import SignalHandlerOptions
 
 from robotteamsim.errors import RobotTeamSimError
-from robotteamsim.nodes.node import KINDS, ParameterError
+from robotteamsim.nodes.node import KINDS, Output, ParameterError
 from robotteamsim.nodes.shutdown import Shutdown
 from robotteamsim.nodes.steps import REPORT_TIMEOUT_S
 from robotteamsim.recording.bag_types import Ros2Types
-from robotteamsim.ros2.topics import Ros2Output, filled, interface, quality
+from robotteamsim.ros2.topics import Ros2Output, StampedOutput, filled, interface, quality
 
 SIMULATION = "/simulation"
 """The node whose parameters all nodes of a launch share."""
@@ -177,13 +177,15 @@ class Ros2Node:
         self._node.set_parameters([Parameter(key, value=value)])
         self._changing = None
 
-    def output(self, topic: str, type_name: str, *, latched: bool = False) -> Ros2Output:
+    def output(self, topic: str, type_name: str, *, latched: bool = False) -> Output:
         """As for all nodes. Raises: ParameterError: its type is not installed, or `qos_overrides` has a wrong value."""
+        is_stamped = type_name == TWIST and self.parameter("~stamped_cmd_vel", False)
+        type_name = f"{TWIST}Stamped" if is_stamped else type_name
         try:
             self._outputs.append(Ros2Output(self._node, self.make, topic, type_name, latched=latched))
         except (InvalidQosOverridesError, ParameterException, RuntimeError) as error:
             raise ParameterError(f"qos_overrides.{topic}: {error}") from None
-        return self._outputs[-1]
+        return StampedOutput(self._outputs[-1], self.make) if is_stamped else self._outputs[-1]
 
     def listen(
         self,
@@ -199,7 +201,10 @@ class Ros2Node:
         profile = quality(latched=latched, lossy=lossy, queue_size=queue_size)
         if type_name == TWIST and self.parameter("~stamped_cmd_vel", False):
             type_name, receive = f"{TWIST}Stamped", self._unstamped(receive)
-        self._inputs.create_subscription(interface("msg", type_name), topic, receive, profile, raw=True)
+        # rclpy inspects the signature, which functions in C need not have.
+        self._inputs.create_subscription(
+            interface("msg", type_name), topic, lambda data: receive(data), profile, raw=True
+        )
         self._read[topic] = type_name.replace("/", "/msg/")
 
     def _warn_of_types(self) -> None:

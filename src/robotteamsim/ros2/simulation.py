@@ -19,10 +19,6 @@ def main() -> None:
 
 def _serve(node: Ros2Node) -> None:
     settings = read_settings(node, report_s=0.0)
-    if settings.elsewhere:
-        raise ParameterError("elsewhere: robots in another world are not available in ROS 2; expected none")
-    if settings.by_tf:
-        node.transforms()
     with alone(get_default_context().get_domain_id()):
         simulation = SteppedSimulation(node, settings, Ros2TeamOutputs)
         if importlib.util.find_spec("simulation_interfaces"):

@@ -12,6 +12,7 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.serialization import deserialize_message
 
+from robotteamsim.message_parts import header
 from robotteamsim.nodes.node import ParameterError
 from robotteamsim.recording.bag_types import Ros2Types
 
@@ -85,6 +86,24 @@ class Ros2Output:
             self.failed += 1
             if self.failed == 1:
                 logger.warning("%s: a message could not be sent: %s", self._topic, error)
+
+
+class StampedOutput:
+    """A topic of geometry_msgs/TwistStamped, for a node that publishes Twist."""
+
+    def __init__(self, output: Ros2Output, make: Ros2Types) -> None:
+        """Args: make: makes the messages."""
+        self._output, self._make = output, make
+
+    @property
+    def wanted(self) -> bool:
+        """As for all outputs."""
+        return self._output.wanted
+
+    def publish(self, message: Any) -> None:
+        """Publish a Twist, with stamp 0."""
+        stamped = self._make("geometry_msgs/TwistStamped", header=header(self._make, 0, ""), twist=message)
+        self._output.publish(stamped)
 
 
 def filled(response: Any, values: Mapping[str, Any], make: Ros2Types) -> Any:
