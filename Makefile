@@ -167,8 +167,9 @@ bench_ros: build_tests ## measure worlds, missions, a team and the network of 10
 	@$(ENV) $(PYTHON) bench/ros_team_bench.py $(ARGS)
 	@$(ENV) $(PYTHON) bench/ros_network_bench.py $(ARGS)
 
-bench_ros2: build_tests ## measure missions in ROS 2, in the environment of test_ros2; ARGS="--csv bench/results/ros2.csv"
+bench_ros2: build_tests ## measure missions in ROS 1, and in ROS 2 in the environment of test_ros2; ARGS="--csv bench/results/ros2.csv"
 	@setup/ros2.sh $(ROS2_VENV) $(BUILD)/ros2 $(JOBS) > $(BUILD)/log/ros2.log 2>&1 || { cat $(BUILD)/log/ros2.log; exit 1; }
+	@$(ENV) $(PYTHON) bench/ros2_bench.py $(ARGS)
 	@$(ROS2_ENV) $(ROS2_VENV)/bin/python bench/ros2_bench.py $(ARGS)
 
 exactness: build_tests ## compare 50 million cells of maps with one ray each, and links with their reverse
