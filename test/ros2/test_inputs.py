@@ -124,6 +124,8 @@ def test_scans_are_sent_by_best_effort_on_request(tmp_path, peer):
             "qos_overrides./robot_0/odom: ",
         ),
         (("scenario:=garage_sar", "elsewhere:=3"), "elsewhere: 3; expected 0 to 2"),
+        (("scenario:=garage_sar", "elsewhere:=[0, 1]"), "elsewhere: expected text"),
+        (("scenario:=garage_sar", "seed:=-1"), "seed: "),
         (
             ("scenario:=garage_sar", "set:=control.localisation=tf", "controllers:=inside"),
             "controllers: inside; expected nodes or team with control.localisation=tf",

@@ -157,9 +157,11 @@ class Ros2Node:
         if name.startswith("/") and not self._has_settings():
             return self._setting_of_simulation(key, default)
         if self._node.has_parameter(key):
-            return self._node.get_parameter(key).value
+            return _as_text(key, self._node.get_parameter(key).value, default)
+        is_text = isinstance(default, str)
         try:
-            value = self._node.declare_parameter(key, default).value
+            typed = ParameterDescriptor(dynamic_typing=is_text)
+            value = _as_text(key, self._node.declare_parameter(key, default, typed).value, default)
         except InvalidParameterTypeException:
             example = f", such as {default}" if isinstance(default, float) else ""
             raise ParameterError(f"{key}: expected {KINDS[type(default)]}{example}") from None
@@ -167,7 +169,9 @@ class Ros2Node:
         if ranges and not 0.0 <= value <= FASTEST:
             raise ParameterError(f"{key}: {value:g}; expected 0 to {FASTEST:.0f}")
         kind = self._node.get_parameter(key).type_.value
-        descriptor = ParameterDescriptor(type=kind, read_only=key != "seed", floating_point_range=ranges)
+        descriptor = ParameterDescriptor(
+            type=kind, read_only=key != "seed", floating_point_range=ranges, dynamic_typing=is_text
+        )
         self._node.set_descriptor(key, descriptor)
         return value
 
@@ -320,7 +324,7 @@ class Ros2Node:
             answer = self.call(f"{SIMULATION}/get_parameters", "rcl_interfaces/GetParameters", {"names": [key]})
             if answer is not None:
                 value = parameter_value_to_python(answer.values[0]) if answer.values else None
-                return default if value is None else value
+                return default if value is None else _as_text(key, value, default)
             waited_s += WAIT_S
             if REPORT_TIMEOUT_S <= waited_s < REPORT_TIMEOUT_S + WAIT_S:
                 logger.warning("waiting for the node %s", SIMULATION)
@@ -333,6 +337,13 @@ class Ros2Node:
                 reason = "call the service ~/reset_seed instead, which starts all nodes again"
                 return SetParametersResult(successful=False, reason=reason)
         return SetParametersResult(successful=True)
+
+
+def _as_text(key: str, value: Any, default: Any) -> Any:
+    """Return a parameter, as text if its default is: a text of digits is a number for ROS. Raises: ParameterError."""
+    if isinstance(default, str) and not isinstance(value, str | int | float):
+        raise ParameterError(f"{key}: expected {KINDS[str]}")
+    return str(value) if isinstance(default, str) else value
 
 
 def _forward_logging(node: Ros2Node) -> None:

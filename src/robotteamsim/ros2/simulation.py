@@ -5,7 +5,6 @@ import importlib.util
 from rclpy.utilities import get_default_context
 
 from robotteamsim.nodes.launched import alone
-from robotteamsim.nodes.node import ParameterError
 from robotteamsim.nodes.settings import read_settings
 from robotteamsim.nodes.simulation import SteppedSimulation
 from robotteamsim.ros2.node import Ros2Node, run
