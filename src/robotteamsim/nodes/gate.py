@@ -16,7 +16,7 @@ class Gate:
 
     def __init__(self) -> None:
         self._paused = False
-        self._steps = 0
+        self._steps = self._pauses = 0
         self._resets_wanted = self._resets_done = 0
         self._waiting = False
         self._closed = False
@@ -73,6 +73,7 @@ class Gate:
         with self._changed:
             self._paused = True
             self._steps = 0
+            self._pauses += 1
             return self._changed.wait_for(lambda: self._closed or self._waiting, timeout=timeout_s)
 
     def resume(self) -> None:
@@ -87,9 +88,10 @@ class Gate:
             if not self._paused:
                 return False
             self._steps += steps
+            pauses = self._pauses  # another one takes the steps away
             self._changed.notify_all()
             self._changed.wait_for(lambda: self._closed or not self._paused or (self._steps == 0 and self._waiting))
-            return self._paused and not self._closed
+            return self._paused and pauses == self._pauses and not self._closed
 
     def reset(self, timeout_s: float) -> bool:
         """Request a reset; return whether it was done in time [s, wall]."""

@@ -115,11 +115,11 @@ class SteppedSimulation:
             self._record.publish_objects(self._simulation.world)  # a paused simulation makes no step, which would
 
     def make_steps(self, steps: int) -> None:
-        """Take some steps while paused. Raises: ValueError: none are wanted, or it is not paused."""
+        """Take some steps while paused. Raises: ValueError: none are wanted, or not all could be taken."""
         if steps == 0:
             raise ValueError("steps: 0; expected at least 1")
         if not self.gate.step(steps):
-            raise ValueError("the world is not paused")
+            raise ValueError("the world is not paused, or was paused again before all steps were taken")
 
     def spawn_robot(self, robot_id: int, pose: Pose | None) -> None:
         """Spawn an absent robot, see `Simulation.spawn_robot`."""

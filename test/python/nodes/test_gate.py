@@ -2,7 +2,9 @@ from __future__ import annotations
 
 import math
 import threading
+import time
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -77,6 +79,21 @@ def test_step_service_takes_the_given_number_of_steps_while_paused(gate):
 
 def test_step_is_rejected_unless_paused(gate):
     assert not gate.step(1)
+
+
+def test_steps_that_a_pause_takes_away_are_not_done(gate):
+    world = World(gate)
+    world.allow(1)
+    gate.pause(5.0)
+    before = world.steps
+    with ThreadPoolExecutor() as pool:
+        stepping = pool.submit(gate.step, 3)
+        world.allow(1)
+        while world.steps == before:
+            time.sleep(0.001)
+        gate.pause(0.0)
+        world.allow(5)
+        assert not stepping.result(5.0)
 
 
 def test_reset_passes_a_paused_gate(gate):
