@@ -220,6 +220,16 @@ def test_reset_starts_again_and_takes_away_what_was_spawned(standard):
 
 
 def test_action_gives_feedback_after_each_step(standard, simulate, peer):
+    matched = []
+
+    def receives_feedback():  # which the server sends to nobody until it has found the client
+        goal, feedbacks = simulate(1)
+        result_of(peer, goal)
+        matched.append(feedbacks)
+        return any(matched)
+
+    peer.wait_until(receives_feedback, "the first feedback")
+    assert standard.reset_simulation()[0] == OK
     goal, feedbacks = simulate(5)
     status, result = result_of(peer, goal)
     assert (status, result.result) == (GoalStatus.STATUS_SUCCEEDED, OK)
