@@ -13,6 +13,7 @@ import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
 from pathlib import Path
+from types import ModuleType
 from typing import TYPE_CHECKING
 
 import robotteamsim
@@ -56,19 +57,28 @@ _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM
 def local_workers(count: int | None = None) -> Iterator[Client]:
     """Start worker processes on this machine, and stop them at the end.
 
-    Args: count: of workers, each with one thread; None: one per core that this process may use.
+    Args:   count: of workers, each with one thread; None: one per core that this process may use.
+    Raises: CampaignError: they cannot be started.
     """
-    # Slow to import, and no other command needs it.
+    distributed = _distributed()
     import dask
-    from distributed import Client
 
     count = count or len(os.sched_getaffinity(0))
     _check_open_files(count)
     with dask.config.set(_LOCAL_SETTINGS), _core_first_on_path():
         with _interrupts_kept_from_children():
             cluster = _start_cluster(count)
-        with cluster, _dead_workers_replaced(cluster, count), Client(cluster) as client:
+        with cluster, _dead_workers_replaced(cluster, count), distributed.Client(cluster) as client:
             yield client
+
+
+def _distributed() -> ModuleType:
+    """Return Dask's package, which is slow to import. Raises: CampaignError: a configuration file of Dask is wrong."""
+    try:
+        import distributed
+    except ValueError as error:
+        raise CampaignError(" ".join(str(error).split())) from None
+    return distributed
 
 
 def _check_open_files(count: int) -> None:
@@ -168,14 +178,13 @@ def scheduler_at(address: str) -> Iterator[Client]:
 
     Raises: CampaignError: no Dask scheduler answers within 5 s.
     """
-    from distributed import Client
-
+    distributed = _distributed()
     # It logs the loss of a scheduler, which we report ourselves.
     logging.getLogger("distributed.client").setLevel(logging.CRITICAL)
     try:
         # Client would wait forever for a server that accepts the connection but does not answer.
         asyncio.run(asyncio.wait_for(_shake_hands(address), CONNECT_TIMEOUT_S))
-        client = Client(address, timeout=CONNECT_TIMEOUT_S)
+        client = distributed.Client(address, timeout=CONNECT_TIMEOUT_S)
     except Exception as error:  # Another kind of server may cause any exception.
         raise CampaignError(f"{address}: no scheduler answers: {_line(error)}") from None
     with client:

@@ -21,9 +21,10 @@ class InterruptBetweenSteps:
     """Ends a run on Ctrl-C or SIGTERM after the current step has been recorded; a second signal ends it at once."""
 
     def begin(self, setup: Setup) -> None:
-        """Install the handler."""
+        """Install the handler; only in the main thread, which alone can receive signals."""
         self._received = 0
-        self._previous = {number: signal.signal(number, self._note) for number in _SIGNALS}
+        numbers = _SIGNALS if threading.current_thread() is threading.main_thread() else ()
+        self._previous = {number: signal.signal(number, self._note) for number in numbers}
 
     def step(self, record: StepRecord) -> None:
         """End the run if a signal has come. Raises: KeyboardInterrupt, Terminated."""

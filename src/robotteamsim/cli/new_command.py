@@ -3,14 +3,18 @@
 import argparse
 import keyword
 import re
+import shutil
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
+
+import yaml
 
 from robotteamsim.cli.parser import UsageError
 from robotteamsim.recording.files import make_folder, write_atomically
 from robotteamsim.scenario.controllers import ALGORITHMS
 from robotteamsim.scenario.shipped import share_roots
+from robotteamsim.scenario.yaml_text import shown
 
 _EPILOG = """\
 examples:
@@ -56,22 +60,31 @@ def add_to(commands: Any) -> None:
 def run(options: argparse.Namespace) -> None:
     """Write a template in the current folder. Raises: UsageError: the name is invalid, or a file exists."""
     name = options.name
-    if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
-        raise UsageError(f"NAME: '{name}' is not valid; expected lower-case letters, digits and _, such as my_house")
+    if not re.fullmatch(r"[a-z][a-z0-9_]{0,63}", name):
+        expected = "expected at most 64 lower-case letters, digits and _, such as my_house"
+        raise UsageError(f"NAME: {shown(name)} is not valid; {expected}")
+    if yaml.safe_load(name) != name:  # true, no, null
+        raise UsageError(f"NAME: '{name}' is not text in YAML; expected another name")
     title = "".join(word.capitalize() for word in name.split("_"))
     if options.kind != "scenario" and (
         keyword.iskeyword(name) or keyword.iskeyword(title) or name in ALGORITHMS or find_spec(name) is not None
     ):
         raise UsageError(f"NAME: '{name}' is the name of something else in Python or robotteamsim; expected a new name")
     templates = {Path(_renamed(path, name, title)): _template(file) for file, path in _FILES[options.kind].items()}
-    for path in dict.fromkeys(Path(path.parts[0]) for path in templates):
+    tops = list(dict.fromkeys(Path(path.parts[0]) for path in templates))
+    for path in tops:
         if path.exists() or path.is_symlink():
             raise UsageError(f"{path}: exists already; expected a new name")
-    for path, template in templates.items():
-        make_folder(path.parent)
-        write_atomically(path, _renamed(template.read_text(encoding="utf-8"), name, title))
-        path.chmod(template.stat().st_mode & 0o777)  # nodes can be executed
-        print(path)
+    try:
+        for path, template in templates.items():
+            make_folder(path.parent)
+            write_atomically(path, _renamed(template.read_text(encoding="utf-8"), name, title))
+            path.chmod(template.stat().st_mode & 0o777)  # nodes can be executed
+    except BaseException:
+        for path in tops:
+            shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)
+        raise
+    print(*templates, sep="\n")
     print(f"next: {_NEXT[options.kind].format(name=name, title=title)}")
 
 

@@ -11,6 +11,7 @@ from gymnasium.spaces import Box
 from numpy.typing import ArrayLike
 
 from robotteamsim.interface import Observation
+from robotteamsim.learning.errors import LearningError
 from robotteamsim.propagation import shared_radio_field
 from robotteamsim.scenario import FloorPlan
 from robotteamsim.setup import Setup
@@ -23,6 +24,10 @@ WEAKEST_DBM, STRONGEST_DBM = -100.0, -20.0
 
 OLDEST_S = 10.0
 """The age of a message becomes 0 to 1 up to this [s]."""
+
+
+LARGEST_PART = 10**6
+"""Numbers in a part of the vector."""
 
 
 class Part(NamedTuple):
@@ -113,6 +118,9 @@ class Observe:
 
     @staticmethod
     def _placed(parts: list[tuple[str, int, str]]) -> list[Part]:
+        for name, size, _ in parts:
+            if not isinstance(size, int | np.integer) or not 0 <= size <= LARGEST_PART:
+                raise LearningError(f"part {name}: {size!r} numbers; expected a whole number from 0 to {LARGEST_PART}")
         begins = np.cumsum([0, *(size for _, size, _ in parts)]).tolist()
         return [Part(name, begin, size, meaning) for begin, (name, size, meaning) in zip(begins, parts, strict=False)]
 

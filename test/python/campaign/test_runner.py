@@ -169,3 +169,14 @@ def test_address_of_no_scheduler_is_rejected_in_one_line(address, monkeypatch):
         pass
     assert str(raised.value).startswith(f"{address}: no scheduler answers: ")
     assert "\n" not in str(raised.value)
+
+
+@pytest.mark.slow
+def test_a_damaged_configuration_of_dask_is_one_line(tmp_path):
+    (tmp_path / "dask.yaml").write_text("a: [")
+    command = "from robotteamsim.campaign.runner import local_workers; local_workers(1).__enter__()"
+    environment = os.environ | {"DASK_CONFIG": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", command], env=environment, capture_output=True, text=True)
+    last = done.stderr.splitlines()[-1]
+    assert last.startswith("robotteamsim.errors.CampaignError: A dask config file at")
+    assert "dask.yaml" in last

@@ -8,6 +8,7 @@ import shlex
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -465,3 +466,13 @@ def test_plan_or_scenario_is_drawn_as_the_kind_of_its_suffix(capsys, tmp_path, a
     assert drawn.startswith(start)
     assert main([*arguments, "--png", str(picture)]) == 0
     assert picture.read_bytes() == drawn
+
+
+@pytest.mark.slow
+def test_a_mission_runs_in_another_thread():
+    statuses = []
+    words = ["run", "tutorial_arena", "--json", "--set", "mission.time_limit_s=1"]
+    thread = threading.Thread(target=lambda: statuses.append(main(words)))
+    thread.start()
+    thread.join()
+    assert statuses == [0]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 import os
 import sys
 import tomllib
@@ -10,7 +11,7 @@ from xml.etree.ElementTree import parse
 
 import pytest
 
-from robotteamsim.cli import main
+from robotteamsim.cli import main, new_command
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
 
@@ -77,8 +78,10 @@ def test_new_package_is_a_catkin_package_too():
     [
         (
             ("scenario", "../x"),
-            "NAME: '../x' is not valid; expected lower-case letters, digits and _, such as my_house",
+            "NAME: '../x' is not valid; expected at most 64 lower-case letters, digits and _, such as my_house",
         ),
+        (("scenario", "a" * 65), "NAME: 'aaaaaaaa"),
+        (("scenario", "true"), "NAME: 'true' is not text in YAML; expected another name"),
         (("controller", "json"), "NAME: 'json' is the name of something else in Python or robotteamsim"),
         (("controller", "numpy"), "NAME: 'numpy' is the name of something else in Python or robotteamsim"),
         (("controller", "none"), "NAME: 'none' is the name of something else in Python or robotteamsim"),
@@ -90,3 +93,19 @@ def test_wrong_name_is_rejected_and_nothing_is_written(refusal, arguments, line)
     Path("there_plan.yaml").touch()
     assert refusal("new", *arguments).startswith(line)
     assert os.listdir() == ["there_plan.yaml"]
+
+
+def test_interrupted_command_leaves_nothing(monkeypatch):
+    written = []
+
+    def interrupted(path, text):
+        if written:
+            raise KeyboardInterrupt
+        written.append(path)
+        path.write_text(text)
+
+    monkeypatch.setattr(new_command, "write_atomically", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        new_command.run(argparse.Namespace(kind="package", name="wall_walker"))
+    assert len(written) == 1
+    assert os.listdir() == []

@@ -216,6 +216,13 @@ def test_what_is_said_is_heard_over_the_network():
     assert parts["teammate_1"].begin + parts["teammate_1"].size == len(vectors["robot_0"])
 
 
+class Negative(Observe):
+    """A part of -1 numbers."""
+
+    def parts_of(self):
+        return [("nothing", -1, "cannot be")]
+
+
 class WithSonar(Observe):
     """The sonar at the front, in addition."""
 
@@ -309,6 +316,10 @@ def test_robots_of_other_kinds_have_the_same_spaces():
         (
             lambda env: CentralEnv(env).reset(seed=-1),
             "seed: -1; expected a whole number from 0 to 9007199254740992",
+        ),
+        (
+            lambda _: parallel_env(scenario(), observe=Negative),
+            "part nothing: -1 numbers; expected a whole number from 0 to 1000000",
         ),
         (lambda env: env.reset(seed=-1), "seed: -1; expected a whole number from 0 to 9007199254740992"),
     ],

@@ -215,7 +215,7 @@ SCAN = Topic(
     "base_scan",
     "sensor_msgs/LaserScan",
     When.STEP,
-    lambda source, step, i: (i, source.setup.robots[i].laser, step.readings[i].ranges_m),
+    lambda source, step, i: (i, source.setup.robots[i].laser, step.readings.ranges_m[i]),
     scan,
     read=lambda message, setup, i: read_ranges_m(message, setup.robots[i].laser.beams),
 )
