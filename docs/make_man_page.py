@@ -27,7 +27,7 @@ _USAGE = re.compile(r"^usage: ((?:.+\n)+)", re.MULTILINE)
 
 def man_page() -> str:
     """Return the page in roff; a width is set, so that it does not depend on the terminal."""
-    from robotteamsim.cli.main import make_parser
+    from robotteamsim.cli.command_line import make_parser
 
     os.environ["COLUMNS"] = "72"
     lines = [line.rstrip() for line in str(Manpage(make_parser(), _data=DATA)).splitlines()]

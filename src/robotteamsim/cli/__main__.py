@@ -2,6 +2,6 @@
 
 import sys
 
-from robotteamsim.cli.main import main
+from robotteamsim.cli import main
 
 sys.exit(main())

@@ -476,3 +476,28 @@ def test_a_mission_runs_in_another_thread():
     thread.start()
     thread.join()
     assert statuses == [0]
+
+
+def test_ctrl_c_while_the_package_is_loaded_is_one_line(tmp_path):
+    (tmp_path / "sitecustomize.py").write_text(
+        "import importlib.abc, sys\n"
+        "class Interrupting(importlib.abc.MetaPathFinder):\n"
+        "    def find_spec(self, name, path, target=None):\n"
+        "        if name == 'robotteamsim.cli.command_line':\n"
+        "            raise KeyboardInterrupt\n"
+        "sys.meta_path.insert(0, Interrupting())\n"
+    )
+    environment = os.environ | {"PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"}
+    command = [sys.executable, "-m", "robotteamsim.cli", "--version"]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (130, "robotteamsim: interrupted\n")
+
+
+@pytest.mark.parametrize("words", [["--version"], ["help", "run"]])
+def test_help_for_a_reader_that_is_gone_ends_quietly(words):
+    reading, writing = os.pipe()
+    os.close(reading)
+    command = [sys.executable, "-m", "robotteamsim.cli", *words]
+    with open(writing, "wb") as stdout:
+        done = subprocess.run(command, stdout=stdout, stderr=subprocess.PIPE, text=True)
+    assert (done.returncode, done.stderr) == (141, "")

@@ -19,7 +19,7 @@ CORE_ONLY = f"""
 import sys
 for name in {OF_EXTRAS}:
     sys.modules[name] = None
-from robotteamsim.cli.main import main
+from robotteamsim.cli import main
 sys.exit(main())
 """
 

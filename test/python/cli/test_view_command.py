@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from robotteamsim.cli.main import main
+from robotteamsim.cli import main
 
 _SHORT = ["--set", "mission.time_limit_s=5"]
 

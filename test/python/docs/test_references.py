@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from robotteamsim.cli.main import make_parser
+from robotteamsim.cli.command_line import make_parser
 from robotteamsim.scenario import load
 
 ROOT = Path(__file__).parents[3]

@@ -103,7 +103,11 @@ def _run(words: list[str]) -> int:
             raise UsageError(f"{word}: contains a NUL, which no name and no value does")
         if not word.isascii() and re.search("[\ud800-\udfff]", word):  # what Python makes of other bytes
             raise UsageError(f"{word}: is not UTF-8; rename the file, or write the value in UTF-8")
-    options = make_parser().parse_args(words)
+    try:
+        options = make_parser().parse_args(words)
+    except SystemExit:
+        sys.stdout.flush()  # of a help text, whose reader may be gone
+        raise
     status = options.command(options)
     sys.stdout.flush()
     return status or 0
