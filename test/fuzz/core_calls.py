@@ -254,6 +254,7 @@ _LINKED = np.array([[False, True], [True, False]])
 def _signals() -> Iterator[Call]:
     yield _FACES.of(("weight_between", (0.0, 1.0), (4.0, 1.0)), ("set_active", 0, False))
     yield new("propagation.path_loss_db", _FACES, _RADIO, (0.0, 1.0), (3.0, 1.0), 2)
+    yield new("propagation.path_losses_db", _FACES, _RADIO, np.zeros((2, 2)), np.ones((2, 2)))
     yield new("propagation.rssi_matrix_dbm", _FACES, _RADIO, _TEAM)
     yield new("propagation.rssi_matrix_dbm", _FACES, _RADIO, np.tile(_TEAM, (4, 1)))
     radio = (_FACES, _RADIO, [(0.2, 0.3), (3.0, 2.0)], 1, _ORIGIN, _RESOLUTION_M)
