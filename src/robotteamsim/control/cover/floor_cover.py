@@ -21,9 +21,9 @@ Disc = tuple[Vector, float]
 
 
 class _Floor:
-    """The cells of a plan that a robot of one size can reach from a start; expensive results are cached."""
+    """The cells of a plan for a robot of one size; expensive results are cached."""
 
-    def __init__(self, building: Building, robot_radius_m: float, start: Vector) -> None:
+    def __init__(self, building: Building, robot_radius_m: float) -> None:
         plan = building.plan
         self.grid = known_map(building, robot_radius_m).grid
         self.origin_m = low_m = plan.bounds.min
@@ -42,8 +42,11 @@ class _Floor:
         self._columns, self._rows = cells[..., 0], cells[..., 1]
         self._has_place = np.array([[place is not None for place in row] for row in self.places])
         self._lengths: dict[tuple[int, int], np.ndarray] = {}
-        free_start = self.grid.nearest_free(start, 1.0)
-        self.open = np.isfinite(self._lengths_from(free_start)) if free_start else np.zeros(self.shape, dtype=bool)
+
+    def reachable(self, start: Vector) -> np.ndarray:
+        """Return which cells can be reached from a place in `map` [m], bool, shape (rows, cols)."""
+        free = self.grid.nearest_free(start, 1.0)
+        return np.isfinite(self._lengths_from(free)) if free else np.zeros(self.shape, dtype=bool)
 
     def lengths_m(self, cell: tuple[int, int]) -> np.ndarray | None:
         """Return the lengths of free paths from one cell's place to those of all cells, shape (rows, cols) [m].
@@ -66,9 +69,10 @@ class FloorCover:
     """The floor as cells of 1 m; a cell is covered once a robot was within `radius_m` of its centre and saw it."""
 
     def __init__(self, building: Building, robot_radius_m: float, start: Vector, radius_m: float) -> None:
-        self._floor = building.shared(_Floor, robot_radius_m, start)
+        self._floor = building.shared(_Floor, robot_radius_m)
+        self._open = self._floor.reachable(start)
         self._radius_m = radius_m
-        self._covered = np.zeros_like(self._floor.open)
+        self._covered = np.zeros_like(self._open)
         self._reach = math.floor(radius_m / CELL_M)
         offsets_m = np.arange(-self._reach, self._reach + 1) * CELL_M
         self._disc = np.argwhere(np.hypot(offsets_m[:, None], offsets_m[None, :]) <= radius_m)
@@ -76,19 +80,23 @@ class FloorCover:
     @property
     def share(self) -> float:
         """The fraction of reachable cells that are covered; 1 if there are none."""
-        num_open = np.count_nonzero(self._floor.open)
-        return float(np.count_nonzero(self._covered & self._floor.open) / num_open) if num_open else 1.0
+        num_open = np.count_nonzero(self._open)
+        return float(np.count_nonzero(self._covered & self._open) / num_open) if num_open else 1.0
 
     def look(self, position: Vector) -> None:
         """Mark the cells that a robot sees from a place in `map` [m] as covered."""
         start = self._floor.grid.nearest_free(position, 0.5)
-        away_m = self._floor.middles_m - position
-        near = away_m[..., 0] ** 2 + away_m[..., 1] ** 2 <= self._radius_m**2
         if start is None:
             return
-        for row, column in np.argwhere(near & self._floor.open & ~self._covered).tolist():
-            place = self._floor.places[row][column]
-            self._covered[row, column] = place is not None and self._floor.grid.is_line_free(start, place)
+        row, column = self._cell_of(position)
+        low, left = max(row - self._reach - 1, 0), max(column - self._reach - 1, 0)
+        around = slice(low, row + self._reach + 2), slice(left, column + self._reach + 2)
+        away_m = self._floor.middles_m[around] - position
+        near = away_m[..., 0] ** 2 + away_m[..., 1] ** 2 <= self._radius_m**2
+        for up, right in np.argwhere(near & self._open[around] & ~self._covered[around]).tolist():
+            cell = low + up, left + right
+            place = self._floor.places[cell[0]][cell[1]]
+            self._covered[cell] = place is not None and self._floor.grid.is_line_free(start, place)
 
     def best_place(
         self,
@@ -105,7 +113,7 @@ class FloorCover:
               hot: cells that are not considered; those outside the plan are ignored.
         """
         lengths_m = self._floor.lengths_m(self._cell_of(position))
-        missing = self._floor.open & ~self._covered
+        missing = self._open & ~self._covered
         if within is not None:
             missing &= within
         for block in hot:
