@@ -15,7 +15,8 @@ from robotteamsim.errors import CampaignError
 from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.events import VictimLocated
 from robotteamsim.mission.status import VictimState
-from robotteamsim.recording.idleness import Idleness, IdlenessLog, patrols
+from robotteamsim.recording.idleness import Idleness
+from robotteamsim.recording.measures import Measures
 from robotteamsim.recording.network_log import NetworkLog, NetworkTotals
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import Setup
@@ -51,6 +52,7 @@ class Details(msgspec.Struct, frozen=True):
     victims: dict[str, VictimTimes] | None = None
     network: NetworkTotals | None = None
     idleness: Idleness | None = None
+    coverage: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] | None = None
     egress: Egress | None = None
 
 
@@ -64,7 +66,8 @@ class Outcome:
              did, and located_by and position_error_m of the first location) and `robots` (distance_m, contact_s,
              excluded_s, longest_stay_s of each); if there are any, `casualties` (id, kind, time_s of robots that
              failed and firefighters who collapsed); `network`, as `recording.network_log.NetworkTotals`, except in
-             stores of earlier versions; for a patrol also `idleness`, as `recording.idleness.Idleness`; with fire
+             stores of earlier versions; for a patrol also `idleness`, as `recording.idleness.Idleness`; with
+             `mission.coverage` also `coverage`, the share of the floor; with fire
              or exits also `egress`, as `mission.egress.Egress`.
     paths:   of the robots, for `decode_paths`.
     wall_s:  computing time, the only value that differs between equal trials.
@@ -134,9 +137,9 @@ def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
         raise CampaignError(f"a worker has robotteamsim {robotteamsim.__version__}, expected {version}")
     start_s = time.perf_counter()
     seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": trial.seed})})
-    times, paths, network, idleness = _EventTimes(), PathLog(), NetworkLog(), IdlenessLog()
+    times, paths, network, measures = _EventTimes(), PathLog(), NetworkLog(), Measures()
     try:
-        result = Simulation(seeded).run([times, paths, network, *([idleness] if patrols(seeded) else [])])
+        result = Simulation(seeded).run([times, paths, network, measures])
     except Exception as error:  # The other trials continue.
         wall_s = time.perf_counter() - start_s
         line = " ".join(f"{type(error).__name__}: {error}".split())
@@ -150,7 +153,7 @@ def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
         **{name: values[name] for name in _OF_RESULT},
         distance_m=sum(robot.distance_m for robot in result.robots),
         contact_s=sum(robot.contact_s for robot in result.robots),
-        details=times.details(result, network.values() | idleness.values()),
+        details=times.details(result, network.values() | measures.values()),
         paths=paths.encoded(),
         wall_s=time.perf_counter() - start_s,
     )

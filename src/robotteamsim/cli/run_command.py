@@ -16,7 +16,7 @@ from robotteamsim.cli.progress import ProgressBar, preparing
 from robotteamsim.control import foreign_code
 from robotteamsim.errors import ScenarioError
 from robotteamsim.recording import BagWriter, McapWriter, ResultWriter, TumWriter, result_summary
-from robotteamsim.recording.idleness import IdlenessLog, patrols
+from robotteamsim.recording.measures import Measures
 from robotteamsim.recording.results import FILE_NAME, EventList
 from robotteamsim.simulation import Observer, Simulation
 from robotteamsim.view.html import PageWriter
@@ -105,9 +105,8 @@ def run(options: argparse.Namespace) -> None:
     with preparing(console, loaded.name):
         simulation = Simulation(loaded)
     _check_controllers(simulation)
-    events = EventList()
-    idleness = IdlenessLog()
-    observers: list[Observer] = [events, *([idleness] if patrols(loaded) else []), *_recorders(options)]
+    events, measures = EventList(), Measures()
+    observers: list[Observer] = [events, measures, *_recorders(options)]
     if options.html:
         observers.append(PageWriter(options.html, simulation))
     if not options.quiet:
@@ -115,10 +114,10 @@ def run(options: argparse.Namespace) -> None:
     observers.append(InterruptBetweenSteps())
     result = simulation.run(observers)
     if options.json:
-        print(json.dumps(result_summary(result) | idleness.values()))
+        print(json.dumps(result_summary(result) | measures.values()))
     elif not options.quiet:
         written = [options.out, options.bag, options.mcap, options.html]
-        print_result(OutputConsole(), result, events.events, written, idleness.idleness)
+        print_result(OutputConsole(), result, events.events, written, measures.measured)
 
 
 def _check_files(options: argparse.Namespace, loaded: scenario.Scenario) -> None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import msgspec
 import numpy as np
 
@@ -67,7 +65,13 @@ class IdlenessLog(Observer):
         self._is_visited = np.zeros(count, dtype=bool)
         self._visits = np.zeros(count, dtype=int)
         self._ended_s, self._area_s2, self._max_s = np.zeros(count), np.zeros(count), np.zeros(count)
+        self._now_s = 0.0
         self.idleness = None
+
+    @property
+    def idle_s(self) -> np.ndarray:
+        """The idleness of each vertex after the last step [s]."""
+        return np.asarray(self._now_s - self._since_s)
 
     def step(self, record: StepRecord) -> None:
         """Process one step; time does not pass while the mission waits or is paused."""
@@ -82,7 +86,7 @@ class IdlenessLog(Observer):
         self._area_s2[come] += 0.5 * idle_s[come] ** 2
         self._max_s[come] = np.maximum(self._max_s[come], idle_s[come])
         self._since_s[near] = time_s
-        self._is_visited = near
+        self._is_visited, self._now_s = near, time_s
 
     def end(self, result: Result) -> None:
         """Compute the result."""
@@ -100,7 +104,3 @@ class IdlenessLog(Observer):
                 )
             ),
         )
-
-    def values(self) -> dict[str, Any]:
-        """Return the result as plain values for JSON; empty before the end."""
-        return {} if self.idleness is None else {"idleness": msgspec.to_builtins(self.idleness)}

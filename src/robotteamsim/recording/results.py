@@ -12,7 +12,7 @@ import robotteamsim
 from robotteamsim.errors import RecordingError
 from robotteamsim.mission.events import Event
 from robotteamsim.recording.files import prepare_folder, remove_empty, write_atomically
-from robotteamsim.recording.idleness import IdlenessLog, patrols
+from robotteamsim.recording.measures import Measures
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Observer, Result, StepRecord
@@ -81,27 +81,24 @@ class ResultWriter(EventList):
         super().__init__()
         self._folder = folder
         self._created: list[Path] = []
-        self._idleness = IdlenessLog()
+        self._measures = Measures()
 
     def begin(self, setup: Setup) -> None:
         """Raises: RecordingError: the folder cannot be written."""
         super().begin(setup)
-        self._scenario, self._patrols = setup.scenario, patrols(setup.scenario)
-        if self._patrols:
-            self._idleness.begin(setup)
+        self._scenario = setup.scenario
+        self._measures.begin(setup)
         self._created = prepare_folder(self._folder)
 
     def step(self, record: StepRecord) -> None:
-        """Keep the events of one step, and the visits of a patrol."""
+        """Keep the events of one step, and measure it."""
         super().step(record)
-        if self._patrols:
-            self._idleness.step(record)
+        self._measures.step(record)
 
     def end(self, result: Result) -> None:
         """Write the file. Raises: RecordingError."""
-        if self._patrols:
-            self._idleness.end(result)
-        document = mission_document(self._scenario, result, self.events) | self._idleness.values()
+        self._measures.end(result)
+        document = mission_document(self._scenario, result, self.events) | self._measures.values()
         write_atomically(self._folder / FILE_NAME, json.dumps(document, indent=1, ensure_ascii=False) + "\n")
 
     def abandon(self) -> None:

@@ -22,6 +22,7 @@ from robotteamsim.scenario.base import (
     wrong,
 )
 from robotteamsim.scenario.body import Body, check_footprint, disc_at, polygon_at
+from robotteamsim.scenario.controllers.cover import FloorSearchTuning
 from robotteamsim.scenario.drives import AnyDrive, Drive
 from robotteamsim.scenario.mujoco import Gripper, Mujoco, Wheels
 from robotteamsim.scenario.patrol import Patrol
@@ -249,6 +250,17 @@ class Area(Model):
     )
 
 
+class Coverage(Model):
+    """What counts as covered. The mission reports which share of the floor it is."""
+
+    radius_m: float = Field(
+        default=FloorSearchTuning().radius_m,
+        ge=SMALLEST,
+        le=50.0,
+        description="floor is covered once a robot was within this distance of it and saw it [m]",
+    )
+
+
 class Mission(Model):
     """What the team has to do and when the mission ends [dissertation, 5.3]."""
 
@@ -276,6 +288,7 @@ class Mission(Model):
     )
     rescue: Rescue = Rescue()
     patrol: Patrol = Patrol()
+    coverage: Coverage | None = Field(default=None, description="with it, missions report the floor covered")
     exits: Many[Exit] = Field(default=(), description="places where people are safe")
     time_limit_s: float = Field(default=600.0, ge=SMALLEST, le=1e6, description="the mission ends after this time [s]")
     base: int | None = Field(

@@ -93,6 +93,15 @@ def test_benchmark_that_is_finished_only_writes_its_report_again(capsys, tmp_pat
     assert difference["pairs"] == "2"
 
 
+def test_search_reports_the_floor_covered(tmp_path):
+    assert main([*SEARCH, "--quiet", "--out", str(tmp_path)]) == 0
+    shares = [json.loads(outcome.details)["coverage"] for outcome in read_store(tmp_path).outcomes]
+    found = {row["controller"]: row["floor covered [%]"] for row in rows(tmp_path / "tables" / "search.csv")}
+    mean = 100.0 * sum(shares) / len(shares)
+    assert found.pop("clairvoyant (lower bound)") == ""
+    assert sum(map(float, found.values())) / len(found) == pytest.approx(mean, abs=0.1)
+
+
 def test_patrol_reports_the_idleness_of_every_vertex(capsys, tmp_path):
     assert main([*PATROL, "--graph", str(GRAPH), "--quiet", "--out", str(tmp_path)]) == 0
     assert capsys.readouterr().out == ""

@@ -39,6 +39,7 @@ class SearchSample:
     saved:      number of victims saved.    areas: number of areas explored.
     last_s:     when the last victim was saved; infinity if not all were.
     end_s:      when the mission ended.     bound_s: before which no team can save all victims.
+    coverage:   shares of the floor covered, and
     networks:   of the missions; fewer if some are of an earlier version.
     """
 
@@ -50,6 +51,7 @@ class SearchSample:
     last_s: np.ndarray
     end_s: np.ndarray
     bound_s: np.ndarray
+    coverage: np.ndarray
     networks: tuple[NetworkTotals, ...]
     num_victims: int
     num_areas: int
@@ -110,6 +112,7 @@ def search_samples(
                 last_s=np.array([last_saved_s(outcome) for outcome in own]),
                 end_s=np.array([outcome.time_s for outcome in own]),
                 bound_s=np.array([bounds[building, robots, outcome.seed].time_s for outcome in own]),
+                coverage=np.array([share for one in own if (share := one.known_details.coverage) is not None]),
                 networks=_networks(own),
                 num_victims=scenario.num_victims,
                 num_areas=len(scenario.mission.areas),

@@ -34,12 +34,13 @@ def mission_table(samples: Sequence[SearchSample]) -> Table:
                 interval_entry(bootstrap_mean(sample.restricted_s, generator("last", *name)), 1),
                 _median_ratio(sample),
                 interval_entry(bootstrap_mean(sample.areas.astype(float), generator("areas", *name)), 2),
+                _coverage(sample),
                 f"{np.mean(sample.end_s):.1f}",
             )
         )
     head = ("place", "controller", "missions", "victims saved", "all saved", "time to save all [s]", "over the bound")
     title = "Search: means with 95 % bootstrap intervals; shares with exact intervals"
-    return Table("search", title, (*head, "areas", "end [s]"), tuple(rows), 2)
+    return Table("search", title, (*head, "areas", "floor covered [%]", "end [s]"), tuple(rows), 2)
 
 
 def profile_table(by_building: Mapping[str, Mapping[str, Profile]]) -> Table:
@@ -98,8 +99,15 @@ def vertex_table(samples: Sequence[PatrolSample]) -> Table:
 
 def _bound_row(sample: SearchSample) -> tuple[str | Entry, ...]:
     mean = interval_entry(bootstrap_mean(sample.bound_s, generator("bound", sample.place.name)), 1)
-    rest = (f"{sample.num_victims:d}", UNKNOWN, mean, "1.00", UNKNOWN, UNKNOWN)
+    rest = (f"{sample.num_victims:d}", UNKNOWN, mean, "1.00", UNKNOWN, UNKNOWN, UNKNOWN)
     return (sample.place.name, f"{CLAIRVOYANT} (lower bound)", str(len(sample.numbers)), *rest)
+
+
+def _coverage(sample: SearchSample) -> Entry:
+    if not sample.coverage.size:
+        return UNKNOWN
+    rng = generator("coverage", sample.place.name, sample.controller)
+    return interval_entry(bootstrap_mean(100.0 * sample.coverage, rng), 1)
 
 
 def _median_ratio(sample: SearchSample) -> str | Entry:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from robotteamsim.analysis.runs.totals import MissionTotals, NetworkTotals, RobotTotals, RunTotals
     from robotteamsim.mission.egress import Egress
     from robotteamsim.mission.events import AnyEvent
-    from robotteamsim.recording.idleness import Idleness
+    from robotteamsim.recording.measures import Measured
     from robotteamsim.simulation import Result
 
 MAX_EVENTS = 60
@@ -86,18 +86,18 @@ def print_result(
     result: Result,
     events: Sequence[AnyEvent],
     written: Sequence[Path | None],
-    idleness: Idleness | None = None,
+    measured: Measured | None = None,
 ) -> None:
-    """Print the events in order and the totals of a mission; idleness: of a patrol."""
+    """Print the events in order and the totals of a mission."""
     console.print(_event_table(_title(result), events))
-    print_totals(console, result, written, idleness)
+    print_totals(console, result, written, measured)
 
 
 def print_totals(
-    console: Console, result: Result, written: Sequence[Path | None], idleness: Idleness | None = None
+    console: Console, result: Result, written: Sequence[Path | None], measured: Measured | None = None
 ) -> None:
     """Print the totals of a mission, its hash and the written files."""
-    console.print(_totals_table([*_result_rows(result), *egress_rows(result.egress), *_idleness_rows(idleness)]))
+    console.print(_totals_table([*_result_rows(result), *egress_rows(result.egress), *_measured_rows(measured)]))
     if result.egress is not None and result.egress.ignition_s is not None:
         console.print(_people_table(result.egress))
     console.print(_text(f"  trajectories {result.trajectory_hash}"), soft_wrap=True)
@@ -354,11 +354,14 @@ def _people_table(egress: Egress) -> Table:
     return table
 
 
-def _idleness_rows(idleness: Idleness | None) -> list[tuple[str, str]]:
-    if idleness is None:
-        return []
-    over = f"{len(idleness.vertices)} vertices"
-    return [("idleness", f"{idleness.mean_s:.1f} s on average, {idleness.max_s:.1f} s at most, of {over}")]
+def _measured_rows(measured: Measured | None) -> list[tuple[str, str]]:
+    rows = []
+    if measured is not None and (idleness := measured.idleness) is not None:
+        over = f"{len(idleness.vertices)} vertices"
+        rows.append(("idleness", f"{idleness.mean_s:.1f} s on average, {idleness.max_s:.1f} s at most, of {over}"))
+    if measured is not None and measured.coverage is not None:
+        rows.append(("floor covered", f"{100.0 * measured.coverage:.1f} %"))
+    return rows
 
 
 def _totals_table(rows: Iterable[tuple[str, str]]) -> Table:
