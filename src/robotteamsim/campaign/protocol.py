@@ -15,9 +15,11 @@ from typing import Any
 from robotteamsim import scenario
 from robotteamsim.campaign.design import Cell, Design
 from robotteamsim.control import make_controller
+from robotteamsim.control.baselines.patrol_graph import patrol_graph
+from robotteamsim.control.runtime.foreign_code import is_foreign
 from robotteamsim.errors import CampaignError, PlacementError, RobotTeamSimError, ScenarioError
 from robotteamsim.scenario.controllers import ALGORITHMS, Control, control_kind, is_policy_file
-from robotteamsim.scenario.patrol import Patrol
+from robotteamsim.scenario.patrol import Patrol, PatrolGraph, PatrolVertex
 from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Mission, Team, Voice
@@ -37,6 +39,7 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "rdpso_published": {"algorithm": "rdpso", **_PUBLISHED},
     "rdpso_adapted": {"algorithm": "rdpso", "adaptation": "fuzzy"},
     "search_connected": {"algorithm": "search", "network": "connected"},
+    "cover_connected": {"algorithm": "cover", "c4": 0.3, "kept_link": "tree"},
 }
 """Controllers that differ from a registered one by keys of `control`."""
 
@@ -91,7 +94,7 @@ class SearchProtocol:
 class PatrolProtocol:
     """A benchmark of patrol in one building.
 
-    controllers: names of controllers that patrol a graph; the first is the reference of comparisons.
+    controllers: names of controllers that patrol a graph, module:Class, or files of policies; the first is the reference of comparisons.
     graph:       a .graph file of patrolling_sim; None: a lattice of places.
     """
 
@@ -135,7 +138,8 @@ def search_design(protocol: SearchProtocol) -> Design:
     cells = []
     for building in protocol.buildings:
         base = load_building(building)
-        changes = {"victims": (), "random_victims": protocol.victims, "base": None, "patrol": _lattice(base)}
+        changes = {"victims": (), "random_victims": protocol.victims, "base": None, "coverage": {}}
+        changes["patrol"] = _lattice(base)
         if not protocol.areas:
             changes["areas"] = ()
         mission = _section(Mission, base.mission, "--victims: ", **changes)
@@ -159,8 +163,8 @@ def patrol_design(protocol: PatrolProtocol) -> Design:
     """
     _check_lists(protocol.controllers, (protocol.building,), (0.0,), protocol.robots)
     for controller in protocol.controllers:
-        if controller not in PATROLLING:
-            expected = ", ".join(PATROLLING)
+        if controller not in PATROLLING and not is_foreign(controller):
+            expected = ", ".join((*PATROLLING, "module:Class, a policy's file"))
             raise CampaignError(f"--controller: '{controller}' does not patrol a graph; expected one of {expected}")
     overrides = [] if protocol.graph is None else [f"mission.patrol.graph={json.dumps(protocol.graph)}"]
     try:
@@ -176,10 +180,25 @@ def patrol_design(protocol: PatrolProtocol) -> Design:
     team = _section(Team, base.robots, place, start=start, start_poses=(), formation="random")
     base = base.model_copy(update={"mission": mission, "robots": team})
     cells = [
-        Cell((robots, controller), cell)
+        Cell((robots, controller), _with_graph(cell))
         for robots, controller, cell in _teams(base, protocol.robots, protocol.controllers)
     ]
     return _design(cells, ("robots", "controller"), protocol.trials, protocol.seed)
+
+
+def _with_graph(of: Scenario) -> Scenario:
+    """Return the scenario with its lattice as a graph: its idleness is then measured with any controller."""
+    patrol = of.mission.patrol
+    if patrol.graph is not None:
+        return of
+    setup = resolve(of)
+    found = patrol_graph(setup, setup.robots[0].reach_m)
+    vertices = tuple(
+        PatrolVertex(position=place, neighbours=tuple(i for i, _ in edges), lengths_m=tuple(m for _, m in edges))
+        for place, edges in zip(found.places, found.edges, strict=True)
+    )
+    patrol = patrol.model_copy(update={"graph": PatrolGraph(vertices=vertices)})
+    return of.model_copy(update={"mission": of.mission.model_copy(update={"patrol": patrol})})
 
 
 def load_building(name: str, overrides: Sequence[str] = ()) -> Scenario:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import sys
 from dataclasses import replace
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -21,8 +23,9 @@ from robotteamsim.campaign.protocol import (
     search_design,
 )
 from robotteamsim.campaign.trial import run_trial
+from robotteamsim.control.baselines.random_walk import RandomWalkController
 from robotteamsim.errors import CampaignError, RobotTeamSimError
-from robotteamsim.scenario import load
+from robotteamsim.scenario import from_mapping, load
 from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation
 
@@ -96,6 +99,21 @@ def test_patrol_has_a_graph_and_neither_areas_nor_victims():
     assert len(cell.scenario.mission.patrol.graph.vertices) == 3
     assert (cell.scenario.mission.areas, cell.scenario.mission.victims) == ((), ())
     assert cell.scenario.mission.time_limit_s == 60.0
+
+
+def test_patrol_of_a_users_class_has_the_lattice_as_a_graph_which_is_measured(monkeypatch):
+    module = ModuleType("patrol_of_test")
+    module.Mine = RandomWalkController
+    monkeypatch.setitem(sys.modules, "patrol_of_test", module)
+    protocol = PatrolProtocol(("sebs", "patrol_of_test:Mine"), "garage", None, (2,), trials=1, duration_s=5.0)
+    design = patrol_design(protocol)
+    outcomes = [run_trial(design.cells[trial.cell].scenario, trial, __version__) for trial in design.all_trials()]
+    first, second = (len(outcome.known_details.idleness.vertices) for outcome in outcomes)
+    assert first == second > 30
+    # The lattice itself is patrolled in the same way.
+    data = design.cells[0].scenario.model_dump(mode="json", by_alias=True)
+    data["mission"]["patrol"]["graph"], data["run"]["seed"] = None, outcomes[0].seed
+    assert Simulation(from_mapping(data, "test")).run().trajectory_hash == outcomes[0].trajectory_hash
 
 
 @pytest.mark.slow
