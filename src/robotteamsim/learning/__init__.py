@@ -11,21 +11,24 @@ except ModuleNotFoundError as error:
 from robotteamsim.learning.act import Act, DiscreteAct
 from robotteamsim.learning.batch_env import BatchEnv, BatchStep
 from robotteamsim.learning.errors import LearningError
-from robotteamsim.learning.gym_env import CentralEnv, gym_env, register
-from robotteamsim.learning.observe import Observe, Part, Percepts
+from robotteamsim.learning.gym_env import CentralEnv, gym_env
+from robotteamsim.learning.observe import Memory, Observe, Part, Percepts
 from robotteamsim.learning.policy import PolicyController
 from robotteamsim.learning.policy_file import export_policy
 from robotteamsim.learning.reward import Reward, SearchReward
+from robotteamsim.learning.tasks import TASKS, register, task
 from robotteamsim.learning.team_env import TeamEnv, env, parallel_env
 from robotteamsim.learning.vector_env import VectorEnv
 
 __all__ = [
+    "TASKS",
     "Act",
     "BatchEnv",
     "BatchStep",
     "CentralEnv",
     "DiscreteAct",
     "LearningError",
+    "Memory",
     "Observe",
     "Part",
     "Percepts",
@@ -38,6 +41,7 @@ __all__ = [
     "export_policy",
     "gym_env",
     "parallel_env",
+    "task",
 ]
 
 register()

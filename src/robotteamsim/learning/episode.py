@@ -95,6 +95,8 @@ class Episode:
             key = arriving[0] if arriving else "robots"
             text = f"{key}: a robot arrives later; expected robots that are present from the start"
             raise LearningError(scenario.origin.line(text, key))
+        if lack := rules.reward.lack_of(scenario):
+            raise LearningError(scenario.origin.line(lack, lack.partition(":")[0]))
         self.setup = resolve(scenario)
         self.observe = rules.observe(self.setup, self.robot_ids, rules.said, rules.teammates)
         self.act = rules.act(self.setup, self.robot_ids, rules.said)

@@ -79,9 +79,3 @@ class CentralEnv(gymnasium.Env[np.ndarray, Any]):
             raise LearningError(f"action of shape {value.shape}; expected {self.action_space.shape}")
         parts = value if self._are_discrete else unflatten(self._actions, value)
         return dict(zip(self.team.possible_agents, parts, strict=True))
-
-
-def register() -> None:
-    """Register environments with Gymnasium, for `gymnasium.make`."""
-    for name, scenario in (("GarageSearch", "garage_sar"), ("FloorSearch", "isr_floor_0_sar")):
-        gymnasium.register(f"robotteamsim/{name}-v0", f"{__name__}:gym_env", kwargs={"scenario": scenario})

@@ -14,6 +14,7 @@ from robotteamsim.interface import Observation
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.propagation import shared_radio_field
 from robotteamsim.scenario import FloorPlan
+from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.setup import Setup
 
 LOUDEST_DB = 100.0
@@ -50,6 +51,7 @@ class Percepts(NamedTuple):
     heard:    per teammate: whether it has been heard of, x and y in `map` [m], the time since then [s], and what it
               said, shape (n, teammates, 4 + said).
     own:      numbers of a subclass of `Observe`, shape (n, its `own`).
+    remembered: numbers of its `Memory`, within [-1, 1], shape (n, as many as it has).
     """
 
     ranges_m: np.ndarray
@@ -59,6 +61,7 @@ class Percepts(NamedTuple):
     area: np.ndarray
     heard: np.ndarray
     own: np.ndarray
+    remembered: np.ndarray
 
     @classmethod
     def stacked(cls, missions: Sequence[Percepts]) -> Percepts:
@@ -72,16 +75,63 @@ def cos_sin(poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return 1.0 - 2.0 * qz * qz, 2.0 * qz * qw
 
 
+def seen_from(poses: np.ndarray, places_m: np.ndarray) -> np.ndarray:
+    """Return places in `map`, shape (..., n, k, 2), ahead and to the left of each of n robots [m].
+
+    Args: poses: as of `Percepts`.
+    """
+    offsets_m, seen_m = places_m - poses[..., None, :2], np.empty(places_m.shape)
+    cos, sin = (part[..., None] for part in cos_sin(poses))
+    seen_m[..., 0] = cos * offsets_m[..., 0] + sin * offsets_m[..., 1]
+    seen_m[..., 1] = cos * offsets_m[..., 1] - sin * offsets_m[..., 0]
+    return seen_m
+
+
+class Memory:
+    """What the agents of a mission remember besides messages: nothing. Each mission has a new one.
+
+    A subclass replaces `parts_of` and `after`, and, with `looks`, `look`.
+    """
+
+    looks = False
+    """Whether `look` is called in each step of the simulation."""
+
+    def __init__(self, setup: Setup, robot_ids: Sequence[int]) -> None:
+        """Args: setup: of the mission, which has a seed of its own.  robot_ids: of the agents."""
+        self.setup, self.robot_ids = setup, tuple(robot_ids)
+
+    @classmethod
+    def parts_of(cls, setup: Setup) -> list[tuple[str, int, str]]:
+        """Return name, size and meaning of each part of the numbers."""
+        return []
+
+    def look(self, readings: Sequence[RobotReading]) -> None:
+        """Note the readings of a step, one per agent: those of most additional sensors are not in every step."""
+
+    def after(self, of: Percepts, time_s: float) -> np.ndarray:
+        """Return the numbers of each agent at a decision, within [-1, 1], shape (n, numbers).
+
+        Those of absent agents are ignored, but must be finite.
+
+        Args: of: without `remembered`.  time_s: of the simulation [s].
+        """
+        return np.zeros((len(of.poses), 0))
+
+
 class Observe:
     """The vectors of a team's agents, float32, all numbers within [-1, 1]; `parts` names them in order.
 
     They know only what controllers know: readings, voices, the task, and what teammates have sent. The signal of a
     teammate is predicted by the radio model from both positions, eq. (3); the mission's links are those of the network.
-    A subclass replaces `parts_of` and `vectors`; it may define `own` and `own_numbers`, for additional sensors.
+    A subclass replaces `parts_of` and `vectors`; it may define `own` and `own_numbers`, for additional sensors, and
+    `remembers`.
     """
 
     own = 0
     """How many numbers `own_numbers` returns."""
+
+    remembers: type[Memory] = Memory
+    """What agents remember; its parts are the last ones of this class."""
 
     def __init__(self, setup: Setup, robot_ids: Sequence[int], said: int = 0, teammates: int | None = None) -> None:
         """Args: robot_ids: of the agents.
@@ -114,6 +164,7 @@ class Observe:
             ("voice", 4, "heard, level / 100 dB, x and y of the loudest cell from the robot / radius"),
             ("area", 3, "there is one to explore, x and y of its centre from the robot / diagonal"),
             *((f"teammate_{i}", 5 + self.said, teammate + said) for i in range(self.teammates)),
+            *self.remembers.parts_of(self.setup),
         ]
 
     @staticmethod
@@ -141,7 +192,8 @@ class Observe:
         numbers[..., 10] = of.area[..., 0]
         numbers[..., 11:13] = seen[..., 1, :]
         teammates = self._of_teammates(of, seen[..., 2:, :]).reshape(*shape, -1)
-        vectors = np.concatenate((of.ranges_m / self._range_max_m, numbers, teammates), -1, dtype=np.float32)
+        parts = of.ranges_m / self._range_max_m, numbers, teammates, of.remembered
+        vectors = np.concatenate(parts, -1, dtype=np.float32)
         return np.maximum(np.minimum(vectors, 1.0), -1.0)
 
     def _seen(self, of: Percepts) -> np.ndarray:
@@ -150,14 +202,11 @@ class Observe:
         Shape (..., n, 2 + teammates, 2); 0 for what is not known.
         """
         rows = *of.poses.shape[:-1], 2 + self.teammates
-        known, places_m, seen = np.empty(rows), np.empty((*rows, 2)), np.empty((*rows, 2))
+        known, places_m = np.empty(rows), np.empty((*rows, 2))
         known[..., 0], places_m[..., 0, :] = of.voices[..., 0], of.voices[..., 2:]
         known[..., 1], places_m[..., 1, :] = of.area[..., 0], of.area[..., 1:]
         known[..., 2:], places_m[..., 2:, :] = of.heard[..., 0], of.heard[..., 1:3]
-        offsets_m = places_m - of.poses[..., None, :2]
-        cos, sin = (part[..., None] for part in cos_sin(of.poses))
-        seen[..., 0] = cos * offsets_m[..., 0] + sin * offsets_m[..., 1]
-        seen[..., 1] = cos * offsets_m[..., 1] - sin * offsets_m[..., 0]
+        seen = seen_from(of.poses, places_m)
         seen *= (known / self._units_m)[..., None]
         return seen
 

@@ -48,7 +48,7 @@ class PolicyController:
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """As for all controllers."""
-        self._senses.note(observation.sim_time_ns, [inbox])
+        self._senses.note(observation.sim_time_ns, [inbox], [observation.robot])
         if not task.running:
             self._steps = 0
             return Decision()

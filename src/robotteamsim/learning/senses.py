@@ -12,7 +12,7 @@ from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.interface import Message, Observation, Task
 from robotteamsim.interface.payload import Point, to_payload, update_reader
 from robotteamsim.learning.observe import Observe, Percepts, cos_sin
-from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.sensing.readings import RobotReading, VoiceReading
 from robotteamsim.setup import Setup
 from robotteamsim.simulation.controllers import TeamInputs
 
@@ -45,11 +45,17 @@ class Senses:
         starts = [PoseReading.from_pose(Pose(*setup.robots[i].start_pose)) for i in self._ids]
         self._map_T_odom = np.array([msgspec.structs.astuple(start) for start in starts]) if by_odometry else None
         nothing = (0.0, 0.0, 0.0, 0, *(0.0,) * observe.said)
+        self._memory = observe.remembers(setup, self._ids)
         self._heard = [[nothing] * observe.teammates for _ in self._ids]
         """Per agent and teammate: a row of `Percepts.heard`, but with the time of the message [ns]."""
 
-    def note(self, time_ns: int, inboxes: Sequence[Sequence[Message]]) -> None:
-        """Remember what teammates say in a step, one inbox per agent; of messages of other kinds, nothing."""
+    def note(self, time_ns: int, inboxes: Sequence[Sequence[Message]], readings: Sequence[RobotReading]) -> None:
+        """Note a step: what teammates say, without messages of other kinds, and readings, if the memory looks at them.
+
+        Args: inboxes, readings: one per agent.
+        """
+        if self._memory.looks:
+            self._memory.look(readings)
         for robot_id, inbox, heard in zip(self._ids, inboxes, self._heard, strict=True):
             for message in inbox:
                 said = _read(message.payload)
@@ -59,8 +65,9 @@ class Senses:
                     heard[row] = (1.0, *said.at, time_ns, *said.say)
 
     def note_team(self, inputs: TeamInputs) -> None:
-        """Remember what teammates say in a step."""
-        self.note(inputs.sim_time_ns, [inputs.inboxes[i] for i in self._ids])
+        """Note a step, see `note`."""
+        readings = [inputs.readings.robots[i] for i in self._ids] if self._memory.looks else ()
+        self.note(inputs.sim_time_ns, [inputs.inboxes[i] for i in self._ids], readings)
 
     def of_team(self, inputs: TeamInputs) -> Percepts:
         """Return what the agents of a team perceive; numbers of absent ones mean nothing, but are finite."""
@@ -101,7 +108,7 @@ class Senses:
         own = [observe.own_numbers(observation) for observation in observations] if observe.own else ()
         heard = np.array(self._heard, float).reshape(len(self._ids), observe.teammates, 4 + observe.said)
         heard[..., 3] = (time_ns - heard[..., 3]) * 1e-9
-        return Percepts(
+        percepts = Percepts(
             ranges_m if isinstance(ranges_m, np.ndarray) else self._padded(ranges_m),
             poses if self._map_T_odom is None else _composed(self._map_T_odom, poses),
             twists,
@@ -109,7 +116,9 @@ class Senses:
             np.array([(0.0, 0.0, 0.0) if area is None else (1.0, *area)]),
             heard,
             np.array(own, float).reshape(len(self._ids), observe.own),
+            np.zeros((len(self._ids), 0)),
         )
+        return percepts._replace(remembered=self._memory.after(percepts, time_ns * 1e-9))
 
     def _padded(self, ranges_m: Sequence[np.ndarray]) -> np.ndarray:
         padded = np.full((len(ranges_m), self._observe.beams), np.inf, np.float32)

@@ -1,0 +1,118 @@
+"""The measures of the tasks of learning for scripted controllers, or for a learned policy (module:Class).
+
+Each controller drives the task's scenario with the same seeds. Written: a row per mission with its return, the mean of
+the agents' summed rewards, and what the mission reports. Printed: means with 95 % bootstrap intervals.
+Usage: python bench/learning_tasks.py [--task explore] [--controller my_policy:Policy] [--trials 10] [--out FILE.csv]
+"""
+
+from __future__ import annotations
+
+import argparse
+import csv
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+
+from robotteamsim.analysis.report.statistics import bootstrap_mean, generator
+from robotteamsim.campaign.protocol import control_of
+from robotteamsim.learning import TASKS, task
+from robotteamsim.learning.driven import driven_ids
+from robotteamsim.learning.reward import Reward
+from robotteamsim.recording.idleness import IdlenessLog
+from robotteamsim.recording.measures import Measures
+from robotteamsim.recording.network_log import NetworkLog
+from robotteamsim.setup import Setup
+from robotteamsim.simulation import Observer, Simulation, StepRecord
+
+BASELINES = {
+    "garage_search": ("search", "rdpso", "greedy", "cover", "random_walk"),
+    "floor_search": ("search", "rdpso", "greedy", "cover", "random_walk"),
+    "explore": ("cover", "boustrophedon", "search", "random_walk"),
+    "connected_coverage": ("cover_connected", "cover", "search_connected", "random_walk"),
+    "patrol": ("sebs", "conscientious_reactive", "random_walk"),
+    "rescue": ("search", "rdpso", "random_walk"),
+}
+QUANTITIES = ("return", "saved", "dead", "dose", "areas", "end_s", "covered", "split_s", "idle_s")
+
+Row = dict[str, str | float]
+
+
+class Return(Observer):
+    """Adds up the rewards of a mission."""
+
+    def __init__(self, reward: type[Reward]) -> None:
+        self._make, self.total = reward, 0.0
+
+    def begin(self, setup: Setup) -> None:
+        """Begin with nothing."""
+        self._reward, self.total = self._make(setup, driven_ids(setup.scenario)), 0.0
+
+    def step(self, record: StepRecord) -> None:
+        """Add the mean reward of the agents."""
+        self.total += float(self._reward.of_step(record).mean())
+
+
+def run_trial(name: str, controller: str, seed: int) -> Row:
+    """Return what a mission has led to."""
+    of = task(name, overrides=[f"run.seed={seed}"])
+    scenario = of["scenario"].model_copy(update={"control": control_of(controller)})
+    measures, network, idleness, won = Measures(), NetworkLog(), IdlenessLog(), Return(of["reward"])
+    result = Simulation(scenario).run([measures, network, won, *([idleness] if name == "patrol" else [])])
+    measured = measures.measured
+    return {
+        "task": name,
+        "controller": controller,
+        "seed": seed,
+        "return": round(won.total, 3),
+        "saved": result.victims_saved,
+        "dead": result.victims_dead,
+        "dose": round(sum(p.dose for p in result.egress.people), 3) if result.egress else "",
+        "areas": result.areas_explored,
+        "end_s": result.time_s,
+        "covered": "" if measured.coverage is None else measured.coverage,
+        "split_s": network.totals.split_s,
+        "idle_s": "" if idleness.idleness is None else round(idleness.idleness.mean_s, 2),
+        "hash": result.trajectory_hash[:12],
+    }
+
+
+def print_means(rows: list[Row]) -> None:
+    """Print the mean of each quantity that a controller's missions have."""
+    for name, controller in dict.fromkeys((str(row["task"]), str(row["controller"])) for row in rows):
+        own = [row for row in rows if (row["task"], row["controller"]) == (name, controller)]
+        cells = []
+        for quantity in QUANTITIES:
+            values = np.array([float(row[quantity]) for row in own if row[quantity] != ""])
+            if values.size:
+                mean = bootstrap_mean(values, generator(name, controller, quantity))
+                cells.append(f"{quantity} {mean.value:.4g} [{mean.low:.4g}, {mean.high:.4g}]")
+        print(f"{name}, {controller}: {len(own)} missions: {'; '.join(cells)}")
+
+
+def main() -> None:
+    """Run the missions."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--task", action="append", choices=TASKS, help="repeatable; default: all")
+    parser.add_argument("--controller", action="append", help="in place of the baselines; repeatable")
+    parser.add_argument("--trials", type=int, default=10)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--out", type=Path, default=Path(__file__).parent / "results" / "learning_tasks.csv")
+    options = parser.parse_args()
+    with ProcessPoolExecutor(options.workers) as pool:
+        futures = [
+            pool.submit(run_trial, name, controller, seed)
+            for name in options.task or TASKS
+            for controller in options.controller or BASELINES[name]
+            for seed in range(1, options.trials + 1)
+        ]
+        rows = [future.result() for future in futures]
+    with options.out.open("w", newline="") as file:
+        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+    print_means(rows)
+
+
+if __name__ == "__main__":
+    main()
