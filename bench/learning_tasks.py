@@ -102,15 +102,18 @@ def main() -> None:
     with ProcessPoolExecutor(options.workers) as pool:
         futures = [
             pool.submit(run_trial, name, controller, seed)
+            for seed in range(1, options.trials + 1)
             for name in options.task or TASKS
             for controller in options.controller or BASELINES[name]
-            for seed in range(1, options.trials + 1)
         ]
-        rows = [future.result() for future in futures]
-    with options.out.open("w", newline="") as file:
-        writer = csv.DictWriter(file, list(rows[0]), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
+        rows = []
+        with options.out.open("w", newline="") as file:
+            writer = csv.DictWriter(file, ("task", "controller", "seed", *QUANTITIES, "hash"), lineterminator="\n")
+            writer.writeheader()
+            for future in futures:
+                rows.append(future.result())
+                writer.writerow(rows[-1])
+                file.flush()
     print_means(rows)
 
 

@@ -94,7 +94,8 @@ class SearchProtocol:
 class PatrolProtocol:
     """A benchmark of patrol in one building.
 
-    controllers: names of controllers that patrol a graph, module:Class, or files of policies; the first is the reference of comparisons.
+    controllers: names of controllers that patrol a graph, module:Class, or files of policies; the first is the
+                 reference of comparisons.
     graph:       a .graph file of patrolling_sim; None: a lattice of places.
     """
 
