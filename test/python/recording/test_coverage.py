@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from robotteamsim.cli.main import main
+from robotteamsim.cli import main
 from robotteamsim.recording.coverage import CoverageLog
 from robotteamsim.recording.results import ResultWriter
 from robotteamsim.scenario.sections import Coverage, Mission
