@@ -85,6 +85,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _without_warnings(hidden: bool) -> Iterator[None]:
     """Keep Python's warnings, such as those of libraries about odd input, off the terminal: errors are one line."""
     logging.captureWarnings(hidden)
+    # It tells that its folder of caches cannot be written.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR if hidden else logging.NOTSET)
     try:
         yield
     finally:
@@ -127,6 +129,8 @@ def _reported(error: BaseException) -> int:
             line, status = str(error), EXIT_MISTAKE
         case OSError(errno=errno.EMFILE | errno.ENFILE):
             line, status = "too many open files; raise `ulimit -n`", EXIT_ERROR
+        case OSError(errno=errno.EAGAIN) | RuntimeError(args=("can't start new thread",)):
+            line, status = "no more threads or processes can be started; raise `ulimit -u`", EXIT_ERROR
         case OSError(filename=None):
             close_stdout()
             line, status = f"standard output: {error.strerror or error}", EXIT_ERROR

@@ -13,10 +13,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from PIL import Image
+from rosbags.highlevel import AnyReader
 from rosbags.rosbag1 import Writer
 from rosbags.typesys import Stores, get_typestore
 
 from robotteamsim.cli import main, run_command
+from robotteamsim.interface import Decision
 from robotteamsim.scenario.shipped import scenario_names
 
 LINES = [sys.executable, "-m", "robotteamsim.cli"]
@@ -154,6 +156,7 @@ def test_warnings_are_shown_only_on_request(options, shown):
     code = """
 import sys, warnings
 from robotteamsim.cli import main, run_command
+from robotteamsim.interface import Decision
 run_command.Simulation = lambda scenario: warnings.warn("overflow") or 1 / 0
 main(["run", "garage_sar", *sys.argv[1:]])
 """
@@ -273,3 +276,50 @@ def test_help_names_every_shipped_scenario(capsys):
         assert ended.value.code == 0
         shown = " ".join(capsys.readouterr().out.split())
         assert all(name in shown for name in scenario_names())
+
+
+class Reshaping:
+    """A controller that gives its scan the shape, or the type, that a network wants."""
+
+    def __init__(self, robot_id, setup):
+        pass
+
+    def step(self, observation, inbox, task):
+        ranges_m = observation.robot.ranges_m
+        if observation.robot_id:
+            ranges_m.dtype = np.int32
+        else:
+            ranges_m.shape = (1, -1)
+        return Decision()
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:Setting the:DeprecationWarning")
+def test_controller_that_reshapes_its_scan_changes_no_recording(tmp_path):
+    mission = ("run", "tutorial_arena", *SHORT, "--quiet", "--set", "robots.count=2")
+    assert main([*mission, "--bag", str(tmp_path / "odd.bag"), "--set", f"control.algorithm={__name__}:Reshaping"]) == 0
+    scans = []
+    with AnyReader([tmp_path / "odd.bag"]) as reader:
+        for connection, _, data in reader.messages():
+            if connection.topic.endswith("base_scan"):
+                scans.append(reader.deserialize(data, connection.msgtype).ranges)
+    assert {scan.shape for scan in scans} == {(181,)}
+    assert np.min(scans) >= 0.0
+    assert np.max(scans) <= 5.0
+
+
+@pytest.mark.slow
+def test_no_further_thread_is_one_line(monkeypatch, capsys):
+    def start(_):
+        raise RuntimeError("can't start new thread")
+
+    monkeypatch.setattr(run_command, "run", start)
+    assert main(["run", "tutorial_arena"]) == 1
+    wanted = "robotteamsim: no more threads or processes can be started; raise `ulimit -u`\n"
+    assert capsys.readouterr().err == wanted
+
+
+@pytest.mark.slow
+def test_home_that_cannot_be_written_is_no_error(tmp_path):
+    done = _shell(f"$RUN plan render garage --png {tmp_path}/p.png", HOME="/proc", MPLCONFIGDIR="/proc/none")
+    assert (done.returncode, done.stderr) == (0, "")

@@ -308,7 +308,7 @@ def test_robots_of_other_kinds_have_the_same_spaces():
         ),
         (
             lambda _: parallel_env(scenario("tutorial_arena"), observe=Blind).reset(seed=1),
-            "observations array([[nan]]); expected finite numbers of shape (1, 1)",
+            "observations array([[nan]]); expected numbers within [-1, 1], shape (1, 1)",
         ),
         (lambda _: parallel_env("garage_sar", every=True), "every: True; expected a whole number of at least 1"),
         (lambda _: parallel_env("garage_sar", every=None), "every: None; expected a whole number of at least 1"),
@@ -316,6 +316,10 @@ def test_robots_of_other_kinds_have_the_same_spaces():
         (
             lambda env: CentralEnv(env).reset(seed=-1),
             "seed: -1; expected a whole number from 0 to 9007199254740992",
+        ),
+        (
+            lambda _: parallel_env("garage_sar", teammates=1),
+            "teammates: 1; expected at least 2, those of garage_sar",
         ),
         (
             lambda _: parallel_env(scenario(), observe=Negative),

@@ -22,7 +22,7 @@ from robotteamsim.recording.topics.base import (
 )
 from robotteamsim.scenario.sections import Laser, Robot
 from robotteamsim.scenario.sensors.base import Frame
-from robotteamsim.sensing.readings import OdometryReading, RobotReading
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings
 from robotteamsim.simulation import StepRecord
 
 # Indices of the nine covariances of x, y and yaw among the 36 of (x, y, z, roll, pitch, yaw), and the element of the
@@ -96,6 +96,11 @@ def read_odometry(message: Any) -> OdometryReading:
 def scan(make: Make, time_ns: int, robot_id: int, laser: Laser, ranges_m: np.ndarray) -> Any:
     """sensor_msgs/LaserScan, of `base_scan`."""
     return laser.scan(make, header(make, time_ns, robot_frame(robot_id, "base_laser_link")), ranges_m)
+
+
+def _ranges_m(readings: TeamReadings | Sequence[RobotReading], robot_id: int) -> np.ndarray:
+    """Return the scan of a robot; of a team not the array that a controller has, which could change its shape."""
+    return readings.ranges_m[robot_id] if isinstance(readings, TeamReadings) else readings[robot_id].ranges_m
 
 
 def read_ranges_m(message: Any, beams: int) -> np.ndarray:
@@ -215,7 +220,7 @@ SCAN = Topic(
     "base_scan",
     "sensor_msgs/LaserScan",
     When.STEP,
-    lambda source, step, i: (i, source.setup.robots[i].laser, step.readings.ranges_m[i]),
+    lambda source, step, i: (i, source.setup.robots[i].laser, _ranges_m(step.readings, i)),
     scan,
     read=lambda message, setup, i: read_ranges_m(message, setup.robots[i].laser.beams),
 )
