@@ -31,7 +31,7 @@ MIN_IN_FLIGHT = 100
 _NOTHING = logging.CRITICAL + 1
 """A level without messages: Dask's scheduler calls it critical that an interrupted client has closed its connection."""
 _FILES, _FILES_PER_WORKER = 30, 10
-"""Open files of a campaign, and of each worker; it has 35 with one worker, 55 with three."""
+"""Open files that a campaign needs, and each worker in addition, with some to spare: 35 were seen with one worker."""
 _START_ATTEMPTS = 5
 _REPLACE_EVERY_MS = 2000
 _RESTART_CHECKS = 5

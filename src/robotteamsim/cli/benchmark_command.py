@@ -76,7 +76,11 @@ def add_to(commands: Any) -> None:
     search.add_argument("--building", action="append", metavar="NAME", help=f"{names}; or {SCENARIO_HELP}; repeatable")
     search.add_argument("--noise", type=number, action="append", metavar="DB", help="background noise [dB]; repeatable")
     search.add_argument(
-        "--policy", action="append", default=[], metavar="POLICY", help="a policy besides the controllers; repeatable"
+        "--policy",
+        action="append",
+        default=[],
+        metavar="POLICY",
+        help="another controller to compare, a policy; repeatable",
     )
     search.add_argument("--victims", type=whole_number, metavar="N", help="victims in each mission; default 4")
     search.add_argument("--no-areas", action="store_true", help="no areas to explore: the last one ends a mission")

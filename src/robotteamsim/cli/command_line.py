@@ -26,7 +26,7 @@ from robotteamsim.cli import (
     scenario_command,
     view_command,
 )
-from robotteamsim.cli.interrupt import Terminated, terminated_as_interrupted
+from robotteamsim.cli.interrupt import Terminated, signals_raised
 from robotteamsim.cli.output import close_stdout, open_streams
 from robotteamsim.cli.parser import Parser, UsageError
 from robotteamsim.errors import RobotTeamSimError
@@ -72,20 +72,21 @@ def main(arguments: Sequence[str] | None = None) -> int:
     open_streams()
     # Only figures are drawn, and never on a screen. A shell inside Jupyter names a backend that is not installed here.
     os.environ["MPLBACKEND"] = "Agg"
+    raised: list[KeyboardInterrupt] = []
     try:
-        with terminated_as_interrupted(), _without_warnings(_DEBUG not in words):
+        with signals_raised() as raised, _without_warnings(_DEBUG not in words):
             return _run([word for word in words if word != _DEBUG])
     except (Exception, KeyboardInterrupt) as error:
         if _DEBUG in words:
             traceback.print_exc()
-        return _reported(error)
+        return _reported(raised[-1] if raised else error)
 
 
 @contextlib.contextmanager
 def _without_warnings(hidden: bool) -> Iterator[None]:
     """Keep Python's warnings, such as those of libraries about odd input, off the terminal: errors are one line."""
     logging.captureWarnings(hidden)
-    # It tells that its folder of caches cannot be written.
+    # It reports that its folder of caches cannot be written.
     logging.getLogger("matplotlib").setLevel(logging.ERROR if hidden else logging.NOTSET)
     try:
         yield

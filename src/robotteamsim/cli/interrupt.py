@@ -29,7 +29,7 @@ class InterruptBetweenSteps:
     def step(self, record: StepRecord) -> None:
         """End the run if a signal has come. Raises: KeyboardInterrupt, Terminated."""
         if self._received:
-            _raise(self._received)
+            raise _interrupt(self._received)
 
     def end(self, result: Result) -> None:
         """Restore the previous handlers."""
@@ -42,22 +42,33 @@ class InterruptBetweenSteps:
 
     def _note(self, signal_number: int, frame: FrameType | None) -> None:
         if self._received:
-            _raise(signal_number)
+            raise _interrupt(signal_number)
         self._received = signal_number
 
 
 @contextlib.contextmanager
-def terminated_as_interrupted() -> Iterator[None]:
-    """Within the block SIGTERM raises Terminated, so that files are closed; only in the main thread."""
+def signals_raised() -> Iterator[list[KeyboardInterrupt]]:
+    """Within the block SIGTERM raises Terminated, as Ctrl-C KeyboardInterrupt, so that files are closed.
+
+    Yields a list of what was raised, because libraries may raise an error of their own instead. It does nothing outside
+    the main thread, which alone receives signals.
+    """
+    raised: list[KeyboardInterrupt] = []
     if threading.current_thread() is not threading.main_thread():
-        yield
+        yield raised
         return
-    previous = signal.signal(signal.SIGTERM, _raise)
+
+    def note(signal_number: int, frame: FrameType | None) -> NoReturn:
+        raised.append(_interrupt(signal_number))
+        raise raised[-1]
+
+    previous = {number: signal.signal(number, note) for number in _SIGNALS}
     try:
-        yield
+        yield raised
     finally:
-        signal.signal(signal.SIGTERM, previous)
+        for number, handler in previous.items():
+            signal.signal(number, handler)
 
 
-def _raise(signal_number: int, frame: FrameType | None = None) -> NoReturn:
-    raise Terminated if signal_number == signal.SIGTERM else KeyboardInterrupt
+def _interrupt(signal_number: int) -> KeyboardInterrupt:
+    return Terminated() if signal_number == signal.SIGTERM else KeyboardInterrupt()

@@ -83,10 +83,10 @@ class Act:
         Args:   actions: one per agent; or an array of those of stacked missions.
         Raises: LearningError: one is not of the space.
         """
-        values = _array_of(actions)
+        values = array_of(actions)
         if not self._are_of_space(values, len(self.robot_ids)):
             for robot_id, action in zip(self.robot_ids, actions, strict=False):
-                if not self._are_of_space(_array_of([action]), 1):
+                if not self._are_of_space(array_of([action]), 1):
                     raise LearningError(f"robot_{robot_id}: action {action!r:.80}: expected one of {self.space}")
             raise LearningError(
                 f"actions of shape {values.shape}; expected one for each of {len(self.robot_ids)} robots"
@@ -135,7 +135,7 @@ class DiscreteAct(Act):
         return [{"action_mask": (~(turns_in_place & is_car)).astype(np.int8)} for is_car in cars]
 
 
-def _array_of(values: Any) -> np.ndarray:
+def array_of(values: Any) -> np.ndarray:
     """Return values as an array; masked ones, and rows with different lengths, as one of type object."""
     if any(np.ma.isMaskedArray(value) for value in (values if isinstance(values, list) else [values])):
         return np.asarray(None)

@@ -8,8 +8,9 @@ from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
+from numpy.typing import ArrayLike
 
-from robotteamsim.learning.act import Commands
+from robotteamsim.learning.act import Commands, array_of
 from robotteamsim.learning.episode import LARGEST_SEED, AnyScenario, Episode, Rules, vectors_of
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.observe import Percepts
@@ -35,7 +36,7 @@ class BatchStep(NamedTuple):
 class BatchEnv:
     """Many missions that are stepped together: of one scenario, or of several in turn, each with seeds of its own.
 
-    A mission that is over begins anew in the next step, which ignores its actions and has no reward (Gymnasium's
+    A mission that is over begins again in the next step, which ignores its actions and has no reward (Gymnasium's
     autoreset mode NEXT_STEP). Robots are those that obey actions, in id order; smaller teams leave the last rows empty.
     Mission i has the same bits as a `TeamEnv` of its scenario with the batch's seed + i.
     """
@@ -84,6 +85,7 @@ class BatchEnv:
     @property
     def present(self) -> np.ndarray:
         """Whether each robot is present, bool, shape (num_envs, robots)."""
+        self.episodes[-1].check_begun()
         present = np.zeros((self.num_envs, self.robots), bool)
         for row, episode in zip(present, self.episodes, strict=True):
             row[: len(episode.robot_ids)] = episode.present
@@ -100,17 +102,18 @@ class BatchEnv:
         self._perceive()
         return self._step.observations
 
-    def step(self, actions: np.ndarray) -> BatchStep:
+    def step(self, actions: ArrayLike) -> BatchStep:
         """Let all robots act. Args: actions: shape (num_envs, robots, ...); those of absent robots are ignored.
 
         Raises: RobotTeamSimError: one line: `reset` was not called, or an action is not of the space.
         """
         self.episodes[-1].check_begun()
-        step, shape = self._step, (self.num_envs, self.robots, *(self.act.space.shape or ()))
-        if np.shape(actions) != shape:
-            raise LearningError(f"actions of shape {np.shape(actions)}; expected {shape}")
+        step, shape, given = self._step, (self.num_envs, self.robots, *(self.act.space.shape or ())), array_of(actions)
+        if given.shape != shape:
+            raise LearningError(f"actions of shape {given.shape}; expected {shape}")
         is_over = step.is_over.copy()
-        commands = self._commands(np.where(is_over.reshape(-1, *(1,) * (len(shape) - 1)), self.act.rest, actions))
+        acting = (self.present & ~is_over[:, None]).reshape(*shape[:2], *(1,) * (len(shape) - 2))
+        commands = self._commands(np.where(acting, given, self.act.rest))
         for array in step[1:]:
             array[:] = 0
         for i, episode in enumerate(self.episodes):

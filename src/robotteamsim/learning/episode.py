@@ -97,9 +97,6 @@ class Episode:
             raise LearningError(scenario.origin.line(text, key))
         if lack := rules.reward.lack_of(scenario):
             raise LearningError(scenario.origin.line(lack, lack.partition(":")[0]))
-        others = scenario.num_robots - 1
-        if rules.teammates is not None and rules.teammates < others:
-            raise LearningError(f"teammates: {rules.teammates}; expected at least {others}, those of {scenario.name}")
         self.setup = resolve(scenario)
         self.observe = rules.observe(self.setup, self.robot_ids, rules.said, rules.teammates)
         self.act = rules.act(self.setup, self.robot_ids, rules.said)
@@ -233,8 +230,8 @@ def vectors_of(observe: Observe, percepts: Percepts, present: np.ndarray) -> np.
     """
     vectors = observe.vectors(percepts)
     shape = (*present.shape, *observe.space.shape)
-    if np.shape(vectors) == shape:
+    if np.shape(vectors) == shape and vectors.dtype == observe.space.dtype:
         vectors[~present] = 0.0
         if ((vectors >= -1.0) & (vectors <= 1.0)).all():  # NaN is not
             return vectors
-    raise LearningError(f"observations {vectors!r:.60}; expected numbers within [-1, 1], shape {shape}")
+    raise LearningError(f"observations {vectors!r:.60}; expected {observe.space.dtype} within [-1, 1], shape {shape}")

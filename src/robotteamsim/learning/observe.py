@@ -51,7 +51,7 @@ class Percepts(NamedTuple):
     heard:    per teammate: whether it has been heard of, x and y in `map` [m], the time since then [s], and what it
               said, shape (n, teammates, 4 + said).
     own:      numbers of a subclass of `Observe`, shape (n, its `own`).
-    remembered: numbers of its `Memory`, within [-1, 1], shape (n, as many as it has).
+    remembered: numbers of its `Memory`, which `Observe.vectors` clips to [-1, 1], shape (n, as many as it has).
     """
 
     ranges_m: np.ndarray
@@ -109,7 +109,7 @@ class Memory:
         """Note the readings of a step, one per agent: those of most additional sensors are not in every step."""
 
     def after(self, of: Percepts, time_s: float) -> np.ndarray:
-        """Return the numbers of each agent at a decision, within [-1, 1], shape (n, numbers).
+        """Return the numbers of each agent at a decision, shape (n, numbers); `Observe.vectors` clips them to [-1, 1].
 
         Those of absent agents are ignored, but must be finite.
 
@@ -140,7 +140,10 @@ class Observe:
         """
         robots, bounds = [setup.robots[i] for i in robot_ids], setup.plan.bounds
         self.setup, self.robot_ids, self.said = setup, tuple(robot_ids), said
-        self.teammates = setup.scenario.num_robots - 1 if teammates is None else teammates
+        others, name = setup.scenario.num_robots - 1, setup.scenario.name
+        self.teammates = others if teammates is None else teammates
+        if self.teammates < others:
+            raise LearningError(f"teammates: {teammates}; expected at least {others}, those of {name}")
         self.beams = max(robot.laser.beams for robot in setup.robots)
         self._range_max_m = np.array([[robot.laser.range_max_m] for robot in robots], np.float32)
         drives = [robot.drive for robot in robots]

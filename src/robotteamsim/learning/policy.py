@@ -10,7 +10,7 @@ import numpy as np
 
 from robotteamsim.interface import Decision, Message, Observation, Task
 from robotteamsim.learning.act import Act
-from robotteamsim.learning.errors import LearningError
+from robotteamsim.learning.episode import Rules, vectors_of
 from robotteamsim.learning.observe import Observe
 from robotteamsim.learning.senses import Senses
 from robotteamsim.setup import Setup
@@ -33,9 +33,8 @@ class PolicyController:
     """How many teammates its observations have room for; None: as many as there are."""
 
     def __init__(self, robot_id: int, setup: Setup) -> None:
-        """Make the controller of a robot. Raises: LearningError: `every` or `said` is out of range."""
-        if self.every < 1 or self.said < 0:
-            raise LearningError(f"every: {self.every}, said: {self.said}; expected at least 1, and at least 0")
+        """Make the controller of a robot. Raises: LearningError: an attribute is out of range."""
+        Rules.of({key: getattr(self, key) for key in ("observe", "act", "every", "said", "teammates")})
         self._observe = self.observe(setup, [robot_id], self.said, self.teammates)
         self._act = self.act(setup, [robot_id], self.said)
         self._senses = Senses(setup, self._observe)
@@ -55,7 +54,7 @@ class PolicyController:
         decision = self._held
         if self._steps % self.every == 0:
             percepts = self._senses.of_robot(observation, task)
-            action = self.choose(self._observe.vectors(percepts)[0])
+            action = self.choose(vectors_of(self._observe, percepts, np.array([True]))[0])
             commands = self._act.commands([action])
             (decision,) = commands.decisions(self._act.robot_ids, percepts.poses[:, :2])
             self._held = msgspec.structs.replace(decision, outbox=())

@@ -129,7 +129,7 @@ class FilePolicy(PolicyController):
     def choose(self, vector: np.ndarray) -> Any:
         """Return the action of the network. Raises: LearningError: it is not of the space of actions."""
         with _one_thread(self._torch), self._torch.inference_mode():
-            output = self._network(self._torch.tensor(vector, dtype=self._torch.float32)[None])[0].numpy()
+            output = self._network(self._torch.tensor(vector, dtype=self._torch.float32)[None])[0].float().numpy()
         if not np.isfinite(output).all():
             raise LearningError(f"{self._path}: output {output!r:.60}; expected {len(output)} finite numbers")
         if isinstance(self._act.space, Discrete):

@@ -77,6 +77,8 @@ def task(name: str, scenario: AnyScenario | None = None, overrides: Sequence[str
     """
     if name not in TASKS:
         raise LearningError(f"there is no task {name!r:.60}; expected one of {', '.join(TASKS)}")
+    if isinstance(overrides, str):
+        raise LearningError(f"overrides: {overrides!r:.60}; expected a list of key=value")
     of = TASKS[name]
     if isinstance(scenario, Scenario):
         if overrides:
@@ -87,9 +89,11 @@ def task(name: str, scenario: AnyScenario | None = None, overrides: Sequence[str
     return {"scenario": loaded, "observe": of.observe, "reward": of.reward}
 
 
-def gym_task(name: str, scenario: AnyScenario | None = None, **settings: Any) -> CentralEnv:
+def gym_task(
+    name: str, scenario: AnyScenario | None = None, overrides: Sequence[str] = (), **settings: Any
+) -> CentralEnv:
     """Return a task as an environment of Gymnasium. Args: see `task` and `parallel_env`."""
-    return gym_env(**(task(name, scenario) | settings))
+    return gym_env(**(task(name, scenario, overrides) | settings))
 
 
 def register() -> None:

@@ -10,13 +10,14 @@ from gymnasium.spaces import Box, Discrete, MultiDiscrete
 from gymnasium.vector.utils import batch_space
 
 from robotteamsim.learning.batch_env import BatchEnv
+from robotteamsim.learning.errors import LearningError
 
 
 class VectorEnv(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     """Each mission is an environment whose one agent drives all robots, as `gym_env`; or each robot is one of its own.
 
     Environments of single robots share one policy. A robot that leaves is terminated, and then has observations of 0
-    until its mission begins anew. `info["present"]` has which robots are present.
+    until its mission begins again. `info["present"]` has which robots are present.
     """
 
     def __init__(self, batch: BatchEnv, *, per_robot: bool = False) -> None:
@@ -43,12 +44,13 @@ class VectorEnv(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Let all robots act, see `BatchEnv.step`."""
-        batch = self.batch
+        batch, acting = self.batch, self.batch.present.sum(1)
+        if np.shape(actions) != self.action_space.shape:
+            raise LearningError(f"actions of shape {np.shape(actions)}; expected {self.action_space.shape}")
         step = batch.step(np.reshape(actions, (batch.num_envs, batch.robots, *(batch.act.space.shape or ()))))
         rewards, terminated, truncated = step.rewards.ravel(), step.terminated.ravel(), step.truncated.ravel()
         if not self._per_robot:
-            members = np.array([len(episode.robot_ids) for episode in batch.episodes])
-            rewards, truncated = step.rewards.sum(1) / members, step.truncated.max(1)
+            rewards, truncated = step.rewards.sum(1) / np.maximum(acting, 1), step.truncated.max(1)
             terminated = step.is_over & ~truncated
         # The arrays of a batch change in its next step.
         rewards, terminated, truncated = rewards.copy(), terminated.copy(), truncated.copy()

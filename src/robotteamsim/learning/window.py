@@ -86,6 +86,7 @@ class Window(ShownMission):
             self._server = None
 
     def _open(self) -> None:
+        self.is_closed = False
         self._server = ViewServer(0, live_page(self._title), self)
         threading.Thread(target=self._server.serve_forever, args=(0.1,), daemon=True, name="view").start()
         _logger.warning("%s shows the mission", self._server.url)  # the lowest level that Python prints by itself

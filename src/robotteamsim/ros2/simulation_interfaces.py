@@ -259,7 +259,7 @@ def _filter(filters: Any) -> Callable[[str, Entity], bool]:
         raise _unsupported("filters.bounds: expected a sphere: its centre, and a point whose x is the radius")
     try:
         pattern = re.compile(filters.filter)
-    except re.error as error:
+    except (re.error, OverflowError, RecursionError) as error:
         raise ValueError(f"filters.filter: {filters.filter!r}: {error}") from None
     categories = {one.category for one in filters.categories} or CATEGORIES.values()
 

@@ -323,3 +323,19 @@ def test_no_further_thread_is_one_line(monkeypatch, capsys):
 def test_home_that_cannot_be_written_is_no_error(tmp_path):
     done = _shell(f"$RUN plan render garage --png {tmp_path}/p.png", HOME="/proc", MPLCONFIGDIR="/proc/none")
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("number", "status", "word"), [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "terminated")]
+)
+def test_signal_behind_an_error_of_a_library_is_still_a_signal(monkeypatch, capsys, number, status, word):
+    def library(_):
+        try:
+            os.kill(os.getpid(), number)
+        except KeyboardInterrupt as error:
+            raise ValueError("cannot build") from error
+
+    monkeypatch.setattr(run_command, "run", library)
+    assert main(["run", "tutorial_arena"]) == status
+    assert capsys.readouterr().err == f"robotteamsim: {word}\n"

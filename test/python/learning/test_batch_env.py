@@ -136,6 +136,27 @@ def test_wrong_use_is_one_line(do, message):
     assert str(raised.value) == message
 
 
+def test_reward_of_a_vector_env_is_that_of_the_robots_that_acted():
+    made = scenario("garage_sar", "schedule=[{at_s: 1.0, remove: 0}]")
+    env, alone = VectorEnv(BatchEnv(made, 1)), gym_env(made)
+    env.reset(seed=4)
+    alone.reset(seed=4)
+    still = np.zeros((1, 6), np.float32)
+    for _ in range(4):
+        _, rewards, *_ = env.step(still)
+        assert rewards[0] == pytest.approx(alone.step(still[0])[1], rel=1e-6)
+
+
+def test_actions_of_absent_robots_are_ignored():
+    env = BatchEnv(scenario("garage_sar", "schedule=[{at_s: 0.0, remove: 0}]"), 1)
+    env.reset(1)
+    actions = np.zeros((1, 3, 2))
+    env.step(actions)
+    assert env.present.tolist() == [[False, True, True]]
+    actions[0, 0] = np.nan
+    assert (env.step(actions).observations[0, 0] == 0.0).all()
+
+
 def test_wrong_actions_name_mission_and_robot():
     env = BatchEnv(scenario(), 2)
     env.reset(1)
@@ -145,6 +166,7 @@ def test_wrong_actions_name_mission_and_robot():
         (actions, r"^mission 1: robot_2: action array\(\[nan,  0\.\]\): expected one of Box"),
         (actions[:1], r"^actions of shape \(1, 3, 2\); expected \(2, 3, 2\)$"),
         (actions.astype(str), r"^mission 0: robot_0: action array"),
+        ([[[0.0, 0.0]], [[0.0]]], r"^actions of shape \(\); expected \(2, 3, 2\)$"),
     ):
         with pytest.raises(LearningError, match=message):
             env.step(wrong)

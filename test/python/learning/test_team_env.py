@@ -24,6 +24,7 @@ from robotteamsim.learning import (
     parallel_env,
 )
 from robotteamsim.scenario import load
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation, TrajectoryHash
 
 SHORT = "mission.time_limit_s=20"
@@ -65,7 +66,7 @@ class Blind(Observe):
         return [("nothing", 1, "not a number")]
 
     def vectors(self, of):
-        return np.full((1, 1), np.nan)
+        return np.full((1, 1), np.nan, np.float32)
 
 
 @pytest.mark.slow
@@ -152,6 +153,14 @@ def test_policy_drives_as_in_training(monkeypatch):
     # The environment senses once more after the end.
     assert simulation.world.step_index == end.step_index
     assert np.array_equal(simulation.mission.status.time_s, end.mission.time_s)
+
+
+def test_policy_without_room_for_its_teammates_is_one_line():
+    class Policy(PolicyController):
+        teammates = 1
+
+    with pytest.raises(LearningError, match=r"^teammates: 1; expected at least 2, those of garage_sar$"):
+        Policy(0, resolve(scenario()))
 
 
 @pytest.mark.slow
@@ -308,7 +317,7 @@ def test_robots_of_other_kinds_have_the_same_spaces():
         ),
         (
             lambda _: parallel_env(scenario("tutorial_arena"), observe=Blind).reset(seed=1),
-            "observations array([[nan]]); expected numbers within [-1, 1], shape (1, 1)",
+            "observations array([[nan]], dtype=float32); expected float32 within [-1, 1], shape (1, 1)",
         ),
         (lambda _: parallel_env("garage_sar", every=True), "every: True; expected a whole number of at least 1"),
         (lambda _: parallel_env("garage_sar", every=None), "every: None; expected a whole number of at least 1"),

@@ -139,6 +139,8 @@ class Team:
         self._scenario, self._text_z_m, self._size = scenario, text_z_m, unit(scenario.plan.bounds)
         self._models = resolve(scenario).robots
         self._robots: dict[int, RobotPicture] = {}
+        self._found: dict[int, tuple[int, float, float, float]] = {}
+        """The last pose of each robot from tf."""
         self._statuses: dict[int, Newest[Any]] = {}
         self._present = Newest(node, ROBOTS.name, ROBOTS.type_name, lambda message: bytes(message.present))
         self._absent: set[int] = set()
@@ -175,7 +177,8 @@ class Team:
     def _look_up(self, transforms: Transforms) -> None:
         for robot_id, robot in self._robots.items():
             found, _ = transforms.newest(MAP_FRAME, f"{robot_name(robot_id)}/base_link")
-            if found is not None:
+            if found is not None and found != self._found.get(robot_id):
+                self._found[robot_id] = found
                 stamp_ns, *pose = found
                 self._move(robot, stamp_ns / 1e9, Pose(*pose))
 
