@@ -100,7 +100,8 @@ def scan(make: Make, time_ns: int, robot_id: int, laser: Laser, ranges_m: np.nda
 
 def _ranges_m(readings: TeamReadings | Sequence[RobotReading], robot_id: int) -> np.ndarray:
     """Return the scan of a robot; of a team not the array that a controller has, which could change its shape."""
-    return readings.ranges_m[robot_id] if isinstance(readings, TeamReadings) else readings[robot_id].ranges_m
+    ranges_m = readings.ranges_m[robot_id] if isinstance(readings, TeamReadings) else readings[robot_id].ranges_m
+    return ranges_m.reshape(-1)
 
 
 def read_ranges_m(message: Any, beams: int) -> np.ndarray:
