@@ -14,8 +14,11 @@ _EXTRA_OF_PACKAGE = {
     "pandas": "notebook",
     "pettingzoo": "learning",
     "scipy": "report",
+    "stable_baselines3": "train",
     "statsmodels": "report",
+    "tensordict": "train",
     "torch": "train",
+    "torchrl": "train",
     "tornado": "campaign",
 }
 """The smallest extra of pyproject.toml that contains each package."""

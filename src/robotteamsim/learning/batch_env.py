@@ -100,6 +100,19 @@ class BatchEnv:
         self._perceive()
         return self._step.observations
 
+    def begin(self, which: np.ndarray) -> np.ndarray:
+        """Begin some missions now instead of in the next step, and return the observations of all.
+
+        For libraries that reset environments themselves. Args: which: bool, shape (num_envs,).
+        """
+        self.episodes[-1].check_begun()
+        for i in np.flatnonzero(which):
+            self.episodes[i].begin()
+            for array in self._step[1:]:
+                array[i] = 0
+        self._perceive()
+        return self._step.observations
+
     def step(self, actions: np.ndarray) -> BatchStep:
         """Let all robots act. Args: actions: shape (num_envs, robots, ...); those of absent robots are ignored.
 
