@@ -226,6 +226,7 @@ wheel: $(DEBIAN)-build $(VENV)/.wheel ## build dist/*.whl for Python 3.11 and ne
 pictures: build_tests ## regenerate the pictures of README and docs
 	@$(ENV) $(PYTHON) docs/draw_cases.py
 	@$(ENV) $(PYTHON) docs/draw_swarm.py
+	@$(ENV) $(PYTHON) docs/draw_learning.py
 	@$(ENV) $(PYTHON) docs/make_own_building.py
 	@$(ENV) $(PYTHON) -m robotteamsim.cli field radio garage_sar --at 4,5 --at 30,36 --at 50,18 --png docs/images/field.png
 	@$(ENV) $(PYTHON) -m robotteamsim.cli field radio garage_sar --loss --png docs/images/field_loss.png \
