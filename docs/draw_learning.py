@@ -22,11 +22,16 @@ RESULTS = ROOT / "bench" / "results" / "learning_curve.csv"
 PATH = ROOT / "docs" / "images" / "learning_curve.png"
 
 TRAINED = {"ppo": (palette.BLUE, "PPO"), "mappo": (palette.GREEN, "MAPPO")}
-OTHERS = {"random_walk": (palette.FAINT_INK, ":"), "rdpso": (palette.VERMILLION, "--")}
+OTHERS = {
+    "random_walk": palette.FAINT_INK,
+    "rdpso": palette.VERMILLION,
+    "greedy": palette.ORANGE,
+    "search": palette.PURPLE,
+}
 MEASURES = (
-    ("score", "share found, mean over the time limit", 1.0),
-    ("victims", "victims saved, of 4", 4.0),
-    ("end_s", "end of the mission [s]", 620.0),
+    ("score", "score: share found, mean over 600 s", 1.0),
+    ("victims", "victims saved, of 4", 4.15),
+    ("end_s", "end of the mission [s]", 640.0),
 )
 
 Row = dict[str, str]
@@ -36,8 +41,10 @@ def draw(axes: Axes, rows: list[Row], measure: str, title: str, top: float) -> N
     """Draw one measure."""
     for row in rows:
         if row["algorithm"] in OTHERS:
-            colour, style = OTHERS[row["algorithm"]]
-            axes.axhline(float(row[measure]), color=colour, ls=style, lw=1.6)
+            colour, value = OTHERS[row["algorithm"]], float(row[measure])
+            axes.axhline(value, color=colour, ls="--", lw=1.2)
+            place = {"xycoords": axes.get_yaxis_transform(), "textcoords": "offset points", "ha": "right"}
+            axes.annotate(row["algorithm"], (1.0, value), (0.0, 2.5), color=colour, fontsize=8.5, **place)
     for algorithm, (colour, _) in TRAINED.items():
         by_seed: dict[str, list[tuple[float, float]]] = defaultdict(list)
         for row in rows:
@@ -55,7 +62,7 @@ def draw(axes: Axes, rows: list[Row], measure: str, title: str, top: float) -> N
     axes.set_title(title, fontsize=10, color=palette.INK)
     axes.set_xlabel("training [min of processor time]", color=palette.SOFT_INK)
     axes.set_ylim(0.0, top)
-    axes.set_xlim(left=0.0)
+    axes.set_xlim(0.0, 1.25 * max(float(row["minutes"] or 0.0) for row in rows))  # room for names
     axes.grid(color=palette.GRID, lw=0.6)
     axes.tick_params(colors=palette.SOFT_INK)
     axes.spines[["top", "right"]].set_visible(False)
@@ -70,11 +77,11 @@ def main() -> None:
         draw(axes, rows, *measure)
     found = {row["algorithm"] for row in rows}
     lines = [
-        Line2D([], [], color=colour, lw=2.2, label=f"{label}, mean and range of 3 seeds")
+        Line2D([], [], color=colour, lw=2.2, label=f"{label}: mean and range of three seeds, a point per evaluation")
         for name, (colour, label) in TRAINED.items()
         if name in found
     ]
-    lines += [Line2D([], [], color=colour, ls=style, lw=1.6, label=name) for name, (colour, style) in OTHERS.items()]
+    figure.suptitle("Ten missions in the office, which no training has seen", fontsize=11, color=palette.INK)
     figure.legend(handles=lines, loc="outside lower center", ncols=4, fontsize=9, frameon=False)
     figure.savefig(PATH)
 
