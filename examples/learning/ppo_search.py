@@ -15,7 +15,7 @@ from robotteamsim.learning import BatchEnv
 
 
 class RobotsVecEnv(VecEnv):
-    """Each robot of each mission is an environment; a mission that is over begins anew at once."""
+    """Each robot of each mission is an environment; a mission that is over begins again at once."""
 
     def __init__(self, batch: BatchEnv, seed: int) -> None:
         """Args: seed: of the first mission."""

@@ -15,7 +15,7 @@ import torch
 from robotteamsim.campaign.protocol import SearchProtocol, search_design
 from robotteamsim.cli.parser import folder_of, positive_number, positive_whole_number
 from robotteamsim.control.driving.known_map import UNREACHABLE_M, known_map
-from robotteamsim.learning import Act, BatchEnv, Observe, Percepts, Reward, export_policy
+from robotteamsim.learning import Act, BatchEnv, Observe, Percepts, Reward, export_policy, seen_from
 from robotteamsim.scenario import Scenario
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.sections import Team
@@ -74,14 +74,14 @@ class SearchObserve(Observe):
 
     def vectors(self, of: Percepts) -> np.ndarray:
         """Return the vector of each agent, shape (..., n, size of the space)."""
-        whole, turned = super().vectors(of), _from_robots(of.poses)
+        whole = super().vectors(of)
         edges = np.linspace(0, self.beams, self.SECTORS, endpoint=False).astype(int)
         sectors = np.minimum.reduceat(of.ranges_m, edges, axis=-1) / self.NEAR_M
         twist, loudness = (whole[..., self.beams + i : self.beams + j] for i, j in ((4, 6), (7, 8)))
-        parts = sectors, twist, loudness, *self._routes(of, turned), self._nearest(of, turned)
+        parts = sectors, twist, loudness, *self._routes(of), self._nearest(of)
         return np.clip(np.concatenate(parts, -1, dtype=np.float32), -1.0, 1.0)
 
-    def _routes(self, of: Percepts, turned: Callable[[np.ndarray], np.ndarray]) -> list[np.ndarray]:
+    def _routes(self, of: Percepts) -> list[np.ndarray]:
         """Return the numbers of the shortest paths on the known map to the loudest cell and to the area."""
         building, routes = self.setup.building, []
         goals = of.voices[..., (0, 2, 3)], np.broadcast_to(of.area, (*of.poses.shape[:-1], 3))
@@ -100,12 +100,12 @@ class SearchObserve(Observe):
                     ahead, length_m = grid.first_stretch(start, free or place, self.FAR_M)
                 if ahead is not None:
                     ahead_m[index], numbers[index] = ahead, (1.0, 0.0, 0.0, length_m / self.FAR_M)
-            offsets_m = turned(ahead_m)
+            offsets_m = seen_from(of.poses, ahead_m[..., None, :])[..., 0, :]
             numbers[..., 1:3] = offsets_m / np.maximum(np.hypot(*np.moveaxis(offsets_m, -1, 0)), 1e-9)[..., None]
             routes.append(numbers)
         return routes
 
-    def _nearest(self, of: Percepts, turned: Callable[[np.ndarray], np.ndarray]) -> np.ndarray:
+    def _nearest(self, of: Percepts) -> np.ndarray:
         """Return the numbers of the nearest teammate, shape (..., n, 3)."""
         numbers = np.zeros((*of.poses.shape[:-1], 3))
         if self.teammates:
@@ -113,19 +113,9 @@ class SearchObserve(Observe):
             nearest = np.hypot(offsets_m[..., 0], offsets_m[..., 1]).argmin(-1)[..., None, None]
             place_m = np.take_along_axis(of.heard[..., :3], nearest, -2)[..., 0, :]
             numbers[..., 0] = place_m[..., 0]
-            numbers[..., 1:] = turned(place_m[..., 1:]) / self.NEAR_M * place_m[..., :1]
+            seen_m = seen_from(of.poses, place_m[..., None, 1:])[..., 0, :]
+            numbers[..., 1:] = seen_m / self.NEAR_M * place_m[..., :1]
         return numbers
-
-
-def _from_robots(poses: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-    """Return the function from places in `map` [m], one per robot, to x and y from the robots."""
-    cos, sin = 1.0 - 2.0 * poses[..., 2] ** 2, 2.0 * poses[..., 2] * poses[..., 3]
-
-    def turned(places_m: np.ndarray) -> np.ndarray:
-        x_m, y_m = np.moveaxis(places_m - poses[..., :2], -1, 0)
-        return np.stack((cos * x_m + sin * y_m, cos * y_m - sin * x_m), -1)
-
-    return turned
 
 
 class AheadAct(Act):

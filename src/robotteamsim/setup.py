@@ -35,6 +35,11 @@ class Setup:
         """The floor plan."""
         return self.scenario.plan
 
+    @property
+    def smallest_reach_m(self) -> float:
+        """The reach of the smallest member of the team, who gets everywhere where anybody gets [m]."""
+        return min(robot.reach_m for robot in self.robots)
+
     def start_m(self, robot_id: int) -> Point:
         """Return where a member of the team starts, in `map` [m]."""
         return self.robots[robot_id].start_pose[:2]

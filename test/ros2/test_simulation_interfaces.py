@@ -279,9 +279,10 @@ def test_entities_are_robots_victims_and_objects_and_filtered(standard):
     box = Bounds(type=Bounds.TYPE_BOX, points=[Vector3(), Vector3(x=1.0)])
     assert standard.entities(bounds=box)[0] == UNSUPPORTED
     assert standard.entities(tags=TagsFilter(tags=["red"])) == (UNSUPPORTED, "filters.tags: entities have no tags")
-    code, message = standard.entities(filter="(")
-    assert code == FAILED
-    assert message.startswith("filters.filter: '(': ")
+    for wrong in ("(", "a{99999999999999}", 3000 * "(" + 3000 * ")"):
+        code, message = standard.entities(filter=wrong)
+        assert code == FAILED
+        assert message.startswith(f"filters.filter: {wrong!r}: ")
 
 
 def test_states_are_the_true_ones_in_the_frame_of_the_map(standard, peer):

@@ -192,8 +192,7 @@ def _with_graph(of: Scenario) -> Scenario:
     patrol = of.mission.patrol
     if patrol.graph is not None:
         return of
-    setup = resolve(of)
-    found = patrol_graph(setup, setup.robots[0].reach_m)
+    found = patrol_graph(resolve(of))
     vertices = tuple(
         PatrolVertex(position=place, neighbours=tuple(i for i, _ in edges), lengths_m=tuple(m for _, m in edges))
         for place, edges in zip(found.places, found.edges, strict=True)

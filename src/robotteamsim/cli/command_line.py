@@ -86,11 +86,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _without_warnings(hidden: bool) -> Iterator[None]:
     """Keep Python's warnings, such as those of libraries about odd input, off the terminal: errors are one line."""
     logging.captureWarnings(hidden)
-    # It reports that its folder of caches cannot be written.
-    logging.getLogger("matplotlib").setLevel(logging.ERROR if hidden else logging.NOTSET)
+    matplotlib = logging.getLogger("matplotlib")  # it warns that its folder of caches cannot be written
+    level = matplotlib.level
+    if hidden:
+        matplotlib.setLevel(logging.ERROR)
     try:
         yield
     finally:
+        matplotlib.setLevel(level)
         logging.captureWarnings(False)
 
 

@@ -16,8 +16,10 @@ from robotteamsim import scenario
 from robotteamsim.cli.output import add_png_option, check_outputs, save
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of
 from robotteamsim.cli.run_command import add_code_option, add_set_option, check_code
+from robotteamsim.control.baselines.patrol_graph import patrol_graph
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.recording.files import atomically, write_atomically
+from robotteamsim.recording.idleness import patrols
 from robotteamsim.scenario.loading import from_text
 from robotteamsim.scenario.shipped import shipped_scenario
 from robotteamsim.scenario.upgrade import upgraded
@@ -113,6 +115,8 @@ def _unreachable(setup: Setup) -> tuple[FloorPart, ...]:
 def _mistake_in_setting_up(setup: Setup) -> str:
     """Return a mistake that appears only when the mission is set up, such as an unknown controller; "" if none."""
     try:
+        if patrols(setup.scenario):
+            patrol_graph(setup)
         faults = Simulation(setup).controllers.faults
     except RobotTeamSimError as error:
         return str(error).removeprefix(f"{setup.scenario.name}: ")

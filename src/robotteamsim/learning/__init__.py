@@ -12,7 +12,7 @@ from robotteamsim.learning.act import Act, DiscreteAct
 from robotteamsim.learning.batch_env import BatchEnv, BatchStep
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.gym_env import CentralEnv, gym_env
-from robotteamsim.learning.observe import Memory, Observe, Part, Percepts
+from robotteamsim.learning.observe import Memory, Observe, Part, Percepts, seen_from
 from robotteamsim.learning.policy import PolicyController
 from robotteamsim.learning.policy_file import export_policy
 from robotteamsim.learning.reward import Reward, SearchReward
@@ -41,6 +41,7 @@ __all__ = [
     "export_policy",
     "gym_env",
     "parallel_env",
+    "seen_from",
     "task",
 ]
 

@@ -20,18 +20,18 @@ class Commands(NamedTuple):
     """What n agents are to do. Stacked missions have one more axis in front.
 
     twists: ahead and to the left [m/s], turn [rad/s], shape (n, 3).
-    words:  what each says to the others, shape (n, said).
+    say:    the numbers that each says to the others, shape (n, said).
     """
 
     twists: np.ndarray
-    words: np.ndarray
+    say: np.ndarray
 
     def decisions(self, robot_ids: Sequence[int], positions_m: np.ndarray) -> list[Decision]:
         """Return the decisions of the agents, whose messages have their positions in `map` as they know them [m]."""
-        team = zip(robot_ids, self.twists.tolist(), self.words.tolist(), positions_m.tolist(), strict=True)
+        team = zip(robot_ids, self.twists.tolist(), self.say.tolist(), positions_m.tolist(), strict=True)
         return [
-            Decision(Twist(*twist), (Message(i, EVERYBODY, Said((x_m, y_m), tuple(words)).to_payload()),))
-            for i, twist, words, (x_m, y_m) in team
+            Decision(Twist(*twist), (Message(i, EVERYBODY, Said((x_m, y_m), tuple(say)).to_payload()),))
+            for i, twist, say, (x_m, y_m) in team
         ]
 
 
@@ -69,7 +69,7 @@ class Act:
         twists[..., 2] = actions[..., self._moves - 1] * self.max_turns_radps
         return twists
 
-    def words(self, actions: np.ndarray) -> np.ndarray:
+    def say(self, actions: np.ndarray) -> np.ndarray:
         """Return what actions say, as of `Commands`. Args: actions: as of `twists`."""
         return actions[..., self._moves :]
 
@@ -92,7 +92,7 @@ class Act:
                 f"actions of shape {values.shape}; expected one for each of {len(self.robot_ids)} robots"
             )
         values = values.astype(np.int64 if isinstance(self.space, Discrete) else np.float64)
-        return Commands(self.twists(values), self.words(values))
+        return Commands(self.twists(values), self.say(values))
 
     def _are_of_space(self, values: np.ndarray, agents: int) -> bool:
         """Whether values are actions for so many agents, also of stacked missions."""
@@ -124,7 +124,7 @@ class DiscreteAct(Act):
         """Return the twists of actions, as of `Commands`."""
         return super().twists(np.insert(self.MOVES[actions], 1, 0.0, -1) if self._moves == 3 else self.MOVES[actions])
 
-    def words(self, actions: np.ndarray) -> np.ndarray:
+    def say(self, actions: np.ndarray) -> np.ndarray:
         """Return what actions say: nothing."""
         return np.zeros((*actions.shape, 0))
 

@@ -19,7 +19,7 @@ def driven_ids(scenario: Scenario) -> list[int]:
 
 
 class _Obeying:
-    """Decides what its robot was told."""
+    """Returns the decision that was set for its robot."""
 
     def __init__(self, told: Sequence[Decision], robot_id: int) -> None:
         self._told, self._robot_id = told, robot_id
@@ -30,7 +30,7 @@ class _Obeying:
 
 
 class DrivenControllers:
-    """Driven robots do what they are told; relays, base and people decide as with a controller of a user's class.
+    """Driven robots obey the decisions of `tell`; relays, base and people have the controllers of any other mission.
 
     Discoveries are announced to the base in any case.
     """

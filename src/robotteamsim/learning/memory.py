@@ -36,7 +36,7 @@ class FloorMemory(Memory):
         """See `Memory`."""
         super().__init__(setup, robot_ids)
         radius_m = (setup.scenario.mission.coverage or Coverage()).radius_m
-        reach_m, bounds = min(robot.reach_m for robot in setup.robots), setup.plan.bounds
+        reach_m, bounds = setup.smallest_reach_m, setup.plan.bounds
         self._covers = [FloorCover(setup.building, reach_m, setup.start_m(i), radius_m) for i in robot_ids]
         self._seen: list[set[tuple[float, float]]] = [set() for _ in robot_ids]
         """Per agent: the places that teammates have sent last."""
@@ -109,7 +109,7 @@ class PatrolMemory(Memory):
     def __init__(self, setup: Setup, robot_ids: Sequence[int]) -> None:
         """See `Memory`."""
         super().__init__(setup, robot_ids)
-        graph, bounds = graph_of(setup), setup.plan.bounds
+        graph, bounds = patrol_graph(setup), setup.plan.bounds
         self._places_m = np.array(graph.places)
         self._arrived_m = setup.scenario.mission.patrol.arrived_m
         self._diagonal_m = math.dist(bounds.min, bounds.max)
@@ -124,7 +124,7 @@ class PatrolMemory(Memory):
     def parts_of(cls, setup: Setup) -> list[tuple[str, int, str]]:
         """Return name, size and meaning of each part of the numbers."""
         each = "there is one, x and y from the robot / diagonal, idleness / 300 s"
-        size = 4 * most_vertices(graph_of(setup))
+        size = 4 * most_vertices(patrol_graph(setup))
         return [("vertices", size, f"the vertex visited last, then its neighbours: {each}")]
 
     def after(self, of: Percepts, time_s: float) -> np.ndarray:
@@ -145,11 +145,6 @@ class PatrolMemory(Memory):
         seen_m = seen_from(of.poses, self._places_m[near]) / self._diagonal_m
         numbers = np.concatenate((np.ones((*near.shape, 1)), seen_m, idle[..., None]), -1) * (near >= 0)[..., None]
         return numbers.reshape(len(near), -1)
-
-
-def graph_of(setup: Setup) -> Graph:
-    """Return the graph of `mission.patrol`, as it is measured. Raises: ScenarioError: the plan has no room for one."""
-    return patrol_graph(setup, min(robot.reach_m for robot in setup.robots))
 
 
 def most_vertices(graph: Graph) -> int:

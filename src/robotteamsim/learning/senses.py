@@ -18,7 +18,7 @@ from robotteamsim.simulation.controllers import TeamInputs
 
 
 class Said(msgspec.Struct, frozen=True):
-    """What robots tell each other: the sender's position in `map` [m], and the numbers of its policy."""
+    """The message of a robot to its teammates: the sender's position in `map` [m], and the numbers of its policy."""
 
     at: Point
     say: tuple[Annotated[float, msgspec.Meta(ge=-1.0, le=1.0)], ...] = ()

@@ -41,7 +41,7 @@ class RescueObserve(Observe):
     remembers = RescueMemory
 
 
-class Task(NamedTuple):
+class LearningTask(NamedTuple):
     """A shipped scenario, and rules. Args: changes: of the scenario, also of another one that is given by name."""
 
     scenario: str
@@ -55,15 +55,15 @@ _COVERAGE = (*_NO_SEARCH, "mission.coverage={}")
 # From one start, a controller without chance would drive the same mission with every seed.
 _ANYWHERE = ("robots.formation=random",)
 
-TASKS: Mapping[str, Task] = {
-    "garage_search": Task("garage_sar"),
-    "floor_search": Task("isr_floor_0_sar"),
-    "explore": Task("garage_sar", CoverageReward, FloorObserve, (*_COVERAGE, *_ANYWHERE)),
-    "connected_coverage": Task(
+TASKS: Mapping[str, LearningTask] = {
+    "garage_search": LearningTask("garage_sar"),
+    "floor_search": LearningTask("isr_floor_0_sar"),
+    "explore": LearningTask("garage_sar", CoverageReward, FloorObserve, (*_COVERAGE, *_ANYWHERE)),
+    "connected_coverage": LearningTask(
         "office_manet", ConnectedCoverageReward, FloorObserve, (*_COVERAGE, "mission.base=null")
     ),
-    "patrol": Task("garage_sar", PatrolReward, PatrolObserve, (*_NO_SEARCH, *_ANYWHERE)),
-    "rescue": Task("garage_fire", RescueReward, RescueObserve, ("mission.areas=[]",)),
+    "patrol": LearningTask("garage_sar", PatrolReward, PatrolObserve, (*_NO_SEARCH, *_ANYWHERE)),
+    "rescue": LearningTask("garage_fire", RescueReward, RescueObserve, ("mission.areas=[]",)),
 }
 """By name. A task that is added is a line here; it is then also an environment of Gymnasium."""
 

@@ -19,9 +19,9 @@ class CoverageLog(Observer):
 
     def begin(self, setup: Setup) -> None:
         """Discard an earlier trial."""
-        section, reach_m = setup.scenario.mission.coverage, min(robot.reach_m for robot in setup.robots)
+        section = setup.scenario.mission.coverage
         assert section is not None, "mission.coverage: missing"
-        self._cover = FloorCover(setup.building, reach_m, setup.start_m(0), section.radius_m)
+        self._cover = FloorCover(setup.building, setup.smallest_reach_m, setup.start_m(0), section.radius_m)
         self._every = max(round(1.0 / (_LOOKS_HZ * setup.scenario.run.step_s)), 1)
 
     def step(self, record: StepRecord) -> None:

@@ -55,8 +55,7 @@ class IdlenessLog(Observer):
 
     def begin(self, setup: Setup) -> None:
         """Discard an earlier trial. Raises: ScenarioError: the plan has no room for a graph."""
-        radius_m = min(robot.reach_m for robot in setup.robots)
-        self._graph: Graph = patrol_graph(setup, radius_m)
+        self._graph: Graph = patrol_graph(setup)
         self._places_m = np.array(self._graph.places)
         self._reach_m = setup.scenario.mission.patrol.arrived_m
         count = len(self._graph.places)

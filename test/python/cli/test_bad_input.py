@@ -108,3 +108,22 @@ def test_faulty_controller_is_an_event_and_the_mission_goes_on(tmp_path, monkeyp
     with BagReader([bag]) as reader:
         events = [message.detail for _, _, message in reader.messages({"/mission/events"})]
     assert event["detail"] in events
+
+
+def test_check_refuses_a_patrol_that_cannot_be_measured(tmp_path, refusal):
+    """The robots of a small room are larger than the firefighter, for whose radius the graph is measured."""
+    walls = ["{from: [0, 0], to: [4.3, 0]}", "{from: [4.3, 0], to: [4.3, 3.2]}"]
+    walls += ["{from: [4.3, 3.2], to: [0, 3.2]}", "{from: [0, 3.2], to: [0, 0]}"]
+    named = ", ".join(f"{{name: w{i}, thickness_m: 0.2, {wall[1:]}" for i, wall in enumerate(walls))
+    path = tmp_path / "room.yaml"
+    path.write_text(
+        "name: room\n"
+        f"plan: {{name: room, bounds: {{min: [-0.5, -0.5], max: [4.8, 3.7]}}, walls: [{named}]}}\n"
+        "robots: {radius_m: 0.25, count: 1, start: [2.15, 1.6, 0]}\n"
+        "firefighters: {count: 1, start: [1.55, 2.1, 0]}\n"
+        "command_centre: 0\n"
+        "mission: {saved_by: firefighter, areas: [{name: a, center: [2.2, 1.2], radius_m: 1}]}\n"
+        "control: {algorithm: sebs}\n"
+    )
+    line = refusal("scenario", "check", path)
+    assert line == f"{path}: mission.patrol.spacing_m: 6 m leaves no two places of the plan linked"

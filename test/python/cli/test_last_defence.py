@@ -8,6 +8,7 @@ import signal
 import struct
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -339,3 +340,28 @@ def test_signal_behind_an_error_of_a_library_is_still_a_signal(monkeypatch, caps
     monkeypatch.setattr(run_command, "run", library)
     assert main(["run", "tutorial_arena"]) == status
     assert capsys.readouterr().err == f"robotteamsim: {word}\n"
+
+
+@pytest.mark.slow
+def test_a_mission_runs_in_another_thread():
+    statuses = []
+    words = ["run", "tutorial_arena", "--json", "--set", "mission.time_limit_s=1"]
+    thread = threading.Thread(target=lambda: statuses.append(main(words)))
+    thread.start()
+    thread.join()
+    assert statuses == [0]
+
+
+def test_ctrl_c_while_the_package_is_loaded_is_one_line(tmp_path):
+    (tmp_path / "sitecustomize.py").write_text(
+        "import importlib.abc, sys\n"
+        "class Interrupting(importlib.abc.MetaPathFinder):\n"
+        "    def find_spec(self, name, path, target=None):\n"
+        "        if name == 'robotteamsim.cli.command_line':\n"
+        "            raise KeyboardInterrupt\n"
+        "sys.meta_path.insert(0, Interrupting())\n"
+    )
+    environment = os.environ | {"PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"}
+    command = [sys.executable, "-m", "robotteamsim.cli", "--version"]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (130, "robotteamsim: interrupted\n")

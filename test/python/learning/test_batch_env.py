@@ -47,7 +47,7 @@ def test_each_mission_has_the_bits_of_a_single_one(said):
             if alone.agents:
                 acts = {agent: actions[k, i, int(agent[-1])] for agent in alone.agents}
                 vectors, *ends, _ = alone.step(acts)
-            else:  # the batch begins anew in this step
+            else:  # the batch begins again in this step
                 (vectors, _), ends = alone.reset(), ({}, {}, {})
         record, single = env.episodes[i].record, alone.record
         found.update(record.sim_time_ns, record.readings.state.true_pose)

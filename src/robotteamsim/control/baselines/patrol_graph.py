@@ -25,14 +25,18 @@ class Graph:
         return min(range(len(self.places)), key=lambda vertex: math.dist(self.places[vertex], position))
 
 
-def patrol_graph(setup: Setup, robot_radius_m: float) -> Graph:
-    """Return the graph of `mission.patrol`. Raises: ScenarioError: the plan has no room for one."""
+def patrol_graph(setup: Setup, robot_radius_m: float | None = None) -> Graph:
+    """Return the graph of `mission.patrol`, for robots of this radius; None: as it is measured, for the smallest one.
+
+    Raises: ScenarioError: the plan has no room for one.
+    """
     scenario, patrol = setup.scenario, setup.scenario.mission.patrol
     if patrol.graph is not None:
         vertices = patrol.graph.vertices
         edges = tuple(tuple(zip(vertex.neighbours, vertex.lengths_m, strict=True)) for vertex in vertices)
         return Graph(tuple(vertex.position for vertex in vertices), edges)
-    graph = reachable_lattice(setup, robot_radius_m, patrol.spacing_m, patrol.longest_edge)
+    radius_m = setup.smallest_reach_m if robot_radius_m is None else robot_radius_m
+    graph = reachable_lattice(setup, radius_m, patrol.spacing_m, patrol.longest_edge)
     if not graph.places:
         raise ScenarioError(
             f"{scenario.name}: mission.patrol.spacing_m: {patrol.spacing_m:g} m leaves no two places of the plan linked"
