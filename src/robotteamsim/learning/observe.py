@@ -136,14 +136,11 @@ class Observe:
     def __init__(self, setup: Setup, robot_ids: Sequence[int], said: int = 0, teammates: int | None = None) -> None:
         """Args: robot_ids: of the agents.
         said:       how many numbers each message has.
-        teammates:  how many there is room for; None: as many as there are.
+        teammates:  how many there is room for, the first others in id order; None: for all.
         """
         robots, bounds = [setup.robots[i] for i in robot_ids], setup.plan.bounds
         self.setup, self.robot_ids, self.said = setup, tuple(robot_ids), said
-        others, name = setup.scenario.num_robots - 1, setup.scenario.name
-        self.teammates = others if teammates is None else teammates
-        if self.teammates < others:
-            raise LearningError(f"teammates: {teammates}; expected at least {others}, those of {name}")
+        self.teammates = setup.scenario.num_robots - 1 if teammates is None else teammates
         self.beams = max(robot.laser.beams for robot in setup.robots)
         self._range_max_m = np.array([[robot.laser.range_max_m] for robot in robots], np.float32)
         drives = [robot.drive for robot in robots]

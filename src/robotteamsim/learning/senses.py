@@ -60,9 +60,10 @@ class Senses:
             for message in inbox:
                 said = _read(message.payload)
                 if said is not None and len(said.say) == self._observe.said:
-                    # The rows are those of the others in id order.
+                    # The rows are those of the first others in id order.
                     row = message.sender - (message.sender > robot_id)
-                    heard[row] = (1.0, *said.at, time_ns, *said.say)
+                    if row < len(heard):
+                        heard[row] = (1.0, *said.at, time_ns, *said.say)
 
     def note_team(self, inputs: TeamInputs) -> None:
         """Note a step, see `note`."""

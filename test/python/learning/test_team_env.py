@@ -24,7 +24,6 @@ from robotteamsim.learning import (
     parallel_env,
 )
 from robotteamsim.scenario import load
-from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation, TrajectoryHash
 
 SHORT = "mission.time_limit_s=20"
@@ -155,12 +154,29 @@ def test_policy_drives_as_in_training(monkeypatch):
     assert np.array_equal(simulation.mission.status.time_s, end.mission.time_s)
 
 
-def test_policy_without_room_for_its_teammates_is_one_line():
+@pytest.mark.slow
+def test_policy_with_room_for_two_teammates_drives_a_larger_team(monkeypatch):
     class Policy(PolicyController):
-        teammates = 1
+        teammates = 2
 
-    with pytest.raises(LearningError, match=r"^teammates: 1; expected at least 2, those of garage_sar$"):
-        Policy(0, resolve(scenario()))
+        def choose(self, vector):
+            return wall_fearing(vector)
+
+    module = ModuleType("policy_of_test")
+    module.Policy = Policy
+    monkeypatch.setitem(sys.modules, "policy_of_test", module)
+    made = scenario("garage_sar", "robots.count=8", "control.algorithm=policy_of_test:Policy")
+    simulation = Simulation(made)
+    simulation.run()
+    assert not any(simulation.controllers.faults)
+    env = parallel_env(made, teammates=2)
+    driven_to(env, made.run.seed, wall_fearing)
+    assert np.array_equal(simulation.mission.status.time_s, env.record.mission.time_s)
+    vectors, _ = env.reset(seed=1)
+    vectors, *_ = env.step(dict.fromkeys(env.agents, np.zeros(2, np.float32)))
+    begins = [part.begin for part in env.parts if part.name.startswith("teammate_")]
+    assert all(vectors["robot_7"][begin] == 1.0 for begin in begins)
+    assert len(begins) == 2
 
 
 @pytest.mark.slow
@@ -325,10 +341,6 @@ def test_robots_of_other_kinds_have_the_same_spaces():
         (
             lambda env: CentralEnv(env).reset(seed=-1),
             "seed: -1; expected a whole number from 0 to 9007199254740992",
-        ),
-        (
-            lambda _: parallel_env("garage_sar", teammates=1),
-            "teammates: 1; expected at least 2, those of garage_sar",
         ),
         (
             lambda _: parallel_env(scenario(), observe=Negative),
