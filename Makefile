@@ -5,6 +5,10 @@ SHELL := /bin/bash
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := help
 
+ifneq ($(words $(CURDIR)),1)
+$(error $(CURDIR): catkin cannot build in a folder with a blank in its path; move this folder)
+endif
+
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 BUILD := build

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 import subprocess
 from pathlib import Path
 
@@ -76,3 +77,13 @@ def test_hook_of_an_installation_adds_its_share_folder(tmp_path):
 def test_long_step_shows_its_progress(tmp_path, line):
     done = step(tmp_path, f"echo '{line}'; sleep 11")
     assert re.search(r"^--   \[2/5\] a step: 50 %, 1\d s$", done.stdout, re.MULTILINE)
+
+
+def test_a_folder_with_a_blank_is_refused_in_one_line(tmp_path):
+    folder = tmp_path / "my projects"
+    folder.mkdir()
+    shutil.copy(ROOT / "Makefile", folder)
+    done = subprocess.run(["make", "garage_sar"], cwd=folder, capture_output=True, text=True)
+    assert done.returncode == 2
+    (line,) = done.stderr.splitlines()
+    assert f"{folder}: catkin cannot build in a folder with a blank in its path; move this folder" in line
