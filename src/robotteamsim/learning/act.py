@@ -10,6 +10,7 @@ from gymnasium.spaces import Box, Discrete
 
 from robotteamsim.geometry import Twist
 from robotteamsim.interface import EVERYBODY, Decision, Message
+from robotteamsim.learning.arrays import array_of, numbers_of
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.senses import Said
 from robotteamsim.scenario.drives import CarDrive, OmniDrive
@@ -81,7 +82,7 @@ class Act:
         """Return what actions mean; nothing is clipped.
 
         Args:   actions: one per agent; or an array of those of stacked missions.
-        Raises: LearningError: one is not of the space.
+        Raises: LearningError: one is not of the space, or `twists` or `say` returns something else than it says.
         """
         values = array_of(actions)
         if not self._are_of_space(values, len(self.robot_ids)):
@@ -92,7 +93,11 @@ class Act:
                 f"actions of shape {values.shape}; expected one for each of {len(self.robot_ids)} robots"
             )
         values = values.astype(np.int64 if isinstance(self.space, Discrete) else np.float64)
-        return Commands(self.twists(values), self.say(values))
+        rows = values.shape[: values.ndim - len(self.space.shape or ())]
+        return Commands(
+            numbers_of("twists", self.twists(values), (*rows, 3)),
+            numbers_of("say", self.say(values), (*rows, self.said)),
+        )
 
     def _are_of_space(self, values: np.ndarray, agents: int) -> bool:
         """Whether values are actions for so many agents, also of stacked missions."""
@@ -133,13 +138,3 @@ class DiscreteAct(Act):
         turns_in_place = (self.MOVES[:, 0] == 0.0) & (self.MOVES[:, 1] != 0.0)
         cars = [isinstance(drive, CarDrive) for drive in self.drives]
         return [{"action_mask": (~(turns_in_place & is_car)).astype(np.int8)} for is_car in cars]
-
-
-def array_of(values: Any) -> np.ndarray:
-    """Return values as an array; masked ones, and rows with different lengths, as one of type object."""
-    if any(np.ma.isMaskedArray(value) for value in (values if isinstance(values, list) else [values])):
-        return np.asarray(None)
-    try:
-        return np.asarray(values)
-    except ValueError:
-        return np.asarray(None)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
@@ -10,11 +9,11 @@ import msgspec
 import numpy as np
 from numpy.typing import ArrayLike
 
-from robotteamsim.learning.act import Commands, array_of
+from robotteamsim.learning.act import Commands
+from robotteamsim.learning.arrays import array_of
 from robotteamsim.learning.episode import LARGEST_SEED, AnyScenario, Episode, Rules, vectors_of
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.observe import Percepts
-from robotteamsim.scenario import Scenario
 
 
 class BatchStep(NamedTuple):
@@ -50,7 +49,7 @@ class BatchEnv:
         """
         if not isinstance(num_envs, int | np.integer) or isinstance(num_envs, bool) or num_envs < 1:
             raise LearningError(f"num_envs: {num_envs!r}; expected a whole number of at least 1")
-        scenarios = [scenario] if isinstance(scenario, str | os.PathLike | Scenario) else list(scenario)
+        scenarios = list(scenario) if isinstance(scenario, Sequence) and not isinstance(scenario, str) else [scenario]
         if not 1 <= len(scenarios) <= num_envs:
             raise LearningError(
                 f"scenario: {len(scenarios)} scenarios for {num_envs} missions; expected 1 to {num_envs}"

@@ -8,8 +8,10 @@ from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
+from gymnasium.spaces import Box, Discrete
 
 from robotteamsim.learning.act import Act, Commands
+from robotteamsim.learning.arrays import array_of, numbers_of
 from robotteamsim.learning.driven import DrivenControllers, driven_ids
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.observe import Observe, Percepts, in_bounds
@@ -100,6 +102,8 @@ class Episode:
         self.setup = resolve(scenario)
         self.observe = rules.observe(self.setup, self.robot_ids, rules.said, rules.teammates)
         self.act = rules.act(self.setup, self.robot_ids, rules.said)
+        if not isinstance(self.act.space, Box | Discrete):
+            raise LearningError(f"act: space {self.act.space!r:.60}; expected a Box or Discrete")
         self._num_victims = len(self.setup.scenario.mission.victims)
         self._rng = stream(scenario.run.seed, "episodes")
         self._simulation: Simulation | None = None
@@ -215,12 +219,7 @@ class Episode:
         self._senses.note_team(self._sensed.inputs)
 
     def _rewards(self, record: StepRecord) -> np.ndarray:
-        rewards = self._reward.of_step(record)
-        if not np.isfinite(rewards).all():
-            agents = zip(self.robot_ids, np.asarray(rewards).tolist(), strict=True)
-            i, reward = next(pair for pair in agents if not np.isfinite(pair[1]))
-            raise LearningError(f"robot_{i}: reward {reward!r}; expected a finite number")
-        return rewards
+        return numbers_of("rewards", self._reward.of_step(record), (len(self.robot_ids),))
 
 
 def vectors_of(observe: Observe, percepts: Percepts, present: np.ndarray) -> np.ndarray:
@@ -228,9 +227,9 @@ def vectors_of(observe: Observe, percepts: Percepts, present: np.ndarray) -> np.
 
     Raises: LearningError: the class of observations returns something else than it says.
     """
-    vectors = observe.vectors(percepts)
+    vectors = array_of(observe.vectors(percepts))
     shape = (*present.shape, *observe.space.shape)
-    if np.shape(vectors) == shape and vectors.dtype == observe.space.dtype:
+    if vectors.shape == shape and vectors.dtype == observe.space.dtype:
         vectors[~present] = 0.0
         if ((vectors >= -1.0) & (vectors <= 1.0)).all():  # NaN is not
             return vectors

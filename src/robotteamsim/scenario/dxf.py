@@ -5,6 +5,7 @@ The package ezdxf is imported where it is used, because it belongs to an extra.
 
 from __future__ import annotations
 
+import configparser
 import itertools
 import logging
 from collections import Counter
@@ -117,8 +118,10 @@ def _ends(line: list[list[float]]) -> tuple[tuple[float, float], tuple[float, fl
 
 def _read(path: Path) -> Drawing:
     """Return a drawing. Raises: ScenarioError: it cannot be read."""
-    import ezdxf
-
+    try:
+        import ezdxf
+    except (configparser.Error, UnicodeDecodeError) as error:
+        raise ScenarioError(f"ezdxf: its configuration is damaged: {printable(' '.join(str(error).split()))}") from None
     if not is_file(path):
         raise ScenarioError(f"{path}: there is no such file")
     try:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -58,11 +59,13 @@ class CarriedSensors:
         fire_advances = self._air is not None and self._air.is_new
         moment = Moment(world.sim_time_ns, world.step_ns, fire_advances)
         return {
-            robot_id: {
-                sensor.name: sensor.measure(carrier, self._generators[robot_id, sensor.name])
-                for sensor in sensors
-                if sensor.is_due(moment) and (self._air is not None or not sensor.needs_fire)
-            }
+            robot_id: MappingProxyType(
+                {
+                    sensor.name: sensor.measure(carrier, self._generators[robot_id, sensor.name])
+                    for sensor in sensors
+                    if sensor.is_due(moment) and (self._air is not None or not sensor.needs_fire)
+                }
+            )
             for robot_id, (carrier, sensors) in self._carriers.items()
             if world.present[robot_id]
         }
@@ -117,8 +120,7 @@ class _Carrier:
         ranges_m = rays.scan([self.robot_id], _row(noise_m))
         if self.around.air is not None:
             self.around.air.dim(rays, [self.robot_id], ranges_m)
-        row: np.ndarray = ranges_m[0]
-        return row
+        return _unchangeable(ranges_m[0])
 
     def nearest_m(self, beams: BeamModel, noise_m: np.ndarray) -> float:
         return float(self.around.beams(beams).nearest([self.robot_id], _row(noise_m))[0])
@@ -127,7 +129,7 @@ class _Carrier:
         return self.around.world.illuminance_lx(self.robot_id, sensor)
 
     def image(self, sensor: Camera) -> np.ndarray:
-        return self.around.world.image(self.robot_id, sensor)
+        return _unchangeable(self.around.world.image(self.robot_id, sensor))
 
     def temperature_c(self) -> float:
         assert self.around.air is not None
@@ -152,6 +154,12 @@ class _Carrier:
 
     def _position_m(self) -> np.ndarray:
         return self.around.world.positions_m()[[self.robot_id]]
+
+
+def _unchangeable(measured: np.ndarray) -> np.ndarray:
+    """Return what was measured as an array that a controller cannot change: the record shares it."""
+    measured.flags.writeable = False
+    return measured
 
 
 def _row(noise_m: np.ndarray) -> np.ndarray:

@@ -32,6 +32,7 @@ from robotteamsim.simulation.stages import (
     ScheduleStage,
 )
 from robotteamsim.simulation.trial import Trial
+from robotteamsim.wording import printable
 from robotteamsim.world.contract import AnyWorld
 from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.placement import check_mission
@@ -310,4 +311,4 @@ def _check_victim(scenario: Scenario, name: str, position_m: tuple[float, float]
     except (ValueError, PlacementError) as error:
         # This victim is the only one of the mission above.
         problem = str(error).removeprefix("mission.victims.0.")
-        raise ValueError(f"set_victim: {name}: {problem}") from None
+        raise ValueError(f"set_victim: {printable(name)}: {problem}") from None

@@ -59,7 +59,7 @@ def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | N
             f"{_LONGEST_S:.0f} s, and stamps of one clock"
         )
     layers = read_layers(paths, [robot.name for robot in run.robots] if len(run.robots) <= MOST_SCANNED else [])
-    _check_floor(layers)
+    _check_floor(layers, paths)
     scene = _with_lasers(scene_of_run(run, scenario), layers)
     found = Recording(scene, run.name, _frames(run, layers, scene, scenario))
     for stamp_ns, event in run.events:
@@ -72,7 +72,7 @@ def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | N
     return found
 
 
-def _check_floor(layers: BagLayers) -> None:
+def _check_floor(layers: BagLayers, paths: Sequence[Path]) -> None:
     """Raises: RecordingError: maps of one topic have different sizes or places."""
     floors = {
         VOICE_MAP: {(one.values.shape, one.origin_m, one.resolution_m) for _, one in layers.voice.samples},
@@ -81,7 +81,8 @@ def _check_floor(layers: BagLayers) -> None:
     }
     for topic, found in floors.items():
         if len(found) > 1:
-            raise RecordingError(f"{topic.name}: maps of different sizes or places; expected one floor")
+            files = ", ".join(map(str, paths))
+            raise RecordingError(f"{files}: {topic.name}: maps of different sizes or places; expected one floor")
 
 
 def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenario | None) -> list[Frame]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from robotteamsim.errors import ScenarioError
 from robotteamsim.learning import BatchEnv, DiscreteAct, LearningError, VectorEnv, gym_env, parallel_env
 from robotteamsim.scenario import load
 from robotteamsim.simulation import TrajectoryHash
@@ -115,6 +116,7 @@ def test_is_a_vector_env_of_single_robots(act):
     ("do", "message"),
     [
         (lambda: BatchEnv("garage_sar", 0), "num_envs: 0; expected a whole number of at least 1"),
+        (lambda: BatchEnv(5, 2), "load: 5; expected a file, or the name of a shipped scenario"),
         (lambda: BatchEnv([], 2), "scenario: 0 scenarios for 2 missions; expected 1 to 2"),
         (lambda: BatchEnv(["garage_sar"] * 3, 2), "scenario: 3 scenarios for 2 missions; expected 1 to 2"),
         (
@@ -131,7 +133,7 @@ def test_is_a_vector_env_of_single_robots(act):
     ],
 )
 def test_wrong_use_is_one_line(do, message):
-    with pytest.raises(LearningError) as raised:
+    with pytest.raises((LearningError, ScenarioError)) as raised:
         do()
     assert str(raised.value) == message
 

@@ -8,6 +8,7 @@ from types import ModuleType, SimpleNamespace
 import gymnasium
 import numpy as np
 import pytest
+from gymnasium.spaces import MultiBinary
 from gymnasium.utils.env_checker import check_env
 from pettingzoo.test import max_cycles_test, parallel_api_test, parallel_seed_test, state_test
 
@@ -66,6 +67,35 @@ class Blind(Observe):
 
     def vectors(self, of):
         return np.full((1, 1), np.nan, np.float32)
+
+
+class Listed(Observe):
+    """An observation that is no array."""
+
+    def vectors(self, of):
+        return [[0.0]]
+
+
+class Scalar(Reward):
+    """One reward for all."""
+
+    def of_step(self, record):
+        return 1.0
+
+
+class Binary(Act):
+    """Switches."""
+
+    def __init__(self, *args):
+        super().__init__(*args)
+        self.space = MultiBinary(2)
+
+
+class Nowhere(Act):
+    """Robots that are told to move at no speed in particular."""
+
+    def twists(self, actions):
+        return np.full((len(actions), 3), np.nan)
 
 
 @pytest.mark.slow
@@ -284,6 +314,12 @@ def test_robots_of_other_kinds_have_the_same_spaces():
     assert speeds_mps[[0, 2]].tolist() == [0.0, 0.0]
 
 
+def still(env):
+    """Begin a mission and stand."""
+    env.reset(seed=1)
+    env.step(dict.fromkeys(env.agents, np.zeros(2, np.float32)))
+
+
 @pytest.mark.parametrize(
     ("do", "message"),
     [
@@ -329,11 +365,24 @@ def test_robots_of_other_kinds_have_the_same_spaces():
         (lambda _: parallel_env("garage_sar", act=None), "act: None; expected a class derived from Act"),
         (
             lambda _: parallel_env(scenario(), reward=Without).reset(seed=1),
-            "robot_0: reward nan; expected a finite number",
+            "rewards: array([nan, nan, nan]); expected finite numbers, shape (3,)",
         ),
         (
             lambda _: parallel_env(scenario("tutorial_arena"), observe=Blind).reset(seed=1),
             "observations array([[nan]], dtype=float32); expected float32 within [-1, 1], shape (1, 1)",
+        ),
+        (
+            lambda _: parallel_env(scenario("tutorial_arena"), observe=Listed).reset(seed=1),
+            "observations array([[0.]]); expected float32 within [-1, 1], shape (1, 194)",
+        ),
+        (lambda _: parallel_env(scenario(), act=Binary), "act: space MultiBinary(2); expected a Box or Discrete"),
+        (
+            lambda _: parallel_env(scenario(), reward=Scalar).reset(seed=1),
+            "rewards: array(1.); expected finite numbers, shape (3,)",
+        ),
+        (
+            lambda _: still(parallel_env(scenario("tutorial_arena"), act=Nowhere)),
+            "twists: array([[nan, nan, nan]]); expected finite numbers, shape (1, 3)",
         ),
         (lambda _: parallel_env("garage_sar", every=True), "every: True; expected a whole number of at least 1"),
         (lambda _: parallel_env("garage_sar", every=None), "every: None; expected a whole number of at least 1"),

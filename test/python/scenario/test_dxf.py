@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -165,3 +166,20 @@ def test_what_cannot_be_imported_is_one_line(drawing, capsys, arguments, message
     document.saveas("surveyors.dxf")
     assert message in failed(capsys, *arguments)
     assert not Path("plan.yaml").exists()
+
+
+@pytest.mark.usefixtures("drawing")
+def test_a_damaged_configuration_of_ezdxf_is_one_line(tmp_path):
+    (tmp_path / "ezdxf.ini").write_text("\0")
+    command = "import sys; from robotteamsim.cli import main; sys.exit(main(sys.argv[1:]))"
+    done = subprocess.run(
+        [sys.executable, "-c", command, "plan", "import", "room.dxf", "--out", tmp_path / "plan.yaml"],
+        env=os.environ | {"EZDXF_CONFIG_FILE": str(tmp_path / "ezdxf.ini")},
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 2
+    assert done.stderr.startswith(
+        "robotteamsim: ezdxf: its configuration is damaged: File contains no section headers."
+    )
+    assert done.stderr.count("\n") == 1

@@ -129,7 +129,11 @@ def test_lasers_of_several_kinds_scan_each_as_by_itself_in_the_order_of_robots()
         assert all(np.array_equal(scan, expected) for scan, expected in zip(scans, alone, strict=True))
 
 
-def test_scan_cannot_be_changed_because_the_record_shares_it():
+def test_readings_cannot_be_changed_because_the_record_shares_them():
     _, _, (readings,) = run(team(), steps=1)
     with pytest.raises(ValueError, match="read-only"):
         readings[0].ranges_m[:] = 0.0
+    with pytest.raises(TypeError, match="does not support item deletion"):
+        del readings[0].sensors["rear"]
+    with pytest.raises(ValueError, match="read-only"):
+        readings[0].sensors["rear"][:] = 0.0

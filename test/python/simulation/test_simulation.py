@@ -196,6 +196,11 @@ def test_victim_at_an_impossible_place_is_rejected(position_m, reason):
         Simulation(scenario.load("garage_sar")).set_victim("ann", position_m)
 
 
+def test_name_of_a_victim_that_cannot_be_is_shown_in_one_line():
+    with pytest.raises(ValueError, match=r"^set_victim: a\\nb: name: 'a b' has control characters$"):
+        Simulation(scenario.load("garage_sar")).set_victim("a\nb", (1.0, 1.0))
+
+
 @pytest.mark.parametrize("noise_db", [float("nan"), float("inf"), -1.0, 99.0])
 def test_noise_out_of_range_is_rejected(noise_db, hall_scenario):
     with pytest.raises(ValueError, match="noise_db"):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -231,7 +232,10 @@ def test_a_bag_whose_floor_changes_is_rejected_in_one_line(
                 message.data = message.data[: message.info.height * message.info.width]
                 data = make.typestore.serialize_ros1(message, known.msgtype)
             odd.write(connections[known.topic], time_ns, data)
-    with pytest.raises(RecordingError, match=f"^{topic}: maps of different sizes or places; expected one floor$"):
+    with pytest.raises(
+        RecordingError,
+        match=f"^{re.escape(str(path))}: {topic}: maps of different sizes or places; expected one floor$",
+    ):
         recording_of_bag([path])
 
 

@@ -1,0 +1,27 @@
+"""Arrays of what users and their classes give."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from robotteamsim.learning.errors import LearningError
+
+
+def array_of(values: Any) -> np.ndarray:
+    """Return values as an array; masked ones, and rows with different lengths, as one of type object."""
+    if any(np.ma.isMaskedArray(value) for value in (values if isinstance(values, list) else [values])):
+        return np.asarray(None)
+    try:
+        return np.asarray(values)
+    except ValueError:
+        return np.asarray(None)
+
+
+def numbers_of(name: str, values: Any, shape: tuple[int, ...]) -> np.ndarray:
+    """Return values as an array. Raises: LearningError: they are not finite numbers, or have another shape."""
+    array = array_of(values)
+    if array.shape != shape or array.dtype.kind not in "biuf" or not np.isfinite(array).all():
+        raise LearningError(f"{name}: {array!r:.60}; expected finite numbers, shape {shape}")
+    return array
