@@ -106,7 +106,7 @@ class RobotsElsewhere:
             self._changed.notify_all()
 
     def wait(self, is_present: Callable[[int], bool]) -> int | None:
-        """Wait for the other world's next step and return its stamp [ns]; None if closed.
+        """Wait for the other world's next step and return its stamp [ns]; None if closed, or its time has jumped back.
 
         Args: is_present: whether a robot is present; each step needs a message of all that are. Without robots, steps
               follow each other in wall time.
@@ -115,12 +115,12 @@ class RobotsElsewhere:
         while True:
             with self._changed:
                 robots = [robot for robot_id, robot in self._robots.items() if is_present(robot_id)]
-                while not self._is_due(robots) and not self._closed:
+                while not (self._is_due(robots) or self.has_jumped_back or self._closed):
                     is_news = self._changed.wait(CHECK_PERIOD_S if robots else self._step_ns / 1e9)
                     robots = [robot for robot_id, robot in self._robots.items() if is_present(robot_id)]
                     if not robots and not is_news:
                         break
-                if self._closed:
+                if self._closed or self.has_jumped_back:
                     return None
                 stamp_ns = max((robot.pace_ns for robot in robots), default=self._due_ns)
                 is_late = stamp_ns - self._due_ns >= self._step_ns // 2

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -176,6 +177,8 @@ def _check(node: Node, settings: Settings) -> None:
         raise _wrong(node, "lockstep", "true; expected false without a mission")
     if settings.lockstep and settings.elsewhere:
         raise _wrong(node, "lockstep", "true; expected false with robots in another world")
+    if not 0.0 <= settings.silence_limit_s < math.inf:
+        raise _wrong(node, "silence_limit_s", f"{settings.silence_limit_s:g}; expected a finite number of at least 0")
     if settings.by_tf:
         _check_tf(node, settings)
     if settings.teleop not in range(NOT_SET, settings.num_robots):

@@ -33,10 +33,9 @@ from robotteamsim.recording.topics import Source
 from robotteamsim.recording.topics.radio import HEARD_TOPICS, RADIO_MAP
 from robotteamsim.recording.topics.world import CLOCK, DOORS, MAP
 from robotteamsim.scenario.map_image import check_published_map
-from robotteamsim.sensing.robots import RobotSensors
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Observer, Simulation, StepRecord, TeamInputs
 from robotteamsim.simulation.trial import Trial
-from robotteamsim.world.world import make_world
 
 logger = logging.getLogger(__name__)
 
@@ -82,14 +81,13 @@ class SteppedSimulation:
             self.gate.pause(0.0)
         node.on_shutdown(self.gate.close)
         self._lock = FairLock()
-        self._robots = settings.setup.robots
         self._elsewhere = RobotsElsewhere(node, settings) if settings.elsewhere else None
         if self._elsewhere is not None:
             node.on_shutdown(self._elsewhere.close)
         self._controllers = self._make_controllers()
         self._simulation = self._make_simulation()
         self._last: StepRecord | None = None
-        self._commands = CommandsByTopic(node, settings, self._robots)
+        self._commands = CommandsByTopic(node, settings, settings.setup.robots)
         self._team = team_outputs(node, settings, localized=_is_localized(node))
         heard = range(settings.num_robots if settings.mission else 0)
         self._heard = RobotOutputs(node, itertools.product(heard, HEARD_TOPICS), settings)
@@ -256,11 +254,10 @@ class SteppedSimulation:
         return controllers
 
     def _make_simulation(self) -> Simulation:
-        setup, scenario = self._settings.setup, self._settings.scenario
-        world, sensors = make_world(scenario, self._robots), None
+        simulation = Simulation(self._settings.setup, controllers=self._controllers)
         if self._elsewhere is not None:
-            sensors = SensorsElsewhere(RobotSensors(world, self._robots, scenario.run.seed), self._elsewhere, world)
-        return Simulation(setup, world=world, sensors=sensors, controllers=self._controllers)
+            simulation.sensors = SensorsElsewhere(simulation.sensors, self._elsewhere, simulation.world)
+        return simulation
 
     def _begin(self) -> None:
         """Begin a trial, and publish its state before the first step."""
@@ -405,7 +402,9 @@ class SteppedSimulation:
         return "reset" if self.gate.reset(SERVICE_TIMEOUT_S) else "the reset is still under way"
 
     def _reset_seed(self, request: Any) -> str:
-        self._settings = self._settings.with_seed(request.seed)
+        settings = self._settings.with_seed(request.seed)
+        resolve(settings.scenario)  # a seed without room for all is refused here, not while the world is reset
+        self._settings = settings
         return self._restart(request)
 
     def _reset_positions(self, _: object) -> dict[str, Any]:

@@ -33,7 +33,6 @@ from robotteamsim.simulation.stages import (
 )
 from robotteamsim.simulation.trial import Trial
 from robotteamsim.wording import printable
-from robotteamsim.world.contract import AnyWorld
 from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.placement import check_mission
 from robotteamsim.world.world import make_world
@@ -67,15 +66,12 @@ class Simulation:
         self,
         of: Scenario | Setup,
         *,
-        world: AnyWorld | None = None,
-        sensors: Sensors | None = None,
         controllers: Controllers | None = None,
     ) -> None:
         """Build all stages.
 
         Args:   of: a scenario, or an already resolved one.
-                world, sensors: in place of the scenario's, such as robots whose poses and readings come from outside.
-                controllers:    in place of the scenario's, such as programs outside this process.
+                controllers: in place of the scenario's, such as programs outside this process.
         Raises: PlacementError, ScenarioError: no room for a robot, object, area or victim.
         """
         if not isinstance(of, (Scenario, Setup)):
@@ -84,12 +80,13 @@ class Simulation:
         scenario, robots = setup.scenario, setup.robots
         self.setup, self.scenario = setup, scenario
         self.schedule = ScheduleStage(scenario.schedule, self)
-        self.world = world or make_world(scenario, robots)
+        self.world = make_world(scenario, robots)
         self.hazards = NoHazards() if scenario.fire is None else HazardStage(setup, self.world)
         """Fire and smoke."""
         self.people = PeopleStage(setup, self.world)
         """The victims who move."""
-        self.sensors: Sensors = sensors or RobotSensors(self.world, robots, scenario.run.seed, self.hazards.source)
+        self.sensors: Sensors = RobotSensors(self.world, robots, scenario.run.seed, self.hazards.source)
+        """Of the robots; may be replaced before the first step, such as where readings come from outside."""
         self.hearing = HearingStage(setup)
         """The voices of victims."""
         self.network = NetworkStage(setup, self.world)

@@ -99,3 +99,16 @@ def test_each_step_of_the_other_world_is_taken_once_and_those_left_out_are_count
     assert robots.skipped_steps == skipped
     robots.restart()
     assert robots.skipped_steps == 0
+
+
+def test_wait_ends_when_the_time_of_the_other_world_jumps_back(send, monkeypatch):
+    monkeypatch.setattr(elsewhere, "CHECK_PERIOD_S", 0.01)
+    robots = RobotsElsewhere(Ros1Node(), Settings(load("garage_sar", ["robots.count=1"]), elsewhere=(0,)))
+    send(100_000)
+    assert robots.wait(lambda _: True) == 100 * 10**9
+    send(100)
+    assert robots.wait(lambda _: True) is None
+    assert robots.has_jumped_back
+    robots.restart()
+    send(200)
+    assert robots.wait(lambda _: True) == 200 * 10**6

@@ -120,6 +120,8 @@ def test_robots_elsewhere_are_all_or_listed(parameters, text, ids):
             "/robotteamsim/controllers: tema; expected nodes, team, inside, none",
         ),
         ({"teleop": 3}, "/robotteamsim/teleop: 3; expected 0 to 2"),
+        ({"silence_limit_s": float("nan")}, "/robotteamsim/silence_limit_s: nan; expected a finite number"),
+        ({"silence_limit_s": -1.0}, "/robotteamsim/silence_limit_s: -1; expected a finite number of at least 0"),
         ({"elsewhere": "x"}, "/robotteamsim/elsewhere: 'x'; expected ids of robots"),
         ({"elsewhere": "3"}, "/robotteamsim/elsewhere: 3; expected 0 to 2"),
         ({"elsewhere": "1", "lockstep": True}, "/robotteamsim/lockstep: true; expected false with robots in another"),
