@@ -88,7 +88,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     training = search_task.Training("mappo", nn.Sequential(means, nn.Tanh()), options)
     while training.goes_on(decisions, reward):
         data, now = collect(env, actor, now)
-        decisions, reward = decisions + data.numel() * batch.robots, data["next", "agents", "reward"].mean().item()
+        decisions, reward = decisions + data.numel() * batch.num_robots, data["next", "agents", "reward"].mean().item()
         with torch.no_grad():
             loss.value_estimator(data, params=loss.critic_network_params)
         data["advantage"] = (data["advantage"] - data["advantage"].mean()) / data["advantage"].std()

@@ -20,7 +20,7 @@ class RobotsVecEnv(VecEnv):
     def __init__(self, batch: BatchEnv, seed: int) -> None:
         """Args: seed: of the first mission."""
         self.batch, self.first_seed, self.rewards, self.render_mode = batch, seed, 0.0, None
-        super().__init__(batch.num_envs * batch.robots, batch.observe.space, batch.act.space)
+        super().__init__(batch.num_envs * batch.num_robots, batch.observe.space, batch.act.space)
 
     def reset(self) -> np.ndarray:
         """Begin all missions."""
@@ -33,7 +33,7 @@ class RobotsVecEnv(VecEnv):
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
         """Let all robots act."""
         batch = self.batch
-        step = batch.step(self._actions.reshape(batch.num_envs, batch.robots, -1))
+        step = batch.step(self._actions.reshape(batch.num_envs, batch.num_robots, -1))
         observations, rewards = self._rows(step.observations), step.rewards.ravel().copy()
         is_cut, is_done = step.truncated.ravel().copy(), (step.terminated | step.truncated).ravel()
         infos: list[dict[str, Any]] = [{} for _ in is_done]

@@ -72,25 +72,26 @@ class SearchObserve(Observe):
             ("teammate", 3, "the nearest heard of: heard of, x and y from the robot / 4 m"),
         ]
 
-    def vectors(self, of: Percepts) -> np.ndarray:
+    def vectors(self, percepts: Percepts) -> np.ndarray:
         """Return the vector of each agent, shape (..., n, size of the space)."""
-        whole = super().vectors(of)
+        whole = super().vectors(percepts)
         edges = np.linspace(0, self.beams, self.SECTORS, endpoint=False).astype(int)
-        sectors = np.minimum.reduceat(of.ranges_m, edges, axis=-1) / self.NEAR_M
+        sectors = np.minimum.reduceat(percepts.ranges_m, edges, axis=-1) / self.NEAR_M
         twist, loudness = (whole[..., self.beams + i : self.beams + j] for i, j in ((4, 6), (7, 8)))
-        parts = sectors, twist, loudness, *self._routes(of), self._nearest(of)
+        parts = sectors, twist, loudness, *self._routes(percepts), self._nearest(percepts)
         return np.clip(np.concatenate(parts, -1, dtype=np.float32), -1.0, 1.0)
 
-    def _routes(self, of: Percepts) -> list[np.ndarray]:
+    def _routes(self, percepts: Percepts) -> list[np.ndarray]:
         """Return the numbers of the shortest paths on the known map to the loudest cell and to the area."""
         building, routes = self.setup.building, []
-        goals = of.voices[..., (0, 2, 3)], np.broadcast_to(of.area, (*of.poses.shape[:-1], 3))
+        goals = percepts.voices[..., (0, 2, 3)], np.broadcast_to(percepts.area, (*percepts.poses.shape[:-1], 3))
         for is_area, goal in enumerate(goals):
-            ahead_m, numbers = of.poses[..., :2].copy(), np.zeros((*goal.shape[:-1], 4))
+            ahead_m, numbers = percepts.poses[..., :2].copy(), np.zeros((*goal.shape[:-1], 4))
             for index in zip(*np.nonzero(goal[..., 0]), strict=True):
                 reach_m = self.setup.robots[self.robot_ids[index[-1]]].reach_m
                 grid = known_map(building, reach_m).grid
-                start, place = grid.nearest_free(of.poses[index][:2].tolist(), 1.0), tuple(goal[index][1:].tolist())
+                place, position = tuple(goal[index][1:].tolist()), percepts.poses[index][:2].tolist()
+                start = grid.nearest_free(position, 1.0)
                 lengths_m = building.shared(lengths_to, reach_m, place) if is_area else None
                 ahead, length_m = None, 0.0
                 if start is not None and lengths_m is not None:
@@ -100,20 +101,21 @@ class SearchObserve(Observe):
                     ahead, length_m = grid.first_stretch(start, free or place, self.FAR_M)
                 if ahead is not None:
                     ahead_m[index], numbers[index] = ahead, (1.0, 0.0, 0.0, length_m / self.FAR_M)
-            offsets_m = seen_from(of.poses, ahead_m[..., None, :])[..., 0, :]
+            offsets_m = seen_from(percepts.poses, ahead_m[..., None, :])[..., 0, :]
             numbers[..., 1:3] = offsets_m / np.maximum(np.hypot(*np.moveaxis(offsets_m, -1, 0)), 1e-9)[..., None]
             routes.append(numbers)
         return routes
 
-    def _nearest(self, of: Percepts) -> np.ndarray:
+    def _nearest(self, percepts: Percepts) -> np.ndarray:
         """Return the numbers of the nearest teammate, shape (..., n, 3)."""
-        numbers = np.zeros((*of.poses.shape[:-1], 3))
+        numbers = np.zeros((*percepts.poses.shape[:-1], 3))
         if self.teammates:
-            offsets_m = np.where(of.heard[..., :1] > 0.0, of.heard[..., 1:3] - of.poses[..., None, :2], np.inf)
+            sent_m = percepts.heard[..., 1:3] - percepts.poses[..., None, :2]
+            offsets_m = np.where(percepts.heard[..., :1] > 0.0, sent_m, np.inf)
             nearest = np.hypot(offsets_m[..., 0], offsets_m[..., 1]).argmin(-1)[..., None, None]
-            place_m = np.take_along_axis(of.heard[..., :3], nearest, -2)[..., 0, :]
+            place_m = np.take_along_axis(percepts.heard[..., :3], nearest, -2)[..., 0, :]
             numbers[..., 0] = place_m[..., 0]
-            seen_m = seen_from(of.poses, place_m[..., None, 1:])[..., 0, :]
+            seen_m = seen_from(percepts.poses, place_m[..., None, 1:])[..., 0, :]
             numbers[..., 1:] = seen_m / self.NEAR_M * place_m[..., :1]
         return numbers
 
@@ -151,7 +153,7 @@ class OwnProgress(Reward):
         found = np.array((status.areas_explored, status.victims_saved))
         team = (self.AREA, self.VICTIM) @ (found - self._found) + self.PER_S * step_s
         self._found = found
-        contacts = self.PER_CONTACT_S * step_s * record.readings.state.contact[self.robot_ids]
+        contacts = self.for_contacts(record)
         if record.step_index % 5 == 0:
             contacts = contacts + [self._progress(i, record) for i in range(len(contacts))]
         return np.asarray(team + contacts)
@@ -236,8 +238,8 @@ def judge(choose: Callable[[np.ndarray], np.ndarray], missions: int, seed: int =
     observations, is_running = batch.reset(seed), np.ones(missions, bool)
     records: list[list[StepRecord]] = [[] for _ in batch.episodes]
     while is_running.any():
-        actions = choose(observations.reshape(missions * batch.robots, -1))
-        step = batch.step(actions.reshape(missions, batch.robots, -1))
+        actions = choose(observations.reshape(missions * batch.num_robots, -1))
+        step = batch.step(actions.reshape(missions, batch.num_robots, -1))
         for i in np.flatnonzero(is_running):
             records[i].append(batch.episodes[i].record)
         is_running &= ~step.is_over
@@ -307,7 +309,7 @@ def options(description: str | None, out: str, arguments: Sequence[str] | None =
     parser.add_argument("--minutes", type=positive_number, default=20.0, help="of processor time; default 20")
     for name, default, text in (
         ("--batch", 48, "missions at once"),
-        ("--evaluations", 8, "number of times that the policy is judged and written"),
+        ("--evaluations", 8, "number of times that the policy is judged and written, besides the one before training"),
         ("--missions", 10, "held-out missions that judge it"),
     ):
         parser.add_argument(name, type=positive_whole_number, default=default, help=f"{text}; default {default}")

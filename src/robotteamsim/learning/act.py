@@ -10,7 +10,7 @@ from gymnasium.spaces import Box, Discrete
 
 from robotteamsim.geometry import Twist
 from robotteamsim.interface import EVERYBODY, Decision, Message
-from robotteamsim.learning.arrays import array_of, numbers_of
+from robotteamsim.learning.arrays import array_of, numbers_of, shown
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.senses import Said
 from robotteamsim.scenario.drives import CarDrive, OmniDrive
@@ -31,7 +31,7 @@ class Commands(NamedTuple):
         """Return the decisions of the agents, whose messages have their positions in `map` as they know them [m]."""
         team = zip(robot_ids, self.twists.tolist(), self.say.tolist(), positions_m.tolist(), strict=True)
         return [
-            Decision(Twist(*twist), (Message(i, EVERYBODY, Said((x_m, y_m), tuple(say)).to_payload()),))
+            Decision(Twist(*twist), (Message(i, EVERYBODY, Said((x_m, y_m), tuple(say)).to_json()),))
             for i, twist, say, (x_m, y_m) in team
         ]
 
@@ -41,7 +41,8 @@ class Act:
 
     If there is an omnidirectional robot, all have the speed to the left, too, after that ahead; other robots cannot
     follow it. Each decision sends a message with the robot's position and these numbers to everybody; it travels over
-    the simulated network, and can be lost. A subclass replaces `space`, a `Box` or `Discrete`, and `twists`.
+    the simulated network, and can be lost. A subclass replaces `space`, a `Box` or `Discrete`, `twists`, and, if its
+    numbers are others, `say`.
     """
 
     space: Box | Discrete[Any]
@@ -71,7 +72,10 @@ class Act:
         return twists
 
     def say(self, actions: np.ndarray) -> np.ndarray:
-        """Return what actions say, as of `Commands`. Args: actions: as of `twists`."""
+        """Return what actions say, within [-1, 1], as of `Commands`. Not called if nothing is said.
+
+        Args: actions: as of `twists`.
+        """
         return actions[..., self._moves :]
 
     def infos(self) -> list[dict[str, Any]]:
@@ -94,10 +98,10 @@ class Act:
             )
         values = values.astype(np.int64 if isinstance(self.space, Discrete) else np.float64)
         rows = values.shape[: values.ndim - len(self.space.shape or ())]
-        return Commands(
-            numbers_of("twists", self.twists(values), (*rows, 3)),
-            numbers_of("say", self.say(values), (*rows, self.said)),
-        )
+        said = numbers_of("say", self.say(values), (*rows, self.said)) if self.said else np.zeros((*rows, 0))
+        if (np.abs(said) > 1.0).any():
+            raise LearningError(f"say: {shown(said)}; expected numbers within [-1, 1]")
+        return Commands(numbers_of("twists", self.twists(values), (*rows, 3)), said)
 
     def _are_of_space(self, values: np.ndarray, agents: int) -> bool:
         """Whether values are actions for so many agents, also of stacked missions."""
@@ -128,10 +132,6 @@ class DiscreteAct(Act):
     def twists(self, actions: np.ndarray) -> np.ndarray:
         """Return the twists of actions, as of `Commands`."""
         return super().twists(np.insert(self.MOVES[actions], 1, 0.0, -1) if self._moves == 3 else self.MOVES[actions])
-
-    def say(self, actions: np.ndarray) -> np.ndarray:
-        """Return what actions say: nothing."""
-        return np.zeros((*actions.shape, 0))
 
     def infos(self) -> list[dict[str, Any]]:
         """Return `action_mask` of each agent: which actions have an effect of their own, int8, as Gymnasium's masks."""

@@ -23,5 +23,10 @@ def numbers_of(name: str, values: Any, shape: tuple[int, ...]) -> np.ndarray:
     """Return values as an array. Raises: LearningError: they are not finite numbers, or have another shape."""
     array = array_of(values)
     if array.shape != shape or array.dtype.kind not in "biuf" or not np.isfinite(array).all():
-        raise LearningError(f"{name}: {array!r:.60}; expected finite numbers, shape {shape}")
+        raise LearningError(f"{name}: {shown(array)}; expected finite numbers, shape {shape}")
     return array
+
+
+def shown(array: np.ndarray) -> str:
+    """Return the beginning of an array, for a message of one line."""
+    return " ".join(repr(array).split())[:60]

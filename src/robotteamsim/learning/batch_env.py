@@ -66,13 +66,13 @@ class BatchEnv:
                     name, one = first.scenario.name, firsts[0].scenario.name
                     raise LearningError(f"{name}: {key}: {space}; expected that of {one}, {expected}")
         self.num_envs, self.observe, self.act = int(num_envs), firsts[0].observe, firsts[0].act
-        self.robots = max(len(first.robot_ids) for first in firsts)
+        self.num_robots = max(len(first.robot_ids) for first in firsts)
         """How many robots a mission has room for."""
         more = (Episode(firsts[i % len(firsts)].scenario, made) for i in range(len(firsts), self.num_envs))
         self.episodes = [*firsts, *more]
         self._same = [slice(k, None, len(firsts)) for k in range(len(firsts))]
         """The missions of each scenario, which are perceived together."""
-        shape = self.num_envs, self.robots
+        shape = self.num_envs, self.num_robots
         self._step = BatchStep(
             np.zeros((*shape, *self.observe.space.shape), np.float32),
             np.zeros(shape, np.float32),
@@ -85,17 +85,18 @@ class BatchEnv:
     def present(self) -> np.ndarray:
         """Whether each robot is present, bool, shape (num_envs, robots)."""
         self.episodes[-1].check_begun()
-        present = np.zeros((self.num_envs, self.robots), bool)
+        present = np.zeros((self.num_envs, self.num_robots), bool)
         for row, episode in zip(present, self.episodes, strict=True):
             row[: len(episode.robot_ids)] = episode.present
         return present
 
     def reset(self, seed: int | None = None) -> np.ndarray:
         """Begin all missions, mission i with `seed` + i, and return the observations; see `TeamEnv.reset`."""
-        if seed is not None and not (isinstance(seed, int | np.integer) and 0 <= seed <= LARGEST_SEED - self.num_envs):
-            raise LearningError(f"seed: {seed!r}; expected a whole number from 0 to {LARGEST_SEED - self.num_envs}")
+        largest = LARGEST_SEED - self.num_envs + 1
+        if seed is not None and not (isinstance(seed, int | np.integer) and 0 <= seed <= largest):
+            raise LearningError(f"seed: {seed!r}; expected a whole number from 0 to {largest}")
         for i, episode in enumerate(self.episodes):
-            episode.begin(None if seed is None else seed + i)
+            episode.begin(None if seed is None else int(seed) + i)
         for array in self._step[1:]:
             array[:] = 0
         self._perceive()
@@ -120,7 +121,8 @@ class BatchEnv:
         Raises: RobotTeamSimError: one line: `reset` was not called, or an action is not of the space.
         """
         self.episodes[-1].check_begun()
-        step, shape, given = self._step, (self.num_envs, self.robots, *(self.act.space.shape or ())), array_of(actions)
+        step, given = self._step, array_of(actions)
+        shape = self.num_envs, self.num_robots, *(self.act.space.shape or ())
         if given.shape != shape:
             raise LearningError(f"actions of shape {given.shape}; expected {shape}")
         is_over = step.is_over.copy()
@@ -153,6 +155,7 @@ class BatchEnv:
                         first.act.commands(of_one)
                     except LearningError as error:
                         raise LearningError(f"mission {i}: {error}") from None
+                raise
         return commands
 
     def _perceive(self) -> None:

@@ -21,16 +21,16 @@ def driven_ids(scenario: Scenario) -> list[int]:
 class _Obeying:
     """Returns the decision that was set for its robot."""
 
-    def __init__(self, told: Sequence[Decision], robot_id: int) -> None:
-        self._told, self._robot_id = told, robot_id
+    def __init__(self, commanded: Sequence[Decision], robot_id: int) -> None:
+        self._commanded, self._robot_id = commanded, robot_id
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """As for all controllers."""
-        return self._told[self._robot_id]
+        return self._commanded[self._robot_id]
 
 
 class DrivenControllers:
-    """Driven robots obey the decisions of `tell`; relays, base and people have the controllers of any other mission.
+    """Driven robots obey the decisions of `command`; relays, base and people have the controllers of any other mission.
 
     Discoveries are announced to the base in any case.
     """
@@ -39,7 +39,7 @@ class DrivenControllers:
         """Make the controllers. Raises: RobotTeamSimError: the user's mistake."""
         scenario, robots = setup.scenario, range(len(setup.robots))
         self._driven = driven_ids(scenario)
-        self._told = [Decision() for _ in robots]
+        self._commanded = [Decision() for _ in robots]
         deciding = [i for i in robots if i not in self._driven or scenario.base is not None]
         self._deciding = {i: self._controller(i, setup) for i in deciding}
         """The controllers that do more than obey."""
@@ -49,22 +49,23 @@ class DrivenControllers:
         scenario, is_driven = setup.scenario, robot_id in self._driven
         if not is_driven and (robot_id != scenario.base or scenario.firefighters is not None):
             return Guard(robot_id, len(setup.robots), partial(make_controller, robot_id, setup))
-        controller = _Obeying(self._told, robot_id) if is_driven else StandingBase()
+        controller = _Obeying(self._commanded, robot_id) if is_driven else StandingBase()
         return controller if scenario.base is None else with_base(controller, robot_id, scenario)
 
-    def tell(self, decisions: Sequence[Decision]) -> None:
-        """Tell the driven robots, in id order, what to do until the next call; messages are sent once."""
+    def command(self, decisions: Sequence[Decision]) -> None:
+        """Set what the driven robots, in id order, do until the next call; messages are sent once."""
         for i, decision in zip(self._driven, decisions, strict=True):
-            self._told[i] = decision
+            self._commanded[i] = decision
 
     def step(self, inputs: TeamInputs) -> tuple[Decision, ...]:
         """As for all controllers."""
         present = inputs.present.tolist()
-        decisions = [told if is_present else Decision() for told, is_present in zip(self._told, present, strict=True)]
+        commanded = zip(self._commanded, present, strict=True)
+        decisions = [decision if is_present else Decision() for decision, is_present in commanded]
         if self._deciding:
             observations = inputs.observations()
             for i, controller in self._deciding.items():
                 if present[i]:
                     decisions[i] = controller.step(observations[i], inputs.inboxes[i], inputs.task)
-        self._told[:] = [Decision(told.twist) for told in self._told]
+        self._commanded[:] = [Decision(one.twist) for one in self._commanded]
         return tuple(decisions)

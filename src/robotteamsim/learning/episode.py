@@ -11,7 +11,7 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete
 
 from robotteamsim.learning.act import Act, Commands
-from robotteamsim.learning.arrays import array_of, numbers_of
+from robotteamsim.learning.arrays import array_of, numbers_of, shown
 from robotteamsim.learning.driven import DrivenControllers, driven_ids
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.observe import Observe, Percepts, in_bounds
@@ -67,7 +67,7 @@ class Rules(msgspec.Struct, frozen=True, kw_only=True):
 class Outcome(NamedTuple):
     """What a step of agents has led to; arrays have shape (n,).
 
-    is_over: the mission has ended, or its time or `max_cycles` is over.
+    is_over: the mission has ended, its time or `max_cycles` is over, or no agent is left.
     """
 
     rewards: np.ndarray
@@ -154,7 +154,7 @@ class Episode:
     def step(self, commands: Commands) -> Outcome:
         """Let the agents act. Raises: LearningError: no mission has begun."""
         simulation = self.check_begun()
-        self._controllers.tell(commands.decisions(self.robot_ids, self.percepts.poses[:, :2]))
+        self._controllers.command(commands.decisions(self.robot_ids, self.percepts.poses[:, :2]))
         was_present, rewards = self.present, self._early
         self._early = np.zeros(len(self.robot_ids))
         for _ in range(self.rules.every):
@@ -170,7 +170,8 @@ class Episode:
         has_ended = record.mission.state == "ended" and record.mission.end != "time_limit"
         is_cut = record.mission.end == "time_limit" or self._cycles == self.rules.max_cycles
         terminated = was_present & (has_ended | ~self.present)
-        return Outcome(rewards * was_present, terminated, was_present & is_cut & ~terminated, has_ended or is_cut)
+        is_over = has_ended or is_cut or not self.present.any()
+        return Outcome(rewards * was_present, terminated, was_present & is_cut & ~terminated, is_over)
 
     def end(self) -> None:
         """Forget the mission."""
@@ -233,4 +234,4 @@ def vectors_of(observe: Observe, percepts: Percepts, present: np.ndarray) -> np.
         vectors[~present] = 0.0
         if ((vectors >= -1.0) & (vectors <= 1.0)).all():  # NaN is not
             return vectors
-    raise LearningError(f"observations {vectors!r:.60}; expected {observe.space.dtype} within [-1, 1], shape {shape}")
+    raise LearningError(f"observations {shown(vectors)}; expected {observe.space.dtype} within [-1, 1], shape {shape}")

@@ -8,8 +8,7 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Discrete, MultiDiscrete, Space, Tuple
-from gymnasium.spaces.utils import flatten, flatten_space, unflatten
+from gymnasium.spaces import Box, Discrete, MultiDiscrete, Space
 
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.team_env import TeamEnv, parallel_env
@@ -35,12 +34,9 @@ class CentralEnv(gymnasium.Env[np.ndarray, Any]):
         """Drive the robots of a team."""
         self.team = team
         self.metadata, self.render_mode = team.metadata, team.render_mode
-        self._observations = Tuple(map(team.observation_space, team.possible_agents))
-        self._actions = Tuple(map(team.action_space, team.possible_agents))
-        numbers = [space.n for space in self._actions if isinstance(space, Discrete)]
-        self._are_discrete = len(numbers) == len(self._actions)
-        self.observation_space: Space[Any] = flatten_space(self._observations)
-        self.action_space: Space[Any] = MultiDiscrete(numbers) if self._are_discrete else flatten_space(self._actions)
+        agents = team.possible_agents
+        self._observation, self._action = team.observation_space(agents[0]), team.action_space(agents[0])
+        self.observation_space, self.action_space = joint_spaces(self._observation, self._action, len(agents))
 
     def reset(
         self, *, seed: int | None = None, options: Mapping[str, Any] | None = None
@@ -48,7 +44,7 @@ class CentralEnv(gymnasium.Env[np.ndarray, Any]):
         """Begin a mission, see `TeamEnv.reset`."""
         vectors, infos = self.team.reset(seed, options)
         super().reset(seed=None if seed is None else int(seed))
-        return self._observation(vectors), {"agents": infos}
+        return self._joint(vectors), {"agents": infos}
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Let all robots act. Raises: RobotTeamSimError: see `TeamEnv.step`."""
@@ -57,7 +53,7 @@ class CentralEnv(gymnasium.Env[np.ndarray, Any]):
         is_over = not self.team.agents
         was_cut = is_over and any(truncated.values())
         reward = float(np.mean(list(rewards.values())))
-        return self._observation(vectors), reward, is_over and not was_cut, was_cut, {"agents": infos}
+        return self._joint(vectors), reward, is_over and not was_cut, was_cut, {"agents": infos}
 
     def render(self) -> np.ndarray | None:
         """See `TeamEnv.render`."""
@@ -67,15 +63,25 @@ class CentralEnv(gymnasium.Env[np.ndarray, Any]):
         """End the mission."""
         self.team.close()
 
-    def _observation(self, vectors: Mapping[str, np.ndarray]) -> np.ndarray:
-        agents = zip(self.team.possible_agents, self._observations, strict=True)
-        parts = tuple(vectors.get(agent, np.zeros(space.shape or (), space.dtype)) for agent, space in agents)
-        return np.asarray(flatten(self._observations, parts))
+    def _joint(self, vectors: Mapping[str, np.ndarray]) -> np.ndarray:
+        absent = np.zeros(self._observation.shape or (), self._observation.dtype)
+        return np.concatenate([vectors.get(agent, absent) for agent in self.team.possible_agents])
 
     def _split(self, action: Any) -> dict[str, Any]:
         """Return the action of each agent. Raises: LearningError: an action of another size."""
         value = np.asarray(action)
         if value.shape != self.action_space.shape:
             raise LearningError(f"action of shape {value.shape}; expected {self.action_space.shape}")
-        parts = value if self._are_discrete else unflatten(self._actions, value)
-        return dict(zip(self.team.possible_agents, parts, strict=True))
+        agents = self.team.possible_agents
+        return dict(zip(agents, value.reshape(len(agents), *(self._action.shape or ())), strict=True))
+
+
+def joint_spaces(observation: Space[Any], action: Space[Any], num_robots: int) -> tuple[Box, Space[Any]]:
+    """Return the spaces of one agent that drives all robots, whose own spaces are equal."""
+    assert isinstance(observation, Box)
+    observations = Box(np.tile(observation.low, num_robots), np.tile(observation.high, num_robots))
+    if isinstance(action, Discrete):
+        return observations, MultiDiscrete([action.n] * num_robots)
+    assert isinstance(action, Box)
+    actions = Box(np.tile(action.low, num_robots), np.tile(action.high, num_robots))
+    return observations, actions

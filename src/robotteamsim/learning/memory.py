@@ -49,11 +49,11 @@ class FloorMemory(Memory):
         place = "there is a place to cover, its x and y from the robot / diagonal"
         return [("floor", 4, f"share known to be covered; {place}")]
 
-    def after(self, of: Percepts, time_s: float) -> np.ndarray:
+    def after(self, percepts: Percepts, time_s: float) -> np.ndarray:
         """See `Memory`."""
-        places_m, known = of.poses[:, None, :2].copy(), np.zeros((len(self._covers), 2))
-        for i, (cover, heard) in enumerate(zip(self._covers, of.heard, strict=True)):
-            own_m, *sent_m = map(tuple, [of.poses[i, :2].tolist(), *heard[heard[:, 0] > 0.0, 1:3].tolist()])
+        places_m, known = percepts.poses[:, None, :2].copy(), np.zeros((len(self._covers), 2))
+        for i, (cover, heard) in enumerate(zip(self._covers, percepts.heard, strict=True)):
+            own_m, *sent_m = map(tuple, [percepts.poses[i, :2].tolist(), *heard[heard[:, 0] > 0.0, 1:3].tolist()])
             for place_m in (own_m, *(place_m for place_m in sent_m if place_m not in self._seen[i])):
                 cover.look(place_m)
             self._seen[i] = set(sent_m)
@@ -61,7 +61,7 @@ class FloorMemory(Memory):
             known[i] = cover.share, goal_m is not None
             if goal_m is not None:
                 places_m[i, 0] = goal_m
-        return np.concatenate((known, seen_from(of.poses, places_m)[:, 0] / self._diagonal_m), -1)
+        return np.concatenate((known, seen_from(percepts.poses, places_m)[:, 0] / self._diagonal_m), -1)
 
 
 class RescueMemory(FloorMemory):
@@ -87,17 +87,17 @@ class RescueMemory(FloorMemory):
                 if isinstance(reading, HeatReading):
                     self._heat[i] = reading
 
-    def after(self, of: Percepts, time_s: float) -> np.ndarray:
+    def after(self, percepts: Percepts, time_s: float) -> np.ndarray:
         """See `Memory`."""
         hottest = [max(zip(heat.hot_c, heat.hot_m, strict=True), default=(0.0, None)) for heat in self._heat]
-        own_m = of.poses[:, :2].tolist()
+        own_m = percepts.poses[:, :2].tolist()
         places_m = [place_m or here_m for (_, place_m), here_m in zip(hottest, own_m, strict=True)]
         numbers = (
             np.array([[heat.temperature_c / HOTTEST_C, bool(heat.hot_c)] for heat in self._heat]),
-            seen_from(of.poses, np.array(places_m)[:, None])[:, 0] / HEAT_M,
+            seen_from(percepts.poses, np.array(places_m)[:, None])[:, 0] / HEAT_M,
             np.array([[temperature_c / HOTTEST_C] for temperature_c, _ in hottest]),
         )
-        return np.concatenate((super().after(of, time_s), *numbers), -1)
+        return np.concatenate((super().after(percepts, time_s), *numbers), -1)
 
 
 class PatrolMemory(Memory):
@@ -127,22 +127,22 @@ class PatrolMemory(Memory):
         size = 4 * most_vertices(patrol_graph(setup))
         return [("vertices", size, f"the vertex visited last, then its neighbours: {each}")]
 
-    def after(self, of: Percepts, time_s: float) -> np.ndarray:
+    def after(self, percepts: Percepts, time_s: float) -> np.ndarray:
         """See `Memory`."""
-        away_m = np.linalg.norm(of.poses[:, None, :2] - self._places_m, axis=-1)
+        away_m = np.linalg.norm(percepts.poses[:, None, :2] - self._places_m, axis=-1)
         if not self._visited_s.size:
             self._visited_s = np.full(away_m.shape, time_s)
             self._at = away_m.argmin(-1)
         is_at = away_m < self._arrived_m
         self._visited_s[is_at] = time_s
         self._at = np.where(is_at.any(-1), away_m.argmin(-1), self._at)
-        sent_m = np.linalg.norm(of.heard[:, :, None, 1:3] - self._places_m, axis=-1)
-        were_at = (sent_m < self._arrived_m) & (of.heard[..., :1] > 0.0)
-        sent_s = time_s - of.heard[..., 3:4]
+        sent_m = np.linalg.norm(percepts.heard[:, :, None, 1:3] - self._places_m, axis=-1)
+        were_at = (sent_m < self._arrived_m) & (percepts.heard[..., :1] > 0.0)
+        sent_s = time_s - percepts.heard[..., 3:4]
         self._visited_s = np.maximum(self._visited_s, np.where(were_at, sent_s, -np.inf).max(1, initial=-np.inf))
         near = self._near[self._at]
         idle = (time_s - np.take_along_axis(self._visited_s, near, -1)) / IDLE_S
-        seen_m = seen_from(of.poses, self._places_m[near]) / self._diagonal_m
+        seen_m = seen_from(percepts.poses, self._places_m[near]) / self._diagonal_m
         numbers = np.concatenate((np.ones((*near.shape, 1)), seen_m, idle[..., None]), -1) * (near >= 0)[..., None]
         return numbers.reshape(len(near), -1)
 

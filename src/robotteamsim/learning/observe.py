@@ -10,7 +10,6 @@ import numpy as np
 from gymnasium.spaces import Box
 from numpy.typing import ArrayLike
 
-from robotteamsim.interface import Observation
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.propagation import shared_radio_field
 from robotteamsim.scenario import FloorPlan
@@ -50,7 +49,6 @@ class Percepts(NamedTuple):
     area:     whether there is an area to explore, x and y of its centre in `map` [m], shape (1, 3).
     heard:    per teammate: whether it has been heard of, x and y in `map` [m], the time since then [s], and what it
               said, shape (n, teammates, 4 + said).
-    own:      numbers of a subclass of `Observe`, shape (n, its `own`).
     remembered: numbers of its `Memory`, which `Observe.vectors` clips to [-1, 1], shape (n, as many as it has).
     """
 
@@ -60,7 +58,6 @@ class Percepts(NamedTuple):
     voices: np.ndarray
     area: np.ndarray
     heard: np.ndarray
-    own: np.ndarray
     remembered: np.ndarray
 
     @classmethod
@@ -108,14 +105,14 @@ class Memory:
     def look(self, readings: Sequence[RobotReading]) -> None:
         """Note the readings of a step, one per agent: those of most additional sensors are not in every step."""
 
-    def after(self, of: Percepts, time_s: float) -> np.ndarray:
+    def after(self, percepts: Percepts, time_s: float) -> np.ndarray:
         """Return the numbers of each agent at a decision, shape (n, numbers); `Observe.vectors` clips them to [-1, 1].
 
         Those of absent agents are ignored, but must be finite.
 
-        Args: of: without `remembered`.  time_s: of the simulation [s].
+        Args: percepts: without `remembered`.  time_s: of the simulation [s].
         """
-        return np.zeros((len(of.poses), 0))
+        return np.zeros((len(percepts.poses), 0))
 
 
 class Observe:
@@ -123,12 +120,8 @@ class Observe:
 
     They know only what controllers know: readings, voices, the task, and what teammates have sent. The signal of a
     teammate is predicted by the radio model from both positions, eq. (3); the mission's links are those of the network.
-    A subclass replaces `parts_of` and `vectors`; it may define `own` and `own_numbers`, for additional sensors, and
-    `remembers`.
+    A subclass replaces `parts_of` and `vectors`, or `remembers`, which may also look at additional sensors.
     """
-
-    own = 0
-    """How many numbers `own_numbers` returns."""
 
     remembers: type[Memory] = Memory
     """What agents remember; its parts are the last ones of this class."""
@@ -141,6 +134,8 @@ class Observe:
         robots, bounds = [setup.robots[i] for i in robot_ids], setup.plan.bounds
         self.setup, self.robot_ids, self.said = setup, tuple(robot_ids), said
         self.teammates = setup.scenario.num_robots - 1 if teammates is None else teammates
+        self.remembered = sum(size for _, size, _ in self.remembers.parts_of(setup))
+        """How many numbers each agent remembers."""
         self.beams = max(robot.laser.beams for robot in setup.robots)
         self._range_max_m = np.array([[robot.laser.range_max_m] for robot in robots], np.float32)
         drives = [robot.drive for robot in robots]
@@ -175,52 +170,48 @@ class Observe:
         begins = np.cumsum([0, *(size for _, size, _ in parts)]).tolist()
         return [Part(name, begin, size, meaning) for begin, (name, size, meaning) in zip(begins, parts, strict=False)]
 
-    def own_numbers(self, observation: Observation) -> Sequence[float]:
-        """Return numbers of a robot's observation that `Percepts` has not, as `Percepts.own`."""
-        raise NotImplementedError("a class with own numbers defines own_numbers(observation)")
-
-    def vectors(self, of: Percepts) -> np.ndarray:
+    def vectors(self, percepts: Percepts) -> np.ndarray:
         """Return the vector of each agent, shape (..., n, size of the space); the same inputs give the same bits."""
-        shape, seen = of.poses.shape[:-1], self._seen(of)
+        shape, seen = percepts.poses.shape[:-1], self._seen(percepts)
         numbers = np.empty((*shape, 13))
-        numbers[..., 0:2] = in_bounds(self.setup.plan, of.poses[..., :2])
-        numbers[..., 2], numbers[..., 3] = cos_sin(of.poses)
-        numbers[..., 4:6] = of.twists[..., ::2] / self._fastest
-        numbers[..., 6] = of.voices[..., 0]
-        numbers[..., 7] = of.voices[..., 1] / LOUDEST_DB
+        numbers[..., 0:2] = in_bounds(self.setup.plan, percepts.poses[..., :2])
+        numbers[..., 2], numbers[..., 3] = cos_sin(percepts.poses)
+        numbers[..., 4:6] = percepts.twists[..., ::2] / self._fastest
+        numbers[..., 6] = percepts.voices[..., 0]
+        numbers[..., 7] = percepts.voices[..., 1] / LOUDEST_DB
         numbers[..., 8:10] = seen[..., 0, :]
-        numbers[..., 10] = of.area[..., 0]
+        numbers[..., 10] = percepts.area[..., 0]
         numbers[..., 11:13] = seen[..., 1, :]
-        teammates = self._of_teammates(of, seen[..., 2:, :]).reshape(*shape, -1)
-        parts = of.ranges_m / self._range_max_m, numbers, teammates, of.remembered
+        teammates = self._of_teammates(percepts, seen[..., 2:, :]).reshape(*shape, -1)
+        parts = percepts.ranges_m / self._range_max_m, numbers, teammates, percepts.remembered
         vectors = np.concatenate(parts, -1, dtype=np.float32)
         return np.maximum(np.minimum(vectors, 1.0), -1.0)
 
-    def _seen(self, of: Percepts) -> np.ndarray:
+    def _seen(self, percepts: Percepts) -> np.ndarray:
         """Return the loudest cell, the area and the teammates as x and y from each robot, in their units.
 
         Shape (..., n, 2 + teammates, 2); 0 for what is not known.
         """
-        rows = *of.poses.shape[:-1], 2 + self.teammates
+        rows = *percepts.poses.shape[:-1], 2 + self.teammates
         known, places_m = np.empty(rows), np.empty((*rows, 2))
-        known[..., 0], places_m[..., 0, :] = of.voices[..., 0], of.voices[..., 2:]
-        known[..., 1], places_m[..., 1, :] = of.area[..., 0], of.area[..., 1:]
-        known[..., 2:], places_m[..., 2:, :] = of.heard[..., 0], of.heard[..., 1:3]
-        seen = seen_from(of.poses, places_m)
+        known[..., 0], places_m[..., 0, :] = percepts.voices[..., 0], percepts.voices[..., 2:]
+        known[..., 1], places_m[..., 1, :] = percepts.area[..., 0], percepts.area[..., 1:]
+        known[..., 2:], places_m[..., 2:, :] = percepts.heard[..., 0], percepts.heard[..., 1:3]
+        seen = seen_from(percepts.poses, places_m)
         seen *= (known / self._units_m)[..., None]
         return seen
 
-    def _of_teammates(self, of: Percepts, seen: np.ndarray) -> np.ndarray:
+    def _of_teammates(self, percepts: Percepts, seen: np.ndarray) -> np.ndarray:
         """Return the numbers of each teammate, shape (..., n, teammates, 5 + said). Args: seen: their places."""
-        known, places_m = of.heard[..., 0], of.heard[..., 1:3]
+        known, places_m = percepts.heard[..., 0], percepts.heard[..., 1:3]
         positions_m = np.empty(places_m.shape)
-        positions_m[:] = of.poses[..., None, :2]
+        positions_m[:] = percepts.poses[..., None, :2]
         signals_dbm = self._tx_power_dbm - self._radio.path_losses_db(positions_m, places_m)
         numbers = np.empty((*known.shape, 5 + self.said))
         numbers[..., 0], numbers[..., 1:3] = known, seen
         numbers[..., 3] = known * np.maximum((signals_dbm - WEAKEST_DBM) / (STRONGEST_DBM - WEAKEST_DBM), 0.0)
-        numbers[..., 4] = known * of.heard[..., 3] / OLDEST_S
-        numbers[..., 5:] = of.heard[..., 4:]
+        numbers[..., 4] = known * percepts.heard[..., 3] / OLDEST_S
+        numbers[..., 5:] = percepts.heard[..., 4:]
         return numbers
 
 

@@ -72,13 +72,13 @@ def export_policy(module: Any, path: str | os.PathLike[str], scenario: AnyScenar
     if not isinstance(module, torch.nn.Module):
         raise LearningError(f"module: {module!r:.60}; expected a torch.nn.Module")
     episode = Episode(scenario, Rules.of(rules))
-    of, size, numbers = episode.rules, _size_of(episode.observe.space), _size_of(episode.act.space)
+    rules_used, size, numbers = episode.rules, _size_of(episode.observe.space), _size_of(episode.act.space)
     settings = _Settings(
-        observe=_name_of(of.observe),
-        act=_name_of(of.act),
-        every=int(of.every),
-        said=int(of.said),
-        teammates=None if of.teammates is None else int(of.teammates),
+        observe=_name_of(rules_used.observe),
+        act=_name_of(rules_used.act),
+        every=int(rules_used.every),
+        said=int(rules_used.said),
+        teammates=None if rules_used.teammates is None else int(rules_used.teammates),
         vector=size,
         numbers=numbers,
         torch=str(torch.__version__),

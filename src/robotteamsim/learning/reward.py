@@ -16,11 +16,11 @@ from robotteamsim.scenario.base import Point
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import StepRecord
 
-PER_CONTACT_S = -0.1
-
 
 class Reward:
     """Zero; a subclass replaces `of_step`. Each mission has a new one."""
+
+    PER_CONTACT_S = -0.1
 
     def __init__(self, setup: Setup, robot_ids: Sequence[int]) -> None:
         """Args: robot_ids: of the agents."""
@@ -36,8 +36,8 @@ class Reward:
         return np.zeros(len(self.robot_ids))
 
     def for_contacts(self, record: StepRecord) -> np.ndarray:
-        """Return -0.1 per second of contact for each agent, shape (n,)."""
-        return PER_CONTACT_S * self.setup.scenario.run.step_s * record.readings.state.contact[self.robot_ids]
+        """Return `PER_CONTACT_S` per second of contact for each agent, shape (n,)."""
+        return self.PER_CONTACT_S * self.setup.scenario.run.step_s * record.readings.state.contact[self.robot_ids]
 
 
 class SearchReward(Reward):

@@ -10,22 +10,19 @@ import numpy as np
 
 from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.interface import Message, Observation, Task
-from robotteamsim.interface.payload import Point, to_payload, update_reader
+from robotteamsim.interface.payload import Point, Update, update_reader
+from robotteamsim.learning.arrays import numbers_of
 from robotteamsim.learning.observe import Observe, Percepts, cos_sin
 from robotteamsim.sensing.readings import RobotReading, VoiceReading
 from robotteamsim.setup import Setup
 from robotteamsim.simulation.controllers import TeamInputs
 
 
-class Said(msgspec.Struct, frozen=True):
+class Said(Update, frozen=True):
     """The message of a robot to its teammates: the sender's position in `map` [m], and the numbers of its policy."""
 
     at: Point
     say: tuple[Annotated[float, msgspec.Meta(ge=-1.0, le=1.0)], ...] = ()
-
-    def to_payload(self) -> str:
-        """Return it as the payload of a message."""
-        return to_payload(self)
 
 
 _read = update_reader(Said, kept=256)
@@ -76,7 +73,6 @@ class Senses:
         poses = state.true_pose if self._map_T_odom is None else state.odometry.pose
         if not inputs.present.all():
             poses = np.where(inputs.present[:, None], poses, 0.0)
-        own = self._observe.own and [inputs.observations()[i] for i in self._ids]
         return self._percepts(
             ranges_m if self._are_all else [ranges_m[i] for i in self._ids],
             poses if self._are_all else poses[self._ids],
@@ -84,7 +80,6 @@ class Senses:
             voices if self._are_all else [voices[i] for i in self._ids],
             inputs.task,
             inputs.sim_time_ns,
-            own or (),
         )
 
     def of_robot(self, observation: Observation, task: Task) -> Percepts:
@@ -93,7 +88,7 @@ class Senses:
         pose = robot.ground_truth if self._map_T_odom is None else robot.odometry.pose
         poses, twists = (np.array([msgspec.structs.astuple(record)]) for record in (pose, robot.odometry.twist))
         ranges_m, voices = [robot.ranges_m], [observation.voice]
-        return self._percepts(ranges_m, poses, twists, voices, task, observation.sim_time_ns, [observation])
+        return self._percepts(ranges_m, poses, twists, voices, task, observation.sim_time_ns)
 
     def _percepts(
         self,
@@ -103,10 +98,8 @@ class Senses:
         voices: Sequence[VoiceReading],
         task: Task,
         time_ns: int,
-        observations: Sequence[Observation],
     ) -> Percepts:
         area, observe = task.area_center_m, self._observe
-        own = [observe.own_numbers(observation) for observation in observations] if observe.own else ()
         heard = np.array(self._heard, float).reshape(len(self._ids), observe.teammates, 4 + observe.said)
         heard[..., 3] = (time_ns - heard[..., 3]) * 1e-9
         percepts = Percepts(
@@ -116,10 +109,11 @@ class Senses:
             np.array([(voice.heard, voice.local_best_level_db, *voice.local_best_m) for voice in voices], float),
             np.array([(0.0, 0.0, 0.0) if area is None else (1.0, *area)]),
             heard,
-            np.array(own, float).reshape(len(self._ids), observe.own),
             np.zeros((len(self._ids), 0)),
         )
-        return percepts._replace(remembered=self._memory.after(percepts, time_ns * 1e-9))
+        shape = len(self._ids), observe.remembered
+        remembered = numbers_of("after", self._memory.after(percepts, time_ns * 1e-9), shape)
+        return percepts._replace(remembered=remembered)
 
     def _padded(self, ranges_m: Sequence[np.ndarray]) -> np.ndarray:
         padded = np.full((len(ranges_m), self._observe.beams), np.inf, np.float32)

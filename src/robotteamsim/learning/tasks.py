@@ -79,14 +79,14 @@ def task(name: str, scenario: AnyScenario | None = None, overrides: Sequence[str
         raise LearningError(f"there is no task {name!r:.60}; expected one of {', '.join(TASKS)}")
     if isinstance(overrides, str):
         raise LearningError(f"overrides: {overrides!r:.60}; expected a list of key=value")
-    of = TASKS[name]
+    chosen = TASKS[name]
     if isinstance(scenario, Scenario):
         if overrides:
             raise LearningError(f"overrides: {overrides!r:.60}; expected none with a scenario that is loaded")
         loaded = scenario
     else:
-        loaded = load(of.scenario if scenario is None else scenario, [*of.changes, *overrides])
-    return {"scenario": loaded, "observe": of.observe, "reward": of.reward}
+        loaded = load(chosen.scenario if scenario is None else scenario, [*chosen.changes, *overrides])
+    return {"scenario": loaded, "observe": chosen.observe, "reward": chosen.reward}
 
 
 def gym_task(

@@ -22,8 +22,8 @@ class TorchRLEnv(EnvBase):  # type: ignore[misc]  # not installed where types ar
 
     def __init__(self, batch: BatchEnv) -> None:
         super().__init__(device="cpu", batch_size=[batch.num_envs])
-        self.batch, self.group_map = batch, {"agents": [f"robot_{i}" for i in range(batch.robots)]}
-        shape, act = (batch.num_envs, batch.robots), batch.act.space
+        self.batch, self.group_map = batch, {"agents": [f"robot_{i}" for i in range(batch.num_robots)]}
+        shape, act = (batch.num_envs, batch.num_robots), batch.act.space
         numbers = Bounded(-1.0, 1.0, (*shape, *batch.observe.space.shape))
         mask, done = (Categorical(2, of, dtype=torch.bool) for of in (shape, (batch.num_envs, 1)))
         action = Categorical(act.n, shape) if isinstance(act, Discrete) else Bounded(-1.0, 1.0, (*shape, *act.shape))

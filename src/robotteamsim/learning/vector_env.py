@@ -6,11 +6,11 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.spaces import Box, Discrete, MultiDiscrete
 from gymnasium.vector.utils import batch_space
 
 from robotteamsim.learning.batch_env import BatchEnv
 from robotteamsim.learning.errors import LearningError
+from robotteamsim.learning.gym_env import joint_spaces
 
 
 class VectorEnv(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
@@ -24,13 +24,12 @@ class VectorEnv(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         """Args: per_robot: whether each robot is an environment."""
         self.batch, self._per_robot = batch, per_robot
         self.metadata = {"autoreset_mode": gymnasium.vector.AutoresetMode.NEXT_STEP}
-        self.num_envs = batch.num_envs * (batch.robots if per_robot else 1)
-        robots, size, space = 1 if per_robot else batch.robots, batch.observe.space.shape[0], batch.act.space
-        self.single_observation_space = Box(-1.0, 1.0, (robots * size,), np.float32)
-        if isinstance(space, Discrete):
-            self.single_action_space = space if per_robot else MultiDiscrete([space.n] * robots)
-        else:
-            self.single_action_space = Box(np.tile(space.low, robots), np.tile(space.high, robots), dtype=np.float32)
+        self.num_envs = batch.num_envs * (batch.num_robots if per_robot else 1)
+        self.single_observation_space, self.single_action_space = batch.observe.space, batch.act.space
+        if not per_robot:
+            self.single_observation_space, self.single_action_space = joint_spaces(
+                batch.observe.space, batch.act.space, batch.num_robots
+            )
         self.observation_space = batch_space(self.single_observation_space, self.num_envs)
         self.action_space = batch_space(self.single_action_space, self.num_envs)
 
@@ -47,7 +46,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         batch, acting = self.batch, self.batch.present.sum(1)
         if np.shape(actions) != self.action_space.shape:
             raise LearningError(f"actions of shape {np.shape(actions)}; expected {self.action_space.shape}")
-        step = batch.step(np.reshape(actions, (batch.num_envs, batch.robots, *(batch.act.space.shape or ()))))
+        step = batch.step(np.reshape(actions, (batch.num_envs, batch.num_robots, *(batch.act.space.shape or ()))))
         rewards, terminated, truncated = step.rewards.ravel(), step.terminated.ravel(), step.truncated.ravel()
         if not self._per_robot:
             rewards, truncated = step.rewards.sum(1) / np.maximum(acting, 1), step.truncated.max(1)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.learning import BatchEnv, DiscreteAct, LearningError, VectorEnv, gym_env, parallel_env
+from robotteamsim.learning import Act, BatchEnv, DiscreteAct, LearningError, VectorEnv, gym_env, parallel_env
 from robotteamsim.scenario import load
 from robotteamsim.simulation import TrajectoryHash
 
@@ -17,13 +17,13 @@ def scenario(name="garage_sar", *overrides):
 
 def actions_of(env, steps, seed=0):
     """Return random actions of a batch, float32, shape (steps, num_envs, robots, numbers)."""
-    shape = steps, env.num_envs, env.robots, *env.act.space.shape
+    shape = steps, env.num_envs, env.num_robots, *env.act.space.shape
     return np.random.default_rng(seed).uniform(-1.0, 1.0, shape).astype(np.float32)
 
 
 def missions(env, actions, seed):
     """Return the steps of each mission: observations, rewards, terminations and truncations; the first is `reset`."""
-    steps = [(env.reset(seed).copy(), *np.zeros((3, env.num_envs, env.robots)))]
+    steps = [(env.reset(seed).copy(), *np.zeros((3, env.num_envs, env.num_robots)))]
     steps += [tuple(array.copy() for array in env.step(acts)[:4]) for acts in actions]
     return [[tuple(array[i] for array in step) for step in steps] for i in range(env.num_envs)]
 
@@ -60,7 +60,7 @@ def test_each_mission_has_the_bits_of_a_single_one(said):
 def test_scenarios_with_other_buildings_and_teams_are_stepped_together():
     env = BatchEnv([scenario(), scenario("isr_floor_0_sar", "robots.count=5")], 4)
     actions = actions_of(env, 8)
-    assert env.robots == 5
+    assert env.num_robots == 5
     steps = missions(env, actions, seed=3)
     for i, name in enumerate(("garage_sar", "isr_floor_0_sar")):
         alone = parallel_env(scenario(*(name, "robots.count=5")[: i + 1]), teammates=4)
@@ -129,7 +129,7 @@ def test_is_a_vector_env_of_single_robots(act):
             "Box(-1.0, 1.0, (204,), float32)",
         ),
         (lambda: BatchEnv("garage_sar", 2).step(np.zeros((2, 3, 2))), "the mission has not begun; call reset first"),
-        (lambda: BatchEnv("garage_sar", 2).reset(-1), "seed: -1; expected a whole number from 0 to 9007199254740990"),
+        (lambda: BatchEnv("garage_sar", 2).reset(-1), "seed: -1; expected a whole number from 0 to 9007199254740991"),
     ],
 )
 def test_wrong_use_is_one_line(do, message):
@@ -157,6 +157,40 @@ def test_actions_of_absent_robots_are_ignored():
     assert env.present.tolist() == [[False, True, True]]
     actions[0, 0] = np.nan
     assert (env.step(actions).observations[0, 0] == 0.0).all()
+
+
+def test_mission_is_over_when_no_robot_is_left():
+    removed = ", ".join(f"{{at_s: 1.0, remove: {i}}}" for i in range(5))
+    changes = scenario("garage_rescue", "relays.count=0", f"schedule=[{removed}]")
+    batch, alone = BatchEnv(changes, 1), parallel_env(changes)
+    batch.reset(1)
+    alone.reset(1)
+    stand = np.zeros((1, *alone.action_space("robot_0").shape))
+    while alone.agents:
+        step = batch.step(np.repeat(stand[None], batch.num_robots, axis=1))
+        alone.step(dict.fromkeys(alone.agents, stand[0]))
+        assert step.is_over.tolist() == [not alone.agents]
+    assert alone.record.sim_time_ns < 3 * 10**9
+
+
+class Alone(Act):
+    """Actions of one mission; those of stacked missions have one more axis."""
+
+    def twists(self, actions):
+        return np.zeros((len(actions), 3))
+
+
+def test_actions_that_are_understood_for_one_mission_only_are_an_error():
+    env = BatchEnv(scenario(), 2, act=Alone)
+    env.reset(1)
+    with pytest.raises(LearningError, match=r"^twists: array.*; expected finite numbers, shape \(2, 3, 3\)$"):
+        env.step(np.zeros((2, 3, 2)))
+
+
+def test_seed_of_numpy_does_not_overflow():
+    env = BatchEnv(scenario(), 8)
+    env.reset(np.uint8(250))
+    assert [episode.setup.scenario.run.seed for episode in env.episodes] == list(range(250, 258))
 
 
 def test_wrong_actions_name_mission_and_robot():

@@ -65,8 +65,8 @@ class OtherObserve(Observe):
     def parts_of(self):
         return super().parts_of()[:5]
 
-    def vectors(self, of):
-        return super().vectors(of)[..., : self.space.shape[0]]
+    def vectors(self, percepts):
+        return super().vectors(percepts)[..., : self.space.shape[0]]
 
 
 def written(path, **changed):

@@ -8,7 +8,7 @@ from types import ModuleType, SimpleNamespace
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.spaces import MultiBinary
+from gymnasium.spaces import Discrete, MultiBinary
 from gymnasium.utils.env_checker import check_env
 from pettingzoo.test import max_cycles_test, parallel_api_test, parallel_seed_test, state_test
 
@@ -18,6 +18,7 @@ from robotteamsim.learning import (
     CentralEnv,
     DiscreteAct,
     LearningError,
+    Memory,
     Observe,
     PolicyController,
     Reward,
@@ -65,14 +66,14 @@ class Blind(Observe):
     def parts_of(self):
         return [("nothing", 1, "not a number")]
 
-    def vectors(self, of):
+    def vectors(self, percepts):
         return np.full((1, 1), np.nan, np.float32)
 
 
 class Listed(Observe):
     """An observation that is no array."""
 
-    def vectors(self, of):
+    def vectors(self, percepts):
         return [[0.0]]
 
 
@@ -278,26 +279,75 @@ class Negative(Observe):
         return [("nothing", -1, "cannot be")]
 
 
+class SonarMemory(Memory):
+    """The last range of the sonar at the front."""
+
+    looks = True
+
+    @classmethod
+    def parts_of(cls, setup):
+        return [("sonar", 1, "its range / 3 m")]
+
+    def look(self, readings):
+        self.ranges_m = [reading.sensors.get("front", 3.0) for reading in readings]
+
+    def after(self, percepts, time_s):
+        return np.array(self.ranges_m)[:, None] / 3.0
+
+
 class WithSonar(Observe):
     """The sonar at the front, in addition."""
 
-    own = 1
-
-    def parts_of(self):
-        return [*super().parts_of(), ("sonar", 1, "its range / 3 m")]
-
-    def own_numbers(self, observation):
-        return [observation.robot.sensors["front"] / 3.0]
-
-    def vectors(self, of):
-        return np.concatenate((super().vectors(of), of.own), -1, dtype=np.float32)
+    remembers = SonarMemory
 
 
-def test_own_numbers_are_of_additional_sensors():
-    env = parallel_env(scenario("garage_sar", "robots.sensors=[{kind: sonar, name: front}]"), observe=WithSonar)
+class Forgetful(Memory):
+    """Remembers another number of numbers than it says."""
+
+    def after(self, percepts, time_s):
+        return np.zeros((len(percepts.poses), 1))
+
+
+class WithForgetful(Observe):
+    """What `Forgetful` does not have."""
+
+    remembers = Forgetful
+
+
+def test_additional_sensors_are_remembered_also_where_a_robot_has_left():
+    changes = "robots.sensors=[{kind: sonar, name: front}]", "schedule=[{at_s: 0.5, remove: 1}]"
+    env = parallel_env(scenario("garage_sar", *changes), observe=WithSonar)
     vectors, _ = env.reset(seed=1)
     sonars_m = [reading.sensors["front"] for reading in env.record.readings]
     assert [vector[-1] for vector in vectors.values()] == pytest.approx([range_m / 3.0 for range_m in sonars_m])
+    for _ in range(2):
+        vectors, *_ = env.step(dict.fromkeys(env.agents, np.zeros(2, np.float32)))
+    assert vectors.keys() == {"robot_0", "robot_2"}
+
+
+class Turns(Act):
+    """Two actions: to the left, to the right. It handles the agents of one mission only."""
+
+    def __init__(self, *args):
+        super().__init__(*args)
+        self.space = Discrete(2)
+
+    def twists(self, actions):
+        return np.array([(0.0, 0.0, 1.0 - 2.0 * int(action)) for action in actions])
+
+
+class Loud(Act):
+    """Says what no message can have."""
+
+    def say(self, actions):
+        return 2.0 + super().say(actions)
+
+
+def test_own_discrete_actions_need_say_nothing():
+    env = parallel_env(scenario(), act=Turns)
+    env.reset(seed=1)
+    env.step(dict.fromkeys(env.agents, 1))
+    assert env.record.readings.state.true_twist[0, 2] < 0.0
 
 
 def test_robots_of_other_kinds_have_the_same_spaces():
@@ -317,7 +367,7 @@ def test_robots_of_other_kinds_have_the_same_spaces():
 def still(env):
     """Begin a mission and stand."""
     env.reset(seed=1)
-    env.step(dict.fromkeys(env.agents, np.zeros(2, np.float32)))
+    env.step({agent: np.zeros(env.action_space(agent).shape, np.float32) for agent in env.agents})
 
 
 @pytest.mark.parametrize(
@@ -374,6 +424,14 @@ def still(env):
         (
             lambda _: parallel_env(scenario("tutorial_arena"), observe=Listed).reset(seed=1),
             "observations array([[0.]]); expected float32 within [-1, 1], shape (1, 194)",
+        ),
+        (
+            lambda _: parallel_env(scenario("tutorial_arena"), observe=WithForgetful).reset(seed=1),
+            "after: array([[0.]]); expected finite numbers, shape (1, 0)",
+        ),
+        (
+            lambda _: still(parallel_env(scenario("tutorial_arena"), act=Loud, said=1)),
+            "say: array([[2.]]); expected numbers within [-1, 1]",
         ),
         (lambda _: parallel_env(scenario(), act=Binary), "act: space MultiBinary(2); expected a Box or Discrete"),
         (
