@@ -64,7 +64,7 @@ class Input:
         return replace(found, latched=latched, lossy=lossy)
 
     def listen(self, put: Callable[[str, int, Any], None], queue_size: int | None = None) -> None:
-        """Subscribe. Args: put: called with topic, stamp [ns] and value, in a thread of the publisher."""
+        """Subscribe. Args: put: called with topic, stamp [ns] and value, in another thread."""
         is_warned = False
 
         def receive(data: bytes) -> None:

@@ -52,7 +52,7 @@ def read_ros1_scenario(parameter: Callable[[str, Any], Any]) -> Scenario:
     return read_scenario(lambda key, default: parameter(ros1_setting_name(key), default), ros1_setting_name)
 
 
-def alone(domain: int) -> AbstractContextManager[object]:
+def lock_domain(domain: int) -> AbstractContextManager[object]:
     """Lock a domain for the simulations of this machine, whose topics would mix. Raises: ParameterError."""
     path = Path(tempfile.gettempdir(), f"robotteamsim-{os.getuid()}-domain-{domain}.lock")
     try:

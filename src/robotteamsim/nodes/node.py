@@ -70,7 +70,7 @@ class Node(Protocol):
         lossy: bool = False,
         queue_size: int | None = None,
     ) -> None:
-        """Subscribe. Args: receive: called with each message as it was sent, in a thread of its own.
+        """Subscribe. Args: receive: called with each message as it was sent, in another thread.
 
         latched: whether the publisher keeps the last message.  lossy: whether it may lose some, as sensors do in ROS 2.
         queue_size: of messages that wait; None: all of them.

@@ -141,7 +141,7 @@ class TeamOutputs(RobotOutputs):
             readings = odometry.readings()
             here = [robot_id for robot_id in self._here if present[robot_id]]
             links = [link for i in here for link in self._links(self._make, time_ns, i, readings[i])]
-            self._tf.publish(self._make("tf2_msgs/TFMessage", transforms=links))
+            self._tf.publish(self._make(TF.type_name, transforms=links))
 
     def _links(self, make: Make, time_ns: int, robot_id: int, odometry: OdometryReading) -> list[Any]:
         """Return the transforms of a robot."""
@@ -217,7 +217,7 @@ class RecordOutputs:
         self._shown_objects: tuple[Any, ...] = ()
 
     def publish_beginning(self, simulation: Simulation) -> None:
-        """Publish what there is before the first step; stamp 0 tells controllers that time starts again."""
+        """Publish what there is before the first step; stamp 0 shows controllers that time starts again."""
         world = simulation.world
         self.publish_presence(0, world.present, world.arrivals, world, ())
         self.publish_objects(world)

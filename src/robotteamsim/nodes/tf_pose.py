@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from robotteamsim.geometry import Pose, PoseReading
+from robotteamsim.message_parts import MAP_FRAME
 from robotteamsim.recording.topics.base import check_place
 
-MAP = "map"
 START_TIMEOUT_S = 10.0
 """At the start, a robot waits at least this long for its first transform; only then it is lost [s]."""
 
@@ -23,7 +23,7 @@ class TfPose:
         self._newest_transform = newest_transform
         self._frame = f"{robot_name}/base_link"
         self._timeout_s = timeout_s
-        self.name = f"{MAP} -> {self._frame}"
+        self.name = f"{MAP_FRAME} -> {self._frame}"
         """The transform, in messages."""
         self.reason = ""
         """Why there was no transform in the last step; "" if there was one."""
@@ -41,7 +41,7 @@ class TfPose:
 
         Clocks of robots may differ: a transform from the future counts from the step in which it arrived.
         """
-        found, self.reason = self._newest_transform(MAP, self._frame)
+        found, self.reason = self._newest_transform(MAP_FRAME, self._frame)
         if found is not None:
             self._note(step_ns, *found)
         if self._seen_ns is None:

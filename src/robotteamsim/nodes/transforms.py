@@ -16,7 +16,7 @@ from robotteamsim.recording.topics.robots import TF
 
 STATIC = "/tf_static"
 MAX_LINKS = 100
-"""So many transforms at most lead from one frame to another; more are a circle."""
+"""So many transforms at most lead from one frame to another; more mean a cycle."""
 NORM_ERROR = 0.01
 """Largest error of the squared norm of a quaternion."""
 
@@ -38,7 +38,7 @@ class _Link(NamedTuple):
 
 
 class Transforms:
-    """The newest transform to each frame. It counts until the next one comes, whatever its stamp."""
+    """The newest transform to each frame. It counts until the next one comes, with any stamp."""
 
     def __init__(self, node: Node) -> None:
         """Subscribe."""
@@ -64,7 +64,7 @@ class Transforms:
             target_T_source = link.matrix() @ target_T_source  # noqa: N806
             stamps_ns.append(link.stamp_ns)
             frame = link.parent
-        return None, f"the transforms to {source} are a circle"
+        return None, f"the transforms to {source} are a cycle"
 
     def clear(self) -> None:
         """Forget all transforms but static ones."""

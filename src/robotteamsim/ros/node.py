@@ -9,6 +9,7 @@ from typing import Any
 import rospy
 
 from robotteamsim.nodes.node import KINDS, ParameterError
+from robotteamsim.nodes.rosout import forward_logging
 from robotteamsim.nodes.shutdown import Shutdown
 from robotteamsim.ros.master import wait_for_master
 
@@ -24,8 +25,6 @@ __all__ = [
     "run",
     "wait_for_shutdown",
 ]
-
-logger = logging.getLogger(__name__)
 
 
 class _Shutdown(Shutdown):
@@ -59,7 +58,8 @@ def run(name: str, serve: Callable[[], None]) -> None:
     # Nodes need no time but that of their messages.
     rospy.init_node(name, disable_signals=True, disable_rostime=True)
     rospy.on_shutdown(_shutdown.begin_by_rospy)
-    _forward_logging()
+    levels = (rospy.logfatal, rospy.logerr, rospy.logwarn, rospy.loginfo)
+    forward_logging(tuple(zip((logging.CRITICAL, logging.ERROR, logging.WARNING, logging.INFO), levels, strict=True)))
     try:
         with _shutdown.after_mistakes():
             serve()
@@ -89,24 +89,3 @@ def parameter(name: str, default: Any) -> Any:
     if type(value) is not type(default):
         raise ParameterError(f"{rospy.resolve_name(name)}: {value!r}; expected {KINDS[type(default)]}")
     return value
-
-
-def _forward_logging() -> None:
-    """Send the package's log to the console and to rosout."""
-    package = logging.getLogger("robotteamsim")
-    package.addHandler(_Rosout())
-    package.setLevel(logging.INFO)
-    package.propagate = False
-
-
-class _Rosout(logging.Handler):
-    _LEVELS = (
-        (logging.CRITICAL, rospy.logfatal),
-        (logging.ERROR, rospy.logerr),
-        (logging.WARNING, rospy.logwarn),
-        (logging.INFO, rospy.loginfo),
-    )
-
-    def emit(self, record: logging.LogRecord) -> None:
-        log = next((log for number, log in self._LEVELS if record.levelno >= number), rospy.logdebug)
-        log(self.format(record))

@@ -19,7 +19,7 @@ from typing import Any
 
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.message_parts import robot_name
-from robotteamsim.nodes.launched import NOT_SET, alone, read_scenario
+from robotteamsim.nodes.launched import NOT_SET, lock_domain, read_scenario
 from robotteamsim.nodes.settings import HOSTED
 
 NODE = """
@@ -66,7 +66,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     own = {name: getattr(options, name) for name in ("speed", "out", "stays", "paused", "localization")}
     try:
         num_robots = read_scenario(settings.get).team_size
-        with alone(_domain()):  # before controllers start, which would answer another simulation
+        with lock_domain(_domain()):  # before controllers start, which would answer another simulation
             pass
     except RobotTeamSimError as error:
         sys.stderr.write(f"robotteamsim.ros2: {error}\n")

@@ -25,6 +25,7 @@ from rclpy.signals import SignalHandlerOptions
 
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.nodes.node import KINDS, Output, ParameterError
+from robotteamsim.nodes.rosout import forward_logging
 from robotteamsim.nodes.shutdown import Shutdown
 from robotteamsim.nodes.steps import REPORT_TIMEOUT_S
 from robotteamsim.recording.bag_types import Ros2Types
@@ -67,7 +68,15 @@ def run(name: str, serve: Callable[[Ros2Node], None], *, owns_settings: bool = F
     except RuntimeError as error:  # RCLError and others, which have no public names
         sys.stderr.write(f"{name}: {str(error).partition(', at ')[0]}\n")
         sys.exit(2)
-    _forward_logging(node)
+    forward_logging(
+        (
+            # rclpy allows one level for each line of code that logs.
+            (logging.CRITICAL, lambda text: node.log.fatal(text)),
+            (logging.ERROR, lambda text: node.log.error(text)),
+            (logging.WARNING, lambda text: node.log.warning(text)),
+            (logging.INFO, lambda text: node.log.info(text)),
+        )
+    )
     try:
         with shutdown.after_mistakes():
             serve(node)
@@ -239,7 +248,7 @@ class Ros2Node:
         """As for all nodes."""
         try:
             message = self.make.typestore.deserialize_cdr(data, type_name.replace("/", "/msg/"))
-        except Exception as error:  # rosbags lets through whatever damaged bytes raise
+        except Exception as error:  # rosbags raises any exception for damaged bytes
             raise ValueError(f"not a {type_name}: {error}") from None
         if not hasattr(message, "header"):
             return 0, message
@@ -344,29 +353,3 @@ def _as_text(key: str, value: Any, default: Any) -> Any:
     if isinstance(default, str) and not isinstance(value, str | int | float):
         raise ParameterError(f"{key}: expected {KINDS[str]}")
     return str(value) if isinstance(default, str) else value
-
-
-def _forward_logging(node: Ros2Node) -> None:
-    """Send the package's log to the console and to /rosout."""
-    package = logging.getLogger("robotteamsim")
-    package.addHandler(_Rosout(node.log))
-    package.setLevel(logging.INFO)
-    package.propagate = False
-
-
-class _Rosout(logging.Handler):
-    def __init__(self, log: Any) -> None:
-        super().__init__()
-        self._log = log
-
-    def emit(self, record: logging.LogRecord) -> None:
-        # rclpy allows one level for each line of code that logs.
-        text = self.format(record)
-        if record.levelno >= logging.CRITICAL:
-            self._log.fatal(text)
-        elif record.levelno >= logging.ERROR:
-            self._log.error(text)
-        elif record.levelno >= logging.WARNING:
-            self._log.warning(text)
-        else:
-            self._log.info(text)

@@ -4,7 +4,7 @@ import importlib.util
 
 from rclpy.utilities import get_default_context
 
-from robotteamsim.nodes.launched import alone
+from robotteamsim.nodes.launched import lock_domain
 from robotteamsim.nodes.settings import read_settings
 from robotteamsim.nodes.simulation import SteppedSimulation
 from robotteamsim.ros2.node import Ros2Node, run
@@ -18,7 +18,7 @@ def main() -> None:
 
 def _serve(node: Ros2Node) -> None:
     settings = read_settings(node, report_s=0.0)
-    with alone(get_default_context().get_domain_id()):
+    with lock_domain(get_default_context().get_domain_id()):
         simulation = SteppedSimulation(node, settings, Ros2TeamOutputs)
         if importlib.util.find_spec("simulation_interfaces"):
             from robotteamsim.ros2 import simulation_interfaces

@@ -60,11 +60,11 @@ class RefusedError(Exception):
 
 def offer(node: Ros2Node, stepped: SteppedSimulation) -> None:
     """Offer the services and the action below the node's name, such as ~get_entities."""
-    door = _Door(node, stepped)
+    services = _Services(node, stepped)
     for name in SERVICES:
         method = re.sub("(?<!^)(?=[A-Z])", "_", name).lower()
-        node.offer(f"~{method}", f"simulation_interfaces/{name}", partial(_answer, getattr(door, method)))
-    node.offer_action("~simulate_steps", SimulateSteps, door.simulate_steps)
+        node.offer(f"~{method}", f"simulation_interfaces/{name}", partial(_answer, getattr(services, method)))
+    node.offer_action("~simulate_steps", SimulateSteps, services.simulate_steps)
 
 
 def _answer(serve: Callable[[Any], Mapping[str, Any] | None], request: Any) -> Mapping[str, Any]:
@@ -77,7 +77,7 @@ def _answer(serve: Callable[[Any], Mapping[str, Any] | None], request: Any) -> M
         return {"result": Result(result=Result.RESULT_OPERATION_FAILED, error_message=str(error))}
 
 
-class _Door:
+class _Services:
     """Carries out the requests of the services, each by the method of its name."""
 
     def __init__(self, node: Ros2Node, stepped: SteppedSimulation) -> None:

@@ -13,7 +13,6 @@ from robotteamsim.nodes.settings import Settings
 from robotteamsim.nodes.stage import Unprefixed
 from robotteamsim.recording.topics import robots
 
-_TF = "tf2_msgs/TFMessage"
 _MOVING = ("odom", "base_footprint")
 """Child frames whose transforms change."""
 
@@ -25,12 +24,13 @@ class Ros2TeamOutputs(TeamOutputs):
         """As for all outputs of a team."""
         super().__init__(node, settings, localized=localized)
         self._own_make = {i: Unprefixed(node.make, i) for i in self._here}
-        self._own_tf = {i: node.output(settings.robot_topic(i, "tf"), _TF) for i in self._here if settings.prefix}
+        names = {i: settings.robot_topic(i, "tf") for i in self._here if settings.prefix}
+        self._own_tf = {i: node.output(name, robots.TF.type_name) for i, name in names.items()}
         for i in self._own_tf:
             links = robots.robot_transforms(self._own_make[i], 0, i, self._models[i], ORIGIN)
             fixed = [link for link in links if link.child_frame_id not in _MOVING]
-            output = node.output(settings.robot_topic(i, "tf_static"), _TF, latched=True)
-            output.publish(self._make(_TF, transforms=fixed))
+            output = node.output(settings.robot_topic(i, "tf_static"), robots.TF.type_name, latched=True)
+            output.publish(self._make(robots.TF.type_name, transforms=fixed))
 
     def _publish_tf(self, time_ns: int, odometry: OdometryState, present: np.ndarray) -> None:
         super()._publish_tf(time_ns, odometry, present)
@@ -40,4 +40,4 @@ class Ros2TeamOutputs(TeamOutputs):
                 readings = odometry.readings() if readings is None else readings
                 links = self._links(self._own_make[i], time_ns, i, readings[i])
                 moving = [link for link in links if link.child_frame_id in _MOVING]
-                output.publish(self._make(_TF, transforms=moving))
+                output.publish(self._make(robots.TF.type_name, transforms=moving))

@@ -82,7 +82,7 @@ def test_missing_transform_is_named_and_a_circle_is_noticed(node, transforms):
     send(node, "/tf", "odom", "base_link")
     assert transforms.newest("map", "base_link") == (None, "no transform leads to odom")
     send(node, "/tf", "base_link", "odom")
-    assert transforms.newest("map", "base_link") == (None, "the transforms to base_link are a circle")
+    assert transforms.newest("map", "base_link") == (None, "the transforms to base_link are a cycle")
 
 
 def test_only_static_transforms_are_remembered(node, transforms):
