@@ -97,3 +97,14 @@ def test_scenario_without_room_is_rejected_and_leaves_nothing_behind(refusal):
     message = refusal("plan", "export-mujoco", "garage_sar", "--out", "out", "--set", "robots.start=[0, 0, 0]")
     assert message.startswith("--set: robots.start: ")
     assert list(Path().iterdir()) == []
+
+
+def test_world_that_mujoco_may_start_no_threads_for_is_rejected_in_one_line(monkeypatch, capsys):
+    def compile_alone(_):
+        raise RuntimeError("Caught an unknown exception!")  # as where `ulimit -u` allows no thread
+
+    monkeypatch.setattr(mujoco.MjSpec, "compile", compile_alone)
+    assert main(["run", "tutorial_arena", "--quiet", "--set", "run.world=mujoco"]) == 2
+    line = capsys.readouterr().err
+    assert line.startswith("robotteamsim: MuJoCo cannot build the world: ")
+    assert line.count("\n") == 1

@@ -71,9 +71,15 @@ def start_spec(scenario: Scenario, robots: Mapping[int, PlacedRobot]) -> mujoco.
 
 
 def compiled(spec: mujoco.MjSpec) -> mujoco.MjModel:
-    """Return the model of a specification. Raises: PhysicsError: MuJoCo refuses a body, such as one without mass."""
+    """Return the model of a specification.
+
+    Raises: PhysicsError: MuJoCo refuses a body, such as one without mass, or may not start its threads.
+    """
     try:
         return spec.compile()
+    except RuntimeError as error:
+        limits = "see `ulimit -u` and `ulimit -s`, the limits of threads and of their stacks"
+        raise PhysicsError(f"MuJoCo cannot build the world: {error}; {limits}") from None
     except ValueError as error:
         reason = " ".join(str(error).split())
         raise PhysicsError(f"MuJoCo rejects a robot or object (too small or too light?): {reason}") from None
