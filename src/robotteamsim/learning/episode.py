@@ -234,4 +234,5 @@ def vectors_of(observe: Observe, percepts: Percepts, present: np.ndarray) -> np.
         vectors[~present] = 0.0
         if ((vectors >= -1.0) & (vectors <= 1.0)).all():  # NaN is not
             return vectors
-    raise LearningError(f"observations {shown(vectors)}; expected {observe.space.dtype} within [-1, 1], shape {shape}")
+    found = f"observations {shown(vectors)}, shape {vectors.shape}"
+    raise LearningError(f"{found}; expected {observe.space.dtype} within [-1, 1], shape {shape}")

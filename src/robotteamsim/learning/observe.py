@@ -124,7 +124,7 @@ class Observe:
     """
 
     remembers: type[Memory] = Memory
-    """What agents remember; its parts are the last ones of this class."""
+    """What agents remember: the last parts of the vectors, `Percepts.remembered`."""
 
     def __init__(self, setup: Setup, robot_ids: Sequence[int], said: int = 0, teammates: int | None = None) -> None:
         """Args: robot_ids: of the agents.
@@ -134,7 +134,8 @@ class Observe:
         robots, bounds = [setup.robots[i] for i in robot_ids], setup.plan.bounds
         self.setup, self.robot_ids, self.said = setup, tuple(robot_ids), said
         self.teammates = setup.scenario.num_robots - 1 if teammates is None else teammates
-        self.remembered = sum(size for _, size, _ in self.remembers.parts_of(setup))
+        remembered = self.remembers.parts_of(setup)
+        self.remembered = sum(size for _, size, _ in remembered)
         """How many numbers each agent remembers."""
         self.beams = max(robot.laser.beams for robot in setup.robots)
         self._range_max_m = np.array([[robot.laser.range_max_m] for robot in robots], np.float32)
@@ -145,11 +146,11 @@ class Observe:
         self._units_m = np.array((voice_radius_m, self._diagonal_m, *(self._diagonal_m,) * self.teammates))
         self._radio = shared_radio_field(setup.building, setup.scenario.radio)
         self._tx_power_dbm = setup.scenario.radio.tx_power_dbm
-        self.parts = tuple(self._placed(self.parts_of()))
+        self.parts = tuple(self._placed([*self.parts_of(), *remembered]))
         self.space = Box(-1.0, 1.0, (sum(part.size for part in self.parts),), np.float32)
 
     def parts_of(self) -> list[tuple[str, int, str]]:
-        """Return name, size and meaning of each part."""
+        """Return name, size and meaning of each part but those of the memory, which follow them."""
         teammate = "heard of, x and y from the robot / diagonal, signal (0 to 1), age of the message / 10 s"
         said = f", {self.said} numbers that it said" if self.said else ""
         return [
@@ -159,7 +160,6 @@ class Observe:
             ("voice", 4, "heard, level / 100 dB, x and y of the loudest cell from the robot / radius"),
             ("area", 3, "there is one to explore, x and y of its centre from the robot / diagonal"),
             *((f"teammate_{i}", 5 + self.said, teammate + said) for i in range(self.teammates)),
-            *self.remembers.parts_of(self.setup),
         ]
 
     @staticmethod

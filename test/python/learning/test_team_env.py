@@ -301,6 +301,16 @@ class WithSonar(Observe):
     remembers = SonarMemory
 
 
+class WithSonarOnly(WithSonar):
+    """An observation that should have the sonar, which it leaves out."""
+
+    def parts_of(self):
+        return [("nothing", 1, "is 0")]
+
+    def vectors(self, percepts):
+        return np.zeros((*percepts.poses.shape[:-1], 1), np.float32)
+
+
 class Forgetful(Memory):
     """Remembers another number of numbers than it says."""
 
@@ -415,19 +425,23 @@ def still(env):
         (lambda _: parallel_env("garage_sar", act=None), "act: None; expected a class derived from Act"),
         (
             lambda _: parallel_env(scenario(), reward=Without).reset(seed=1),
-            "rewards: array([nan, nan, nan]); expected finite numbers, shape (3,)",
+            "rewards: array([nan, nan, nan]), shape (3,); expected finite numbers, shape (3,)",
         ),
         (
             lambda _: parallel_env(scenario("tutorial_arena"), observe=Blind).reset(seed=1),
-            "observations array([[nan]], dtype=float32); expected float32 within [-1, 1], shape (1, 1)",
+            "observations array([[nan]], dtype=float32), shape (1, 1); expected float32 within [-1, 1], shape (1, 1)",
         ),
         (
             lambda _: parallel_env(scenario("tutorial_arena"), observe=Listed).reset(seed=1),
-            "observations array([[0.]]); expected float32 within [-1, 1], shape (1, 194)",
+            "observations array([[0.]]), shape (1, 1); expected float32 within [-1, 1], shape (1, 194)",
+        ),
+        (
+            lambda _: parallel_env(scenario("tutorial_arena"), observe=WithSonarOnly).reset(seed=1),
+            "observations array([[0.]], dtype=float32), shape (1, 1); expected float32 within [-1, 1], shape (1, 2)",
         ),
         (
             lambda _: parallel_env(scenario("tutorial_arena"), observe=WithForgetful).reset(seed=1),
-            "after: array([[0.]]); expected finite numbers, shape (1, 0)",
+            "after: array([[0.]]), shape (1, 1); expected finite numbers, shape (1, 0)",
         ),
         (
             lambda _: still(parallel_env(scenario("tutorial_arena"), act=Loud, said=1)),
@@ -436,11 +450,11 @@ def still(env):
         (lambda _: parallel_env(scenario(), act=Binary), "act: space MultiBinary(2); expected a Box or Discrete"),
         (
             lambda _: parallel_env(scenario(), reward=Scalar).reset(seed=1),
-            "rewards: array(1.); expected finite numbers, shape (3,)",
+            "rewards: array(1.), shape (); expected finite numbers, shape (3,)",
         ),
         (
             lambda _: still(parallel_env(scenario("tutorial_arena"), act=Nowhere)),
-            "twists: array([[nan, nan, nan]]); expected finite numbers, shape (1, 3)",
+            "twists: array([[nan, nan, nan]]), shape (1, 3); expected finite numbers, shape (1, 3)",
         ),
         (lambda _: parallel_env("garage_sar", every=True), "every: True; expected a whole number of at least 1"),
         (lambda _: parallel_env("garage_sar", every=None), "every: None; expected a whole number of at least 1"),
