@@ -299,6 +299,7 @@ class Training:
             csv.writer(file, lineterminator="\n").writerows(self._rows)
         rules = {key: RULES[key] for key in ("observe", "act", "every")}
         export_policy(self._greedy, out / "policy.pt", search_scenario(HELD_OUT), **rules)
+        print(f"      {out / 'policy.pt'}", flush=True)
 
 
 def options(description: str | None, out: str, arguments: Sequence[str] | None = None) -> argparse.Namespace:

@@ -30,7 +30,7 @@ def missing_extra(error: ImportError) -> str | None:
     extra = _EXTRA_OF_PACKAGE.get(package)
     if extra is None:
         return None
-    needs = f"this needs the Python package {package}, which is not installed: `pip install 'robotteamsim[{extra}]'`"
+    needs = f"this needs the Python package {package}, which is not installed: it comes with the extra '{extra}'"
     if extra == "train":
-        return f"{needs}; docs/learning.md has a smaller one"
-    return f"{needs}, or `make setup` in a clone of the repository"
+        return f"{needs} (docs/learning.md)"
+    return f"{needs} (docs/install.md), or with `make setup` in a clone of the repository"

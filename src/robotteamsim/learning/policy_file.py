@@ -214,7 +214,9 @@ def _class_of(path: str, name: str, base: type) -> Any:
     try:
         found = EntryPoint(name, name, "").load()
     except Exception as error:
-        raise LearningError(f"{path}: {json.dumps(name)}: {described(error)}; is its folder in PYTHONPATH?") from None
+        lacks = missing_extra(error) if isinstance(error, ImportError) else None
+        reason = lacks or f"{described(error)}; is its folder in PYTHONPATH?"
+        raise LearningError(f"{path}: {json.dumps(name)}: {reason}") from None
     if not (isinstance(found, type) and issubclass(found, base)):
         raise LearningError(f"{path}: {json.dumps(name)}; expected a class derived from {base.__name__}")
     return found

@@ -22,7 +22,7 @@ def find_ffmpeg() -> str:
 
         return str(imageio_ffmpeg.get_ffmpeg_exe())
     except (ImportError, RuntimeError):
-        remedy = "`apt install ffmpeg` or `pip install 'robotteamsim[film]'`"
+        remedy = "`apt install ffmpeg`, or the extra 'film' (docs/install.md)"
         raise RecordingError(f"an MP4 needs ffmpeg, which is not installed: {remedy}; a GIF needs neither") from None
 
 

@@ -192,8 +192,8 @@ class Simulation:
         Whatever interrupts the run (an observer's RecordingError, a signal) is raised after every observer that began
         has abandoned the trial.
 
-        Raises: ScenarioError: the robots' poses come from tf. ValueError: the mission has ended, or something else is
-                among the observers.
+        Raises: ScenarioError: the robots' poses come from tf. ValueError: the mission has ended, or an observer pauses
+                it, or something else is among the observers.
         """
         others = observers if isinstance(observers, Sequence) else [observers]
         for other in others:
@@ -207,6 +207,8 @@ class Simulation:
             self.mission.start()
             while trial.result is None:
                 trial.add(self.step())
+                if self.mission.status.state == "paused":
+                    raise ValueError("run: the mission is paused, and would never end; call step instead of run")
             return trial.result
         finally:
             trial.abandon()

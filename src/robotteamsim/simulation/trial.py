@@ -77,7 +77,7 @@ class Trial:
         self._wall_start_s = time.perf_counter()
         self._observers: list[Observer] = []
         try:
-            for observer in observers:
+            for observer in tuple(observers):
                 self._observers.append(observer)
                 observer.begin(setup)
         except BaseException:

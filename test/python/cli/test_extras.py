@@ -77,8 +77,8 @@ def test_missing_package_of_an_extra_is_one_line_with_the_command_to_install_it(
 ) -> None:
     done = run(folder, *words)
     assert done.returncode == 1
-    remedy = rf"`pip install 'robotteamsim\[{extra}\]'`, or `make setup` in a clone of the repository"
-    line = rf"robotteamsim: this needs the Python package \w+, which is not installed: {remedy}\n"
+    remedy = rf"it comes with the extra '{extra}' \(docs/install\.md\), or with `make setup` in a clone of the"
+    line = rf"robotteamsim: this needs the Python package \w+, which is not installed: {remedy} repository\n"
     assert "Traceback" not in done.stderr
     assert re.fullmatch(line, done.stderr.splitlines(keepends=True)[-1])
 
@@ -86,7 +86,7 @@ def test_missing_package_of_an_extra_is_one_line_with_the_command_to_install_it(
 @pytest.mark.slow
 def test_policy_without_its_extra_is_one_line_with_the_command_to_install_it(folder: Path) -> None:
     done = run(folder, "run", "tutorial_arena", "--set", "control.algorithm=robotteamsim.learning:PolicyController")
-    remedy = "`pip install 'robotteamsim[learning]'`, or `make setup` in a clone of the repository"
+    remedy = "it comes with the extra 'learning' (docs/install.md), or with `make setup` in a clone of the repository"
     needs = f"this needs the Python package gymnasium, which is not installed: {remedy}"
     line = f"tutorial_arena: control.algorithm: 'robotteamsim.learning:PolicyController': {needs}"
     assert (done.returncode, done.stderr) == (2, f"robotteamsim: {line}\n")

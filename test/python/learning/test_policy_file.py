@@ -262,6 +262,16 @@ def test_settings_that_do_not_fit_are_one_line(tmp_path, changed, overrides, lin
     assert str(raised.value).startswith(f"{path}: {line}")
 
 
+def test_package_that_a_class_in_the_file_needs_is_named(tmp_path, monkeypatch):
+    (tmp_path / "needing.py").write_text("import torchrl.nowhere\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setitem(sys.modules, "torchrl", None)
+    path = written(tmp_path / "policy.pt", act="needing:Act")
+    line = rf'^{path}: "needing:Act": this needs the Python package torchrl, which is not installed: it comes with the'
+    with pytest.raises(LearningError, match=line):
+        controller(path)
+
+
 @pytest.mark.parametrize("content", [b"", b"PK\3\4", b"no archive"])
 def test_other_file_is_one_line(tmp_path, content):
     path = tmp_path / "policy.pt"
@@ -310,8 +320,8 @@ def test_without_pytorch_it_is_named(tmp_path):
         f"sys.exit(main(['run', 'garage_sar', '--quiet', '--set', 'control.algorithm={path}']))"
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=False)
-    needs = "this needs the Python package torch, which is not installed: `pip install 'robotteamsim[train]'`"
-    assert (done.returncode, done.stderr) == (2, f"robotteamsim: {needs}; docs/learning.md has a smaller one\n")
+    needs = "this needs the Python package torch, which is not installed: it comes with the extra 'train'"
+    assert (done.returncode, done.stderr) == (2, f"robotteamsim: {needs} (docs/learning.md)\n")
 
 
 @pytest.mark.slow

@@ -66,4 +66,4 @@ def test_missions_have_the_bits_of_the_batch_and_begin_again():
 def test_without_torchrl_one_line_names_the_extra():
     hidden = "import sys; sys.modules['torch'] = None; import robotteamsim.learning.torchrl_env"
     run = subprocess.run([sys.executable, "-c", hidden], capture_output=True, text=True)
-    assert "needs the Python package torch, which is not installed: `pip install 'robotteamsim[train]'`" in run.stderr
+    assert "needs the Python package torch, which is not installed: it comes with the extra 'train'" in run.stderr

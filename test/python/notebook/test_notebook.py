@@ -113,7 +113,7 @@ def test_without_pandas_one_line_says_how_to_install_it(campaign: Path, monkeypa
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ImportError) as missing:
         read_campaign(campaign)
-    line = "this needs the Python package pandas, which is not installed: `pip install 'robotteamsim[notebook]'`"
+    line = "this needs the Python package pandas, which is not installed: it comes with the extra 'notebook'"
     assert str(missing.value).startswith(line)
 
 

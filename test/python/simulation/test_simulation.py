@@ -326,6 +326,21 @@ def test_value_of_another_kind_is_a_value_error_of_one_line(hall_scenario, do, m
         do(simulation)
 
 
+def test_observer_that_pauses_the_mission_is_rejected(hall_scenario):
+    simulation = Simulation(short(hall_scenario))
+    observer = Witness()
+    observer.step = lambda record: simulation.mission.pause()
+    with pytest.raises(ValueError, match="^run: the mission is paused, and would never end"):
+        simulation.run([observer])
+
+
+def test_observers_that_come_later_are_not_asked(hall_scenario):
+    observers = [Witness()]
+    observers[0].begin = lambda setup: observers.append(Witness())
+    Simulation(short(hall_scenario)).run(observers)
+    assert [len(observer.records) > 0 for observer in observers] == [True, False]
+
+
 def test_observers_abandon_when_one_of_them_fails(hall_scenario):
     good, bad = Witness(), Witness(fails_at=3)
     with pytest.raises(RecordingError, match="the disk is full"):
