@@ -5,7 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
@@ -15,6 +15,26 @@ os.environ["ROS_AUTOMATIC_DISCOVERY_RANGE"] = "LOCALHOST"
 os.environ["FASTDDS_BUILTIN_TRANSPORTS"] = "UDPv4"  # no shared memory, which a killed process would leave behind
 
 DOMAINS = range(1, 100)
+
+# Every Python imports a module of the name sitecustomize when it starts.
+FAULT = """
+import itertools
+from {module} import {owner}
+from rclpy.impl.implementation_singleton import rclpy_implementation
+
+def failing(method):
+    numbers = itertools.count(1)
+
+    def call(publisher, message):
+        # rclpy itself sends the events of parameters.
+        if type(message).__name__ != "ParameterEvent" and next(numbers) % 3 == 0:
+            raise rclpy_implementation.RCLError("Failed to publish: cannot publish data")
+        method(publisher, message)
+
+    return call
+
+{owner}.{method} = failing({owner}.{method})
+"""
 
 
 @pytest.fixture(autouse=True)
@@ -38,3 +58,14 @@ def peer(domain: int) -> Iterator[Peer]:
     found = Peer(domain)
     yield found
     found.close()
+
+
+@pytest.fixture
+def break_every_third(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, str, str], None]:
+    """Let every third call of a method of rclpy fail in programs that are started, as a publish of Kilted may."""
+
+    def install(module: str, owner: str, method: str) -> None:
+        (tmp_path / "sitecustomize.py").write_text(FAULT.format(module=module, owner=owner, method=method))
+        monkeypatch.setenv("PYTHONPATH", str(tmp_path))
+
+    return install

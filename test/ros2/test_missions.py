@@ -41,6 +41,17 @@ def test_fire_with_additional_sensors_has_the_hash_of_a_run_without_ros(tmp_path
     assert Simulation(load("garage_fire", overrides)).run().trajectory_hash in mission.output
 
 
+def test_mission_that_cannot_send_all_messages_is_the_same_and_counts_them(tmp_path, break_every_third):
+    break_every_third("rclpy.publisher", "Publisher", "publish")
+    with running((*MISSION, "garage_sar", *SHORT, "--lockstep", "--controllers", "inside"), tmp_path) as mission:
+        assert mission.wait() == 0, mission.output
+    assert headless_hash("garage_sar") in mission.output
+    failing = re.findall(r"(/\S+): a message could not be sent: Failed to publish: cannot publish data", mission.output)
+    assert len(failing) == len(set(failing)) > 1
+    assert re.search(r"[1-9]\d+ messages could not be sent, because receivers were too slow", mission.output)
+    assert "Traceback" not in mission.output
+
+
 def test_mission_without_lockstep_ends_well(tmp_path):
     command = (*MISSION, "tutorial_arena", "--seed", "7", "--set", "mission.time_limit_s=20", "--speed", "10")
     with running(command, tmp_path) as mission:

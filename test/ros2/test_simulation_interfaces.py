@@ -240,6 +240,17 @@ def test_action_gives_feedback_after_each_step(standard, simulate, peer):
     assert stamp.nanosec == 500_000_000
 
 
+def test_action_that_cannot_send_all_feedback_succeeds_and_counts_it(tmp_path, peer, simulate, break_every_third):
+    break_every_third("rclpy.action.server", "ServerGoalHandle", "publish_feedback")
+    with running((*GARAGE, "--paused"), tmp_path) as mission:
+        goal, _ = simulate(7)
+        status, result = result_of(peer, goal)
+    assert (status, result.result) == (GoalStatus.STATUS_SUCCEEDED, OK)
+    assert "/simulation/simulate_steps/_action/feedback: a message could not be sent" in mission.output
+    assert "2 messages could not be sent, because receivers were too slow" in mission.output
+    assert "Traceback" not in mission.output
+
+
 def test_action_is_cancelled_between_two_steps(standard, simulate, peer):
     begun = threading.Event()
     goal, _ = simulate(10**6, lambda _: begun.set())

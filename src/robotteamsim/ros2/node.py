@@ -8,6 +8,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable, Collection, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import rclpy
@@ -29,7 +30,8 @@ from robotteamsim.nodes.rosout import forward_logging
 from robotteamsim.nodes.shutdown import Shutdown
 from robotteamsim.nodes.steps import REPORT_TIMEOUT_S
 from robotteamsim.recording.bag_types import Ros2Types
-from robotteamsim.ros2.topics import Ros2Output, StampedOutput, filled, interface, quality
+from robotteamsim.ros2.topics import Ros2Output, Sender, StampedOutput, filled, interface, quality
+from robotteamsim.wording import counted
 
 SIMULATION = "/simulation"
 """The node whose parameters all nodes of a launch share."""
@@ -107,6 +109,7 @@ class Ros2Node:
         )
         self._at_once = ReentrantCallbackGroup()
         self._outputs: list[Ros2Output] = []
+        self._feedbacks: list[Sender] = []
         self._actions: list[ActionServer] = []
         self._read: dict[str, str] = {}
         """The types of topics that are read, in rclpy's form, unless there was a warning."""
@@ -136,9 +139,9 @@ class Ros2Node:
         """End all threads, and leave the network."""
         for thread in self._threads:
             thread.join(CALL_TIMEOUT_S)
-        failed = sum(output.failed for output in self._outputs)
+        failed = sum(sender.failed for sender in (*(output.sender for output in self._outputs), *self._feedbacks))
         if failed:
-            logger.warning("%d messages could not be sent, because receivers were too slow", failed)
+            logger.warning("%s could not be sent, because receivers were too slow", counted(failed, "message"))
         for action in self._actions:
             action.destroy()
         for node in (self._services, self._inputs, self._node):
@@ -272,14 +275,19 @@ class Ros2Node:
             interface("srv", type_name), self._full(name), respond, callback_group=self._at_once
         )
 
-    def offer_action(self, name: str, action: Any, execute: Callable[[Any], Any]) -> None:
-        """Offer an action whose goals can be cancelled. Args: execute: returns the result of a goal's handle."""
+    def offer_action(self, name: str, action: Any, execute: Callable[[Any, Callable[[Any], None]], Any]) -> None:
+        """Offer an action whose goals can be cancelled.
+
+        Args: execute: returns the result of a goal; it gets the goal's handle, and what sends feedback.
+        """
+        feedback = Sender(f"{self._full(name)}/_action/feedback")
+        self._feedbacks.append(feedback)
         self._actions.append(
             ActionServer(
                 self._services,
                 action,
                 self._full(name),
-                execute,
+                lambda goal: execute(goal, partial(feedback.send, goal.publish_feedback)),
                 callback_group=self._at_once,
                 cancel_callback=lambda _: CancelResponse.ACCEPT,
             )

@@ -118,13 +118,13 @@ class _Services:
     def step_simulation(self, request: Any) -> None:
         self._step(request.steps)
 
-    def simulate_steps(self, goal: Any) -> Any:
+    def simulate_steps(self, goal: Any, send_feedback: Callable[[Any], None]) -> Any:
         """Execute a goal of the action."""
         steps = goal.request.steps
         try:
             for done in range(1, max(steps, 1) + 1):
                 self._step(min(steps, 1))
-                goal.publish_feedback(SimulateSteps.Feedback(completed_steps=done, remaining_steps=steps - done))
+                send_feedback(SimulateSteps.Feedback(completed_steps=done, remaining_steps=steps - done))
                 if done < steps and goal.is_cancel_requested:
                     goal.canceled()
                     raise ValueError(f"cancelled after {done} of {steps} steps")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import logging
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from rclpy.node import Node as RclpyNode
@@ -49,12 +49,31 @@ def interface(kind: str, type_name: str) -> Any:
         ) from None
 
 
+class Sender:
+    """Sends the messages of a topic; one that cannot be sent, as to a receiver that is too slow, is counted."""
+
+    def __init__(self, topic: str) -> None:
+        self._topic = topic
+        self.failed = 0
+        """Number of messages that could not be sent."""
+
+    def send(self, publish: Callable[[Any], object], message: Any) -> None:
+        """Send a message. Args: publish: a method of rclpy."""
+        try:
+            publish(message)
+        except RuntimeError as error:  # RCLError, which has no public name
+            self.failed += 1
+            if self.failed == 1:
+                logger.warning("%s: a message could not be sent: %s", self._topic, error)
+
+
 class Ros2Output:
     """A topic of a node."""
 
     def __init__(self, node: RclpyNode, make: Ros2Types, topic: str, type_name: str, *, latched: bool) -> None:
         """Advertise. Raises: ParameterError: its type is not installed."""
-        self._topic = topic
+        self.sender = Sender(topic)
+        """Counts the messages that could not be sent."""
         self._latched = latched
         self._make = make
         self._type = type_name.replace("/", "/msg/")
@@ -65,8 +84,6 @@ class Ros2Output:
             # Users may ask for best effort: qos_overrides./robot_0/base_scan.publisher.reliability.
             qos_overriding_options=BEST_EFFORT if type_name.startswith(SENSED) and not latched else None,
         )
-        self.failed = 0
-        """Number of messages that could not be sent."""
 
     @property
     def receivers(self) -> int:
@@ -79,13 +96,8 @@ class Ros2Output:
         return self._latched or self.receivers > 0
 
     def publish(self, message: Any) -> None:
-        """Publish a message. One that cannot be sent, as to a receiver that is too slow, is counted."""
-        try:
-            self._publisher.publish(bytes(self._make.typestore.serialize_cdr(message, self._type)))
-        except RuntimeError as error:  # RCLError, which has no public name
-            self.failed += 1
-            if self.failed == 1:
-                logger.warning("%s: a message could not be sent: %s", self._topic, error)
+        """Publish a message."""
+        self.sender.send(self._publisher.publish, bytes(self._make.typestore.serialize_cdr(message, self._type)))
 
 
 class StampedOutput:
