@@ -142,3 +142,23 @@ def test_computer_that_cannot_draw_is_one_line():
 def test_camera_in_the_plane_is_rejected():
     with pytest.raises(ScenarioError, match=r"robots\.sensors\.0: camera 'front' needs run\.world mujoco, not box2d"):
         load("garage_sar", ["robots.sensors=[{kind: camera, name: front}]"])
+
+
+FORKED = """
+import os
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation
+changes = ["run.world=mujoco", "robots.sensors=[{kind: camera, name: front}]", "mission.time_limit_s=1"]
+Simulation(load("tutorial_arena", changes)).run()
+if os.fork() == 0:
+    Simulation(load("tutorial_arena", changes)).run()
+_, status = os.wait()
+raise SystemExit(os.waitstatus_to_exitcode(status))
+"""
+
+
+def test_forked_process_cannot_draw_and_says_so():
+    done = subprocess.run([sys.executable, "-c", FORKED], capture_output=True, text=True, check=False, timeout=120)
+    assert done.returncode == 1
+    reason = "no image can be drawn in a process that was forked from one that has drawn"
+    assert done.stderr.splitlines()[-1] == f"robotteamsim.errors.CameraError: robots.sensors: {reason}"

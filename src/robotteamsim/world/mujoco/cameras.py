@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+import os
+from typing import Any, ClassVar
 
 import mujoco
 import numpy as np
@@ -41,6 +42,9 @@ def add_camera(body: Any, name: str, camera: Camera) -> None:
 class Cameras:
     """The cameras of all robots."""
 
+    _process: ClassVar[int | None] = None
+    """The process that has drawn. The threads of OpenGL do not survive a fork: a child would wait for them for ever."""
+
     def __init__(self, bodies: Bodies, lights: Lights) -> None:
         self._bodies, self._lights = bodies, lights
         self._model: mujoco.MjModel | None = None
@@ -75,6 +79,11 @@ class Cameras:
 
     def _renderer(self, model: mujoco.MjModel, camera: Camera) -> mujoco.Renderer:
         """Return the renderer for a size; a new model needs new ones."""
+        if Cameras._process not in (None, os.getpid()):
+            raise CameraError(
+                "robots.sensors: no image can be drawn in a process that was forked from one that has drawn"
+            )
+        Cameras._process = os.getpid()
         if model is not self._model:
             self.close()
             self._model = model
