@@ -160,5 +160,5 @@ raise SystemExit(os.waitstatus_to_exitcode(status))
 def test_forked_process_cannot_draw_and_says_so():
     done = subprocess.run([sys.executable, "-c", FORKED], capture_output=True, text=True, check=False, timeout=120)
     assert done.returncode == 1
-    reason = "no image can be drawn in a process that was forked from one that has drawn"
+    reason = "no image can be drawn in a fork of a process that has drawn"
     assert done.stderr.splitlines()[-1] == f"robotteamsim.errors.CameraError: robots.sensors: {reason}"

@@ -80,9 +80,7 @@ class Cameras:
     def _renderer(self, model: mujoco.MjModel, camera: Camera) -> mujoco.Renderer:
         """Return the renderer for a size; a new model needs new ones."""
         if Cameras._process not in (None, os.getpid()):
-            raise CameraError(
-                "robots.sensors: no image can be drawn in a process that was forked from one that has drawn"
-            )
+            raise CameraError("robots.sensors: no image can be drawn in a fork of a process that has drawn")
         Cameras._process = os.getpid()
         if model is not self._model:
             self.close()
