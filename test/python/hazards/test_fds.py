@@ -161,7 +161,7 @@ def test_folder_that_is_not_of_fds_is_rejected(tmp_path):
 
 def test_without_fdsreader_one_line_says_what_to_install(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "fdsreader", None)
-    with pytest.raises(ScenarioError, match=r"fire\.fds: .*pip install 'robotteamsim\[fds\]'"):
+    with pytest.raises(ScenarioError, match=r"fire\.fds: .* it comes with the extra 'fds' "):
         Simulation(scenario(PLAN, {"fds": str(tmp_path)}))
 
 

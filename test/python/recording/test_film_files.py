@@ -83,7 +83,7 @@ def test_missing_ffmpeg_is_named_with_its_remedy(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(
-        RecordingError, match=r"`apt install ffmpeg` or `pip install 'robotteamsim\[film\]'`; a GIF needs"
+        RecordingError, match=r"`apt install ffmpeg`, or the extra 'film' \(docs/install\.md\); a GIF needs"
     ):
         find_ffmpeg()
 
