@@ -97,7 +97,7 @@ def test_careful_driver_halves_the_speed_and_stops_before_the_wall(language, tmp
     if language == "cpp":
         command = ("bash", "-c", f"cd {request.getfixturevalue('cpp_driver')}; {SOURCE}; exec env {START}")
     (tmp_path / "drive.py").write_text(DRIVE)
-    world = (*ROSLAUNCH, "robotteamsim", "world.launch", "scenario:=tutorial_arena", "speed:=3")
+    world = (*ROSLAUNCH, "robotteamsim", "world.launch", "scenario:=tutorial_arena")
     with running(world, tmp_path) as program:
         program.wait_for(lambda line: "process[simulation" in line, "the start of the simulation")
         shared = ("env", f"ROS_MASTER_URI=http://localhost:{program.port}", "ROS_NAMESPACE=robot_0")
