@@ -130,7 +130,7 @@ ROS2_ENV := env -u PYTHONPATH ROS_VERSION=2 AMENT_PREFIX_PATH=$(CURDIR)/$(ROS2_V
 # The wheels are for Linux on x86_64 only.
 ROS2_WHEELS = $(filter Linux-x86_64,$(shell uname -sm | tr ' ' -))
 
-test_ros2: build_tests ## tests with rclpy of ROS 2 Jazzy (ROS2=kilted: Kilted), from wheels, each with a domain of its own
+test_ros2: build_tests ## tests with rclpy of ROS 2 Jazzy (ROS2=kilted: Kilted), from wheels; each test has a domain of its own
 ifeq ($(ROS2_WHEELS),)
 	@echo "-- test_ros2: skipped, because ROS 2 has wheels for Linux on x86_64 only"
 else

@@ -2,7 +2,7 @@
 
 Each case runs for some simulated time as fast as it can. Printed: simulated over wall time, the processor time of the
 simulation per step, and the number of the reader's topics and messages per step. `make bench_ros2` runs it in ROS 1,
-and in build/venv-jazzy in ROS 2: the version of ROS that is sourced.
+and in build/venv-jazzy (with ROS2=kilted, build/venv-kilted) in ROS 2: the version of ROS that is sourced.
 """
 
 from __future__ import annotations

@@ -20,11 +20,11 @@ def array_of(values: Any) -> np.ndarray:
 
 
 def numbers_of(name: str, values: Any, shape: tuple[int, ...]) -> np.ndarray:
-    """Return values as an array. Raises: LearningError: they are not finite numbers, or have another shape."""
+    """Return values as an array, float64. Raises: LearningError: they are not finite numbers, or have another shape."""
     array = array_of(values)
     if array.shape != shape or array.dtype.kind not in "biuf" or not np.isfinite(array).all():
         raise LearningError(f"{name}: {shown(array)}, shape {array.shape}; expected finite numbers, shape {shape}")
-    return array
+    return array.astype(np.float64)
 
 
 def shown(array: np.ndarray) -> str:

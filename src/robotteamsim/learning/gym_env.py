@@ -79,9 +79,13 @@ class CentralEnv(gymnasium.Env[np.ndarray, Any]):
 def joint_spaces(observation: Space[Any], action: Space[Any], num_robots: int) -> tuple[Box, Space[Any]]:
     """Return the spaces of one agent that drives all robots, whose own spaces are equal."""
     assert isinstance(observation, Box)
-    observations = Box(np.tile(observation.low, num_robots), np.tile(observation.high, num_robots))
     if isinstance(action, Discrete):
-        return observations, MultiDiscrete([action.n] * num_robots)
+        return _repeated(observation, num_robots), MultiDiscrete([action.n] * num_robots)
     assert isinstance(action, Box)
-    actions = Box(np.tile(action.low, num_robots), np.tile(action.high, num_robots))
-    return observations, actions
+    return _repeated(observation, num_robots), _repeated(action, num_robots)
+
+
+def _repeated(space: Box, times: int) -> Box:
+    """Return the space of several values one after the other."""
+    low, high = (np.tile(bound.ravel(), times) for bound in (space.low, space.high))
+    return Box(low, high, dtype=space.dtype)

@@ -134,9 +134,6 @@ class Observe:
         robots, bounds = [setup.robots[i] for i in robot_ids], setup.plan.bounds
         self.setup, self.robot_ids, self.said = setup, tuple(robot_ids), said
         self.teammates = setup.scenario.num_robots - 1 if teammates is None else teammates
-        remembered = self.remembers.parts_of(setup)
-        self.remembered = sum(size for _, size, _ in remembered)
-        """How many numbers each agent remembers."""
         self.beams = max(robot.laser.beams for robot in setup.robots)
         self._range_max_m = np.array([[robot.laser.range_max_m] for robot in robots], np.float32)
         drives = [robot.drive for robot in robots]
@@ -146,7 +143,10 @@ class Observe:
         self._units_m = np.array((voice_radius_m, self._diagonal_m, *(self._diagonal_m,) * self.teammates))
         self._radio = shared_radio_field(setup.building, setup.scenario.radio)
         self._tx_power_dbm = setup.scenario.radio.tx_power_dbm
-        self.parts = tuple(self._placed([*self.parts_of(), *remembered]))
+        own, remembered = self.parts_of(), self.remembers.parts_of(setup)
+        self.parts = tuple(self._placed([*own, *remembered]))
+        self.remembered = sum(part.size for part in self.parts[len(own) :])
+        """How many numbers each agent remembers."""
         self.space = Box(-1.0, 1.0, (sum(part.size for part in self.parts),), np.float32)
 
     def parts_of(self) -> list[tuple[str, int, str]]:

@@ -112,8 +112,8 @@ class Senses:
             np.zeros((len(self._ids), 0)),
         )
         shape = len(self._ids), observe.remembered
-        remembered = numbers_of("after", self._memory.after(percepts, time_ns * 1e-9), shape)
-        return percepts._replace(remembered=remembered)
+        name, remembered = type(self._memory).__name__, self._memory.after(percepts, time_ns * 1e-9)
+        return percepts._replace(remembered=numbers_of(f"{name}.after", remembered, shape))
 
     def _padded(self, ranges_m: Sequence[np.ndarray]) -> np.ndarray:
         padded = np.full((len(ranges_m), self._observe.beams), np.inf, np.float32)

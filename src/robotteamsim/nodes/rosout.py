@@ -4,7 +4,7 @@ import logging
 from collections.abc import Callable, Sequence
 
 Levels = Sequence[tuple[int, Callable[[str], object]]]
-"""Functions of ROS that log a line, each from a level of Python on, the highest one first."""
+"""The lowest level of Python's logging for each function of ROS that logs a line; the highest level first."""
 
 
 def forward_logging(levels: Levels) -> None:

@@ -102,7 +102,7 @@ def _end_with_it() -> None:
 def received_class(message_class: Any) -> Any:
     """Return a class for received messages of a type that only keeps their bytes, for `read`.
 
-    Only the node that reads such a message reports that it cannot; the connection stays open.
+    A message that cannot be read is reported by the node that reads it; the connection stays open.
     """
 
     class Received(message_class):  # type: ignore[misc]

@@ -208,7 +208,7 @@ class Simulation:
             while trial.result is None:
                 trial.add(self.step())
                 if self.mission.status.state == "paused":
-                    raise ValueError("run: the mission is paused, and would never end; call step instead of run")
+                    raise ValueError("run: an observer has paused the mission; expected calls of step instead of run")
             return trial.result
         finally:
             trial.abandon()

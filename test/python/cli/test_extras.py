@@ -72,7 +72,7 @@ def test_command_needs_no_extra(folder: Path, words: tuple[str, ...]) -> None:
         (("plan", "import", "house.dxf", "--layer", "WALLS"), "dxf"),
     ],
 )
-def test_missing_package_of_an_extra_is_one_line_with_the_command_to_install_it(
+def test_missing_package_of_an_extra_is_one_line_that_names_the_extra(
     folder: Path, words: tuple[str, ...], extra: str
 ) -> None:
     done = run(folder, *words)
@@ -84,7 +84,7 @@ def test_missing_package_of_an_extra_is_one_line_with_the_command_to_install_it(
 
 
 @pytest.mark.slow
-def test_policy_without_its_extra_is_one_line_with_the_command_to_install_it(folder: Path) -> None:
+def test_policy_without_its_extra_is_one_line_that_names_the_extra(folder: Path) -> None:
     done = run(folder, "run", "tutorial_arena", "--set", "control.algorithm=robotteamsim.learning:PolicyController")
     remedy = "it comes with the extra 'learning' (docs/install.md), or with `make setup` in a clone of the repository"
     needs = f"this needs the Python package gymnasium, which is not installed: {remedy}"

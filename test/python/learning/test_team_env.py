@@ -8,7 +8,7 @@ from types import ModuleType, SimpleNamespace
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.spaces import Discrete, MultiBinary
+from gymnasium.spaces import Box, Discrete
 from gymnasium.utils.env_checker import check_env
 from pettingzoo.test import max_cycles_test, parallel_api_test, parallel_seed_test, state_test
 
@@ -51,52 +51,6 @@ def wall_fearing(vector):
     """A policy of the laser alone: away from what is near."""
     right, ahead, left = vector[:60].min(), vector[60:121].min(), vector[121:181].min()
     return np.array((ahead, np.clip(left - right, -1.0, 1.0)), np.float32)
-
-
-class Without(Reward):
-    """A reward that is not a number."""
-
-    def of_step(self, record):
-        return np.full(3, np.nan)
-
-
-class Blind(Observe):
-    """An observation that is not a number."""
-
-    def parts_of(self):
-        return [("nothing", 1, "not a number")]
-
-    def vectors(self, percepts):
-        return np.full((1, 1), np.nan, np.float32)
-
-
-class Listed(Observe):
-    """An observation that is no array."""
-
-    def vectors(self, percepts):
-        return [[0.0]]
-
-
-class Scalar(Reward):
-    """One reward for all."""
-
-    def of_step(self, record):
-        return 1.0
-
-
-class Binary(Act):
-    """Switches."""
-
-    def __init__(self, *args):
-        super().__init__(*args)
-        self.space = MultiBinary(2)
-
-
-class Nowhere(Act):
-    """Robots that are told to move at no speed in particular."""
-
-    def twists(self, actions):
-        return np.full((len(actions), 3), np.nan)
 
 
 @pytest.mark.slow
@@ -272,13 +226,6 @@ def test_what_is_said_is_heard_over_the_network():
     assert parts["teammate_1"].begin + parts["teammate_1"].size == len(vectors["robot_0"])
 
 
-class Negative(Observe):
-    """A part of -1 numbers."""
-
-    def parts_of(self):
-        return [("nothing", -1, "cannot be")]
-
-
 class SonarMemory(Memory):
     """The last range of the sonar at the front."""
 
@@ -299,29 +246,6 @@ class WithSonar(Observe):
     """The sonar at the front, in addition."""
 
     remembers = SonarMemory
-
-
-class WithSonarOnly(WithSonar):
-    """An observation that should have the sonar, which it leaves out."""
-
-    def parts_of(self):
-        return [("nothing", 1, "is 0")]
-
-    def vectors(self, percepts):
-        return np.zeros((*percepts.poses.shape[:-1], 1), np.float32)
-
-
-class Forgetful(Memory):
-    """Remembers another number of numbers than it says."""
-
-    def after(self, percepts, time_s):
-        return np.zeros((len(percepts.poses), 1))
-
-
-class WithForgetful(Observe):
-    """What `Forgetful` does not have."""
-
-    remembers = Forgetful
 
 
 def test_additional_sensors_are_remembered_also_where_a_robot_has_left():
@@ -346,11 +270,39 @@ class Turns(Act):
         return np.array([(0.0, 0.0, 1.0 - 2.0 * int(action)) for action in actions])
 
 
-class Loud(Act):
-    """Says what no message can have."""
+class Yes(Act):
+    """Says yes."""
 
     def say(self, actions):
-        return 2.0 + super().say(actions)
+        return np.ones((*actions.shape[:-1], 1), bool)
+
+
+class Odd(Act):
+    """Whole numbers in two rows."""
+
+    def __init__(self, *args):
+        super().__init__(*args)
+        self.space = Box(0, 3, (2, 3), np.int64)
+
+    def twists(self, actions):
+        return np.zeros((*actions.shape[:-2], 3))
+
+
+def test_truth_values_that_are_said_are_heard_as_numbers():
+    env = parallel_env(scenario(), act=Yes, said=1)
+    env.reset(seed=1)
+    for _ in range(3):
+        vectors, *_ = env.step({agent: np.zeros(3, np.float32) for agent in env.agents})
+    part = next(part for part in env.parts if part.name == "teammate_0")
+    assert vectors["robot_0"][part.begin] == vectors["robot_0"][part.begin + part.size - 1] == 1.0
+
+
+def test_joint_space_keeps_kind_and_number_of_own_actions():
+    env = CentralEnv(parallel_env(scenario(), act=Odd))
+    env.reset(seed=1)
+    assert (env.action_space.shape, env.action_space.dtype) == ((18,), np.int64)
+    env.action_space.seed(1)
+    env.step(env.action_space.sample())
 
 
 def test_own_discrete_actions_need_say_nothing():
@@ -372,109 +324,6 @@ def test_robots_of_other_kinds_have_the_same_spaces():
     speeds_mps = env.record.readings.state.true_twist[:, 1]
     assert speeds_mps[1] > 0.3
     assert speeds_mps[[0, 2]].tolist() == [0.0, 0.0]
-
-
-def still(env):
-    """Begin a mission and stand."""
-    env.reset(seed=1)
-    env.step({agent: np.zeros(env.action_space(agent).shape, np.float32) for agent in env.agents})
-
-
-@pytest.mark.parametrize(
-    ("do", "message"),
-    [
-        (lambda env: env.step({}), "the mission has not begun; call reset first"),
-        (lambda env: (env.reset(), env.step({})), "actions of nobody; expected robot_0, robot_1, robot_2"),
-        (
-            lambda env: (env.reset(), env.step(dict.fromkeys(env.agents, np.array((np.nan, 0.0))))),
-            "robot_0: action array([nan,  0.]): expected one of Box(-1.0, 1.0, (2,), float32)",
-        ),
-        (
-            lambda env: (env.reset(), env.step(dict.fromkeys(env.agents, np.array((1.5, 0.0))))),
-            "robot_0: action array([1.5, 0. ]): expected one of Box(-1.0, 1.0, (2,), float32)",
-        ),
-        (lambda _: parallel_env("garage_sar", every=0), "every: 0; expected a whole number of at least 1"),
-        (
-            lambda _: parallel_env("garage_sar", render_mode="ansi"),
-            "render_mode: 'ansi'; expected None, 'human' or 'rgb_array'",
-        ),
-        (
-            lambda _: parallel_env("garage_sar", said=1, act=DiscreteAct),
-            "said: 1; expected 0 with DiscreteAct",
-        ),
-        (
-            lambda _: parallel_env(load("garage_rescue", ["robots.count=0", "relays.count=0"])),
-            "--set: robots.count: no robot can be driven",
-        ),
-        (
-            lambda _: parallel_env(load("garage_sar", ["robots.reserve=1"])),
-            "garage_sar.yaml: robots: a robot arrives later; expected robots that are present from the start",
-        ),
-        (
-            lambda env: (env.reset(), env.step(None)),
-            "actions: None; expected an action by the name of each agent",
-        ),
-        (
-            lambda env: (env.reset(), env.step({0: np.zeros(2)})),
-            "actions of 0; expected robot_0, robot_1, robot_2",
-        ),
-        (
-            lambda env: env.observation_space("nope"),
-            "there is no agent 'nope'; expected one of robot_0, robot_1, robot_2",
-        ),
-        (lambda _: parallel_env("garage_sar", act=None), "act: None; expected a class derived from Act"),
-        (
-            lambda _: parallel_env(scenario(), reward=Without).reset(seed=1),
-            "rewards: array([nan, nan, nan]), shape (3,); expected finite numbers, shape (3,)",
-        ),
-        (
-            lambda _: parallel_env(scenario("tutorial_arena"), observe=Blind).reset(seed=1),
-            "observations array([[nan]], dtype=float32), shape (1, 1); expected float32 within [-1, 1], shape (1, 1)",
-        ),
-        (
-            lambda _: parallel_env(scenario("tutorial_arena"), observe=Listed).reset(seed=1),
-            "observations array([[0.]]), shape (1, 1); expected float32 within [-1, 1], shape (1, 194)",
-        ),
-        (
-            lambda _: parallel_env(scenario("tutorial_arena"), observe=WithSonarOnly).reset(seed=1),
-            "observations array([[0.]], dtype=float32), shape (1, 1); expected float32 within [-1, 1], shape (1, 2)",
-        ),
-        (
-            lambda _: parallel_env(scenario("tutorial_arena"), observe=WithForgetful).reset(seed=1),
-            "after: array([[0.]]), shape (1, 1); expected finite numbers, shape (1, 0)",
-        ),
-        (
-            lambda _: still(parallel_env(scenario("tutorial_arena"), act=Loud, said=1)),
-            "say: array([[2.]]); expected numbers within [-1, 1]",
-        ),
-        (lambda _: parallel_env(scenario(), act=Binary), "act: space MultiBinary(2); expected a Box or Discrete"),
-        (
-            lambda _: parallel_env(scenario(), reward=Scalar).reset(seed=1),
-            "rewards: array(1.), shape (); expected finite numbers, shape (3,)",
-        ),
-        (
-            lambda _: still(parallel_env(scenario("tutorial_arena"), act=Nowhere)),
-            "twists: array([[nan, nan, nan]]), shape (1, 3); expected finite numbers, shape (1, 3)",
-        ),
-        (lambda _: parallel_env("garage_sar", every=True), "every: True; expected a whole number of at least 1"),
-        (lambda _: parallel_env("garage_sar", every=None), "every: None; expected a whole number of at least 1"),
-        (lambda env: env.action_space([1]), "there is no agent [1]; expected one of robot_0, robot_1, robot_2"),
-        (
-            lambda env: CentralEnv(env).reset(seed=-1),
-            "seed: -1; expected a whole number from 0 to 9007199254740992",
-        ),
-        (
-            lambda _: parallel_env(scenario(), observe=Negative),
-            "part nothing: -1 numbers; expected a whole number from 0 to 1000000",
-        ),
-        (lambda env: env.reset(seed=-1), "seed: -1; expected a whole number from 0 to 9007199254740992"),
-    ],
-)
-def test_wrong_use_is_one_line(do, message):
-    env = parallel_env(scenario())
-    with pytest.raises(LearningError) as raised:
-        do(env)
-    assert str(raised.value) == message
 
 
 def test_numbers_of_numpy_are_whole_numbers_too():

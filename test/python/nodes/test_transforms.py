@@ -78,7 +78,7 @@ def test_last_transform_counts_even_if_time_has_jumped_back(node, transforms):
     assert transforms.newest("map", "odom")[0] == (1 * S, 2.0, 0.0, 0.0)
 
 
-def test_missing_transform_is_named_and_a_circle_is_noticed(node, transforms):
+def test_missing_transform_is_named_and_a_cycle_is_noticed(node, transforms):
     send(node, "/tf", "odom", "base_link")
     assert transforms.newest("map", "base_link") == (None, "no transform leads to odom")
     send(node, "/tf", "base_link", "odom")

@@ -1,6 +1,6 @@
 """The world of MuJoCo: bodies in three dimensions, with wheels, friction, rays and cameras.
 
-An extra, `robotteamsim[mujoco]`.
+The extra `mujoco`.
 """
 
 import os

@@ -43,7 +43,10 @@ class Cameras:
     """The cameras of all robots."""
 
     _process: ClassVar[int | None] = None
-    """The process that has drawn. The threads of OpenGL do not survive a fork: a child would wait for them for ever."""
+    """State of the process, not of a world: which one has drawn.
+
+    The threads of OpenGL do not survive a fork: a child would wait for them for ever.
+    """
 
     def __init__(self, bodies: Bodies, lights: Lights) -> None:
         self._bodies, self._lights = bodies, lights
