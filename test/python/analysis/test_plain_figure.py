@@ -5,10 +5,12 @@ import io
 import numpy as np
 import pytest
 
+from robotteamsim.analysis.figure_files import figure_bytes
 from robotteamsim.analysis.plain_figure import PlainFigure
 from robotteamsim.analysis.plan_picture import draw_plan
 from robotteamsim.analysis.report.figures import draw_saved, draw_survival
 from robotteamsim.analysis.report.samples import Panel, Sample, Series
+from robotteamsim.errors import RecordingError
 from robotteamsim.scenario import load_floor_plan
 
 
@@ -36,3 +38,12 @@ def test_setting_whose_name_has_dollars_is_drawn():
     panel = Panel("$x_{ b $c", (Series("$x_{ b $c", sample, "#000000"),))
     for draw in (draw_saved, draw_survival):
         draw([panel]).savefig(io.BytesIO(), format="png")
+
+
+@pytest.mark.parametrize("date", ["99999999999999", "x"])
+def test_date_of_the_environment_that_is_none_is_one_line(monkeypatch, date):
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", date)
+    with pytest.raises(RecordingError, match=rf"^SOURCE_DATE_EPOCH, environment: '{date}'; expected seconds"):
+        figure_bytes(PlainFigure(), "pdf")
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1600000000")
+    assert figure_bytes(PlainFigure(), "pdf").startswith(b"%PDF")
