@@ -33,7 +33,6 @@ from robotteamsim.recording.topics import Source
 from robotteamsim.recording.topics.radio import HEARD_TOPICS, RADIO_MAP
 from robotteamsim.recording.topics.world import CLOCK, DOORS, MAP
 from robotteamsim.scenario.map_image import check_published_map
-from robotteamsim.setup import resolve
 from robotteamsim.simulation import Observer, Simulation, StepRecord, TeamInputs
 from robotteamsim.simulation.trial import Trial
 
@@ -403,7 +402,7 @@ class SteppedSimulation:
 
     def _reset_seed(self, request: Any) -> str:
         settings = self._settings.with_seed(request.seed)
-        resolve(settings.scenario)  # a seed without room for all is refused here, not while the world is reset
+        _ = settings.setup  # resolved here, so that a seed without room for all is refused, and not again in the reset
         self._settings = settings
         return self._restart(request)
 

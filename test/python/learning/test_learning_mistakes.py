@@ -54,7 +54,7 @@ class Binary(Act):
 
 
 class Nowhere(Act):
-    """Robots that are told to move at no speed in particular."""
+    """Commands that are not numbers."""
 
     def twists(self, actions):
         return np.full((len(actions), 3), np.nan)

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from robotteamsim.errors import PlacementError
-from robotteamsim.nodes import simulation as simulation_module
+from robotteamsim.nodes import settings as settings_module
 from robotteamsim.nodes.settings import Settings
 from robotteamsim.nodes.simulation import SteppedSimulation
 from robotteamsim.recording.bag_types import BagTypes
@@ -91,7 +91,7 @@ def test_seed_without_room_is_refused_and_the_last_one_stays(monkeypatch):
 
     with stepped(load("garage_sar", ["run.seed=1"])) as (simulation, node):
         with monkeypatch.context() as patch:
-            patch.setattr(simulation_module, "resolve", full)
+            patch.setattr(settings_module, "resolve", full)
             answer = node.services["~reset_seed"](SimpleNamespace(seed=2))
         assert answer == {"success": False, "message": "no room with seed 2"}
         assert node.services["~reset"](None)["success"]
