@@ -6,12 +6,12 @@ import struct
 from pathlib import Path
 from typing import Any
 
-from rosbags.rosbag1 import Writer
+from rosbags.rosbag1 import Writer, WriterError
 
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.bag import BagMessages, BagTopic, check_size
 from robotteamsim.recording.bag_types import BagTypes
-from robotteamsim.recording.files import cannot_write, check_replaceable, make_folder, remove_empty
+from robotteamsim.recording.files import cannot_write, check_replaceable, make_folder, remove_empty, taken
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
 from robotteamsim.user_files import open_regular
@@ -84,6 +84,8 @@ class BagWriter:
             self._connections = {topic.name: self._connect(topic) for topic in self._contents.topics()}
         except OSError as error:
             raise cannot_write(self._path, error) from error
+        except WriterError as error:
+            raise taken(self._path, self._active) from error
 
     def step(self, record: StepRecord) -> None:
         """Write the messages of one step. Raises: RecordingError: the bag cannot be written, such as on a full disk."""

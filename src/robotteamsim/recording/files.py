@@ -87,3 +87,8 @@ def write_atomically(path: Path, text: str) -> None:
 def cannot_write(path: Path, error: OSError) -> RecordingError:
     """Return the error that names the file that cannot be written, and the reason."""
     return RecordingError(f"{path}: cannot be written: {error.strerror or error}")
+
+
+def taken(path: Path, active: Path) -> RecordingError:
+    """Return the error of two programs that record to `path` at once: the other one has just made `active`."""
+    return RecordingError(f"{path}: cannot be written: another program writes {active}")

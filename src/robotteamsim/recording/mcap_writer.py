@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any, Literal
 
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
-from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
 
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.bag import BagMessages, BagTopic, check_size
 from robotteamsim.recording.bag_types import Ros2Types
-from robotteamsim.recording.files import cannot_write, check_replaceable, make_folder, remove_empty
+from robotteamsim.recording.files import cannot_write, check_replaceable, make_folder, remove_empty, taken
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
 
@@ -55,6 +55,8 @@ class McapWriter:
             self._connections = {topic.name: self._connect(topic) for topic in self._contents.topics()}
         except OSError as error:
             raise cannot_write(self._path, error) from error
+        except WriterError as error:
+            raise taken(self._path, self._folder) from error
 
     def step(self, record: StepRecord) -> None:
         """Write the messages of one step. Raises: RecordingError: the file cannot be written."""
