@@ -1,9 +1,19 @@
 """The command line: `robotteamsim --help`."""
 
+import signal
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
-__all__ = ["main"]
+__all__ = ["main", "run_and_exit"]
+
+
+def run_and_exit() -> NoReturn:
+    """Run one command and end the process with its exit status. Then Ctrl-C during Python's clean-up prints nothing."""
+    try:
+        sys.exit(main())
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

@@ -1,7 +1,5 @@
 """`python -m robotteamsim.cli`."""
 
-import sys
+from robotteamsim.cli import run_and_exit
 
-from robotteamsim.cli import main
-
-sys.exit(main())
+run_and_exit()

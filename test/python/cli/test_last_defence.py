@@ -365,3 +365,14 @@ def test_ctrl_c_while_the_package_is_loaded_is_one_line(tmp_path):
     command = [sys.executable, "-m", "robotteamsim.cli", "--version"]
     done = subprocess.run(command, env=environment, capture_output=True, text=True)
     assert (done.returncode, done.stderr) == (130, "robotteamsim: interrupted\n")
+
+
+def test_ctrl_c_while_python_cleans_up_prints_no_traceback(tmp_path):
+    (tmp_path / "sitecustomize.py").write_text(
+        "import atexit, os, signal\natexit.register(lambda: os.kill(os.getpid(), signal.SIGINT))\n"
+    )
+    environment = os.environ | {"PYTHONPATH": f"{tmp_path}:{os.environ.get('PYTHONPATH', '')}"}
+    command = [sys.executable, "-m", "robotteamsim.cli", "--version"]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    assert done.stdout.startswith("robotteamsim ")
+    assert (done.returncode, done.stderr) == (-signal.SIGINT, "")
