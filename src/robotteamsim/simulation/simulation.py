@@ -79,7 +79,7 @@ class Simulation:
         setup = of if isinstance(of, Setup) else resolve(of)
         scenario, robots = setup.scenario, setup.robots
         self.setup, self.scenario = setup, scenario
-        self.schedule = ScheduleStage(scenario.schedule, self)
+        self.schedule = ScheduleStage(scenario.schedule)
         self.world = make_world(scenario, robots)
         self.hazards = NoHazards() if scenario.fire is None else HazardStage(setup, self.world)
         """Fire and smoke."""
@@ -102,7 +102,7 @@ class Simulation:
     def sense(self) -> Sensed:
         """Advance up to what the controllers perceive in this step; then comes `decide`."""
         world, hazards = self.world, self.hazards
-        self.schedule.step(world.sim_time_ns)
+        self.schedule.step(world.sim_time_ns, self)
         before = self._before
         world.step(hazards.slowed([decision.twist for decision in before.decisions]))
         hazards.step()

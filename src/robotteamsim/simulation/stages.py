@@ -51,24 +51,22 @@ class ScheduleStage:
     is already absent or present, are skipped.
     """
 
-    def __init__(self, schedule: Sequence[ScheduledEvent], changed: _Changeable) -> None:
+    def __init__(self, schedule: Sequence[ScheduledEvent]) -> None:
         self._upcoming = deque(event for _, event in in_order(schedule))
         self._waiting: list[ScheduledEvent] = []
         """Spawns that are due, of robots whose place is occupied."""
-        self._changed = changed
 
-    def step(self, begin_ns: int) -> None:
-        """Apply the events that are due in the step that begins at this time [ns]."""
+    def step(self, begin_ns: int, changed: _Changeable) -> None:
+        """Apply to a simulation the events that are due in the step that begins at this time [ns]."""
         due, self._waiting = self._waiting, []
         while self._upcoming and round(self._upcoming[0].at_s * 1e9) <= begin_ns:
             due.append(self._upcoming.popleft())
         for event in due:
-            self._apply(event)
+            self._apply(event, changed)
 
-    def _apply(self, event: ScheduledEvent) -> None:
-        changed = self._changed
+    def _apply(self, event: ScheduledEvent, changed: _Changeable) -> None:
         if event.remove is not None or event.spawn is not None:
-            self._change_presence(event)
+            self._change_presence(event, changed)
         elif event.door is not None:
             changed.set_door(event.door, bool(event.closed))
         elif event.light is not None:
@@ -80,13 +78,13 @@ class ScheduleStage:
         elif event.ignite is not None:
             changed.ignite(event.ignite)
 
-    def _change_presence(self, event: ScheduledEvent) -> None:
+    def _change_presence(self, event: ScheduledEvent, changed: _Changeable) -> None:
         try:
             if event.remove is not None:
                 self._waiting = [spawn for spawn in self._waiting if spawn.spawn != event.remove]
-                self._changed.remove_robot(event.remove)
+                changed.remove_robot(event.remove)
             elif event.spawn is not None:
-                self._changed.spawn_robot(event.spawn, event.pose and Pose(*event.pose))
+                changed.spawn_robot(event.spawn, event.pose and Pose(*event.pose))
         except PlacementError:
             self._waiting.append(event)
         except ValueError:  # The robot is already absent or present.

@@ -183,9 +183,9 @@ def test_ignition_by_list_by_schedule_and_by_call_are_the_same():
     listed = fire_of(HALL, {**fuel, "ignitions": [{"at_s": 5, "position": [10.2, 10.2]}]})
     scheduled, called = fire_of(HALL, fuel), fire_of(HALL, fuel)
     advance(listed, 60)
-    schedule = ScheduleStage([ScheduledEvent(at_s=5.0, ignite=(10.2, 10.2))], scheduled)
+    schedule = ScheduleStage([ScheduledEvent(at_s=5.0, ignite=(10.2, 10.2))])
     for step in range(1, 61):
-        schedule.step(step * STEP_NS)
+        schedule.step(step * STEP_NS, scheduled)
         advance(scheduled, 1, begin=step)
     advance(called, 4)
     called.ignite((10.2, 10.2))

@@ -104,8 +104,8 @@ def test_thousand_robots_in_one_spot_are_rejected_by_the_names_of_two():
 def test_of_a_thousand_robots_held_back_for_one_spot_one_comes():
     robots = [PlacedRobot(start_pose=(4.0, 4.0, 0.0), present=i == 0) for i in range(1000)]
     world = World(room(), robots, Run())
-    schedule = ScheduleStage([ScheduledEvent(at_s=0.0, spawn=i) for i in range(1, 1000)], world)
+    schedule = ScheduleStage([ScheduledEvent(at_s=0.0, spawn=i) for i in range(1, 1000)])
     for _ in range(3):
-        schedule.step(world.sim_time_ns)
+        schedule.step(world.sim_time_ns, world)
         world.step(np.zeros((1000, 3)))
     assert sum(world.arrivals) == 1

@@ -1,0 +1,27 @@
+"""A mission that is not needed any more gives its memory back at once."""
+
+from __future__ import annotations
+
+import gc
+import weakref
+
+import pytest
+
+from robotteamsim.scenario import load, scenario_names
+from robotteamsim.simulation import Simulation
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", scenario_names())
+def test_no_circle_of_references_keeps_a_mission(name):
+    gc.disable()  # it would break up circles at some later time
+    try:
+        mission = Simulation(load(name))
+        mission.mission.start()
+        for _ in range(3):
+            mission.step()
+        weak = weakref.ref(mission)
+        del mission
+        assert weak() is None
+    finally:
+        gc.enable()
