@@ -87,9 +87,9 @@ class SteppedSimulation:
         self._simulation = self._make_simulation()
         self._last: StepRecord | None = None
         self._commands = CommandsByTopic(node, settings, settings.setup.robots)
-        self._team = team_outputs(node, settings, localized=_is_localized(node))
+        self._team_outputs = team_outputs(node, settings, localized=_is_localized(node))
         heard = range(settings.num_robots if settings.mission else 0)
-        self._heard = RobotOutputs(node, itertools.product(heard, HEARD_TOPICS), settings)
+        self._heard_outputs = RobotOutputs(node, itertools.product(heard, HEARD_TOPICS), settings)
         self._radio_maps = RadioMapOutputs(node, settings, heard)
         self._record = RecordOutputs(node, settings)
         self._begin()
@@ -194,7 +194,7 @@ class SteppedSimulation:
     def _publish_inputs(self, inputs: TeamInputs) -> None:
         """Publish what the controllers need."""
         if self._motion is not None:
-            self._made = inputs  # published after the ticks of this step
+            self._made_inputs = inputs  # published after the ticks of this step
             return
         self._publish_sensed(inputs)
 
@@ -203,8 +203,8 @@ class SteppedSimulation:
         self._record.publish_presence(
             inputs.sim_time_ns, inputs.present, inputs.arrivals, simulation.world, simulation.hazards.failed
         )
-        self._team.publish(inputs)
-        self._heard.publish(inputs)
+        self._team_outputs.publish(inputs)
+        self._heard_outputs.publish(inputs)
         self._publish_clock(inputs.sim_time_ns)
 
     def _publish(self, record: StepRecord) -> None:
@@ -212,7 +212,7 @@ class SteppedSimulation:
         time_ns = record.sim_time_ns
         if self._motion is not None:
             # The step is made when it begins, so its motion is known at each tick.
-            made = self._made
+            made = self._made_inputs
             self._motion.add(made.readings.state.odometry, record.arrivals)
             self._tick(time_ns - self._settings.step_ns, made)
             self._publish_sensed(made)
@@ -233,7 +233,7 @@ class SteppedSimulation:
                 pass
             if tick < ticks:
                 if self._motion is not None and made is not None and self._motion.is_known:
-                    self._team.publish_motion(time_ns, self._motion.at(tick / ticks), made.present)
+                    self._team_outputs.publish_motion(time_ns, self._motion.at(tick / ticks), made.present)
                 self._publish_clock(time_ns)
 
     def _delay_s(self, time_ns: int) -> float:
