@@ -2,10 +2,11 @@
 
 import contextlib
 import signal
+import sys
 import threading
 from collections.abc import Iterator
 from types import FrameType
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
@@ -50,8 +51,8 @@ class InterruptBetweenSteps:
 def signals_raised() -> Iterator[list[KeyboardInterrupt]]:
     """Within the block SIGTERM raises Terminated, as Ctrl-C KeyboardInterrupt, so that files are closed.
 
-    Yields a list of what was raised, because libraries may raise an error of their own instead. It does nothing outside
-    the main thread, which alone receives signals.
+    Yields a list of what was raised, because libraries may raise an error of their own instead, or ignore it where they
+    cannot raise it; Python does not print that. It does nothing outside the main thread, which alone receives signals.
     """
     raised: list[KeyboardInterrupt] = []
     if threading.current_thread() is not threading.main_thread():
@@ -62,10 +63,18 @@ def signals_raised() -> Iterator[list[KeyboardInterrupt]]:
         raised.append(_interrupt(signal_number))
         raise raised[-1]
 
+    print_ignored = sys.unraisablehook
+
+    def note_ignored(ignored: Any) -> None:
+        if ignored.exc_value not in raised:
+            print_ignored(ignored)
+
+    sys.unraisablehook = note_ignored
     previous = {number: signal.signal(number, note) for number in _SIGNALS}
     try:
         yield raised
     finally:
+        sys.unraisablehook = print_ignored
         for number, handler in previous.items():
             signal.signal(number, handler)
 

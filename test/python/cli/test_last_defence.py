@@ -343,6 +343,21 @@ def test_signal_behind_an_error_of_a_library_is_still_a_signal(monkeypatch, caps
 
 
 @pytest.mark.slow
+def test_signal_that_a_library_cannot_raise_prints_no_traceback(monkeypatch, capsys):
+    class Library:
+        def __del__(self):
+            os.kill(os.getpid(), signal.SIGINT)  # its exception is ignored
+
+    def callback(_):
+        Library()
+        raise ValueError("cannot build")
+
+    monkeypatch.setattr(run_command, "run", callback)
+    assert main(["run", "tutorial_arena"]) == 130
+    assert capsys.readouterr().err == "robotteamsim: interrupted\n"
+
+
+@pytest.mark.slow
 def test_a_mission_runs_in_another_thread():
     statuses = []
     words = ["run", "tutorial_arena", "--json", "--set", "mission.time_limit_s=1"]
