@@ -78,6 +78,8 @@ _DOOR_WIDTHS_M = (0.6, 1.6)
 _DOOR_WIDTHS_TEXT = ",".join(f"{width_m:g}" for width_m in _DOOR_WIDTHS_M)
 _ROBOT_M = 0.2
 """Radius of the robot for which parts of the floor count as connected."""
+_PARTS_NAMED = 10
+"""Parts of the floor without a door that are named one by one."""
 
 
 def add_to(commands: Any) -> None:
@@ -271,7 +273,10 @@ def import_plan(options: argparse.Namespace) -> None:
         save(draw_import(plan, parts, image, no_wall), options.png)
     if num_left_out := len(found.doors) - len(plan.doors):
         _warn([f"{counted(num_left_out, 'gap')} found next to which a leaf cannot turn: left open, without a door"])
-    _warn(f"no door leads from the largest part of the floor to {part_text(part)}" for part in parts[1:])
+    named = parts[1 : _PARTS_NAMED + 1]
+    _warn(f"no door leads from the largest part of the floor to {part_text(part)}" for part in named)
+    if num_smaller := len(parts[1:]) - len(named):
+        _warn([f"nor to {counted(num_smaller, 'smaller part')}; --png shows all"])
 
 
 def import_stage(options: argparse.Namespace) -> None:

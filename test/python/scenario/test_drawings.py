@@ -125,6 +125,19 @@ def test_parts_of_the_floor_are_found_among_many_closets():
     assert [part.place for part in parts_without(plan, 0.2, [(20.0, 50.0)])] == [lower.place]
 
 
+def test_of_many_rooms_without_a_door_ten_are_named(folder, capsys):
+    image = np.full((400, 640), 255, dtype=np.uint8)
+    for column in range(3):
+        for row in range(4):
+            x, y = 40 + 200 * column, 20 + 95 * row
+            cv2.rectangle(image, (x, y), (x + 100 + row, y + 60), 0, 4)
+    cv2.imwrite("boxes.png", image)
+    imported("boxes.png", "--metres-per-pixel", "0.05")
+    *named, more = capsys.readouterr().err.splitlines()
+    assert len(named) == 10
+    assert more == "robotteamsim: warning: nor to 2 smaller parts; --png shows all"
+
+
 def test_rooms_without_a_door_are_reported_by_import_and_check(folder, capsys):
     plan = imported("clean.png", "--metres-per-pixel", "0.02", "--doors")
     _, store = floor_parts(plan, 0.2)

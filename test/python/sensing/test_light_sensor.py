@@ -76,9 +76,9 @@ def test_closed_door_and_high_object_hide_a_lamp_and_a_low_object_does_not():
 def test_schedule_switches_lights():
     off = ScheduledEvent(at_s=0.3, light="lamp", lit=False)
     world, seen = world_of(LAMP), []
-    schedule = ScheduleStage((off,), world)
+    schedule = ScheduleStage((off,))
     for _ in range(5):
-        schedule.step(world.sim_time_ns)
+        schedule.step(world.sim_time_ns, world)
         world.step([Twist()])
         seen.append(read_lx(world)[1] > 0.0)
     assert seen == [True, True, True, False, False]

@@ -63,22 +63,22 @@ def test_robot_that_left_has_no_effect_on_the_others():
 
 def test_scheduled_robot_waits_until_its_place_is_free():
     world = world_of(*STARTS, absent=(1,))
-    schedule = ScheduleStage([ScheduledEvent(at_s=0.0, spawn=1, pose=(2.3, 2.0, 0.0))], world)
-    schedule.step(world.sim_time_ns)
+    schedule = ScheduleStage([ScheduledEvent(at_s=0.0, spawn=1, pose=(2.3, 2.0, 0.0))])
+    schedule.step(world.sim_time_ns, world)
     world.step([Twist(-0.7), Twist()])
     assert present(world) == [True, False]
     for _ in range(10):
-        schedule.step(world.sim_time_ns)
+        schedule.step(world.sim_time_ns, world)
         world.step([Twist(-0.7), Twist()])
     assert world.present.all()
 
 
 def test_schedule_that_others_forestalled_changes_nothing():
     world = world_of(*STARTS)
-    schedule = ScheduleStage([ScheduledEvent(at_s=0.1, remove=0), ScheduledEvent(at_s=0.2, spawn=0)], world)
+    schedule = ScheduleStage([ScheduledEvent(at_s=0.1, remove=0), ScheduledEvent(at_s=0.2, spawn=0)])
 
     def step() -> None:
-        schedule.step(world.sim_time_ns)
+        schedule.step(world.sim_time_ns, world)
         world.step([Twist(), Twist()])
 
     world.remove_robot(0)

@@ -136,9 +136,9 @@ def test_schedule_moves_robots_and_doors(world_of):
         ScheduledEvent(at_s=0.3, door="gate", closed=True),
     )
     world = world_of((2.0, 2.0, 0.0), (4.0, 2.0, 0.0))
-    seen, stage = [], ScheduleStage(schedule, world)
+    seen, stage = [], ScheduleStage(schedule)
     for _ in range(6):
-        stage.step(world.sim_time_ns)
+        stage.step(world.sim_time_ns, world)
         world.step([STOP, STOP])
         seen.append((bool(world.present.all()), world.door_states()["gate"].closed))
     assert seen == [(True, False)] * 2 + [(False, False), (False, True), (False, True), (True, True)]
