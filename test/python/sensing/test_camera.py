@@ -144,21 +144,36 @@ def test_camera_in_the_plane_is_rejected():
         load("garage_sar", ["robots.sensors=[{kind: camera, name: front}]"])
 
 
-FORKED = """
+DRAWS = """
 import os
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
 changes = ["run.world=mujoco", "robots.sensors=[{kind: camera, name: front}]", "mission.time_limit_s=1"]
-Simulation(load("tutorial_arena", changes)).run()
+drawing = Simulation(load("tutorial_arena", changes))
+drawing.run()
+"""
+DRAWS_IN_FORK = """
 if os.fork() == 0:
     Simulation(load("tutorial_arena", changes)).run()
+"""
+WAITS = """
 _, status = os.wait()
 raise SystemExit(os.waitstatus_to_exitcode(status))
 """
 
 
+def run_python(code: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=120)
+
+
 def test_forked_process_cannot_draw_and_says_so():
-    done = subprocess.run([sys.executable, "-c", FORKED], capture_output=True, text=True, check=False, timeout=120)
+    done = run_python(DRAWS + DRAWS_IN_FORK + WAITS)
     assert done.returncode == 1
     reason = "no image can be drawn in a fork of a process that has drawn"
     assert done.stderr.splitlines()[-1] == f"robotteamsim.errors.CameraError: robots.sensors: {reason}"
+
+
+@pytest.mark.parametrize("kept", ["", "drawing.world.close_cameras()\n", "del drawing\n"])
+def test_fork_of_a_process_that_has_drawn_ends(kept):
+    done = run_python(f"{DRAWS}{kept}if os.fork() == 0:\n    raise SystemExit(5)\n{WAITS}")
+    assert (done.returncode, done.stderr) == (5, "")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import sys
 from typing import Any, ClassVar
 
 import mujoco
@@ -99,3 +100,12 @@ class Cameras:
                     "`apt-get install libegl1 libgl1-mesa-dri`, and set MUJOCO_GL=egl if mujoco is imported first"
                 ) from error
         return self._renderers[size]
+
+
+def _leave_display_to_parent() -> None:
+    """In a forked process: at its exit, MuJoCo would close the display and wait for threads that the fork lacks."""
+    if egl := sys.modules.get("mujoco.egl"):
+        egl.EGL_DISPLAY = None  # type: ignore[attr-defined]
+
+
+os.register_at_fork(after_in_child=_leave_display_to_parent)
