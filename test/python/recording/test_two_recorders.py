@@ -1,4 +1,4 @@
-"""Two programs that begin to record to one file at the same moment: one of them is told so in one line."""
+"""Two programs open the same recording at once: one of them gets a one-line error."""
 
 from __future__ import annotations
 
@@ -12,19 +12,21 @@ from robotteamsim.recording import BagWriter, McapWriter
 
 
 @pytest.mark.parametrize(
-    ("recorder", "library", "name"),
+    ("recorder", "library", "name", "make_first"),
     [
-        pytest.param(BagWriter, rosbag1.Writer, "mission.bag", id="bag"),
-        pytest.param(McapWriter, rosbag2.Writer, "mission.mcap", id="mcap"),
+        pytest.param(BagWriter, rosbag1.Writer, "mission.bag", Path.touch, id="bag"),
+        pytest.param(McapWriter, rosbag2.Writer, "mission.mcap", Path.mkdir, id="mcap"),
     ],
 )
-def test_file_that_another_program_has_just_opened_is_named(trial, tmp_path, monkeypatch, recorder, library, name):
+def test_file_that_another_program_has_just_opened_is_named(
+    trial, tmp_path, monkeypatch, recorder, library, name, make_first
+):
     active = tmp_path / f"{name}.active"
     open_file = library.open
 
     def open_second(writer: object) -> None:
         """Open the file when another program has opened it first."""
-        _open_first(active, folder=library is rosbag2.Writer)
+        make_first(active)
         open_file(writer)
 
     monkeypatch.setattr(library, "open", open_second)
@@ -32,10 +34,3 @@ def test_file_that_another_program_has_just_opened_is_named(trial, tmp_path, mon
         recorder(tmp_path / name).begin(trial.setup)
     assert str(refused.value) == f"{tmp_path / name}: cannot be written: another program writes {active}"
     assert active.exists()
-
-
-def _open_first(active: Path, *, folder: bool) -> None:
-    if folder:
-        active.mkdir()
-    else:
-        active.touch()
