@@ -6,7 +6,9 @@ import threading
 import time
 from collections.abc import Callable, Sequence
 from typing import Any
+from xmlrpc.client import ServerProxy
 
+import rosgraph
 import rospy
 from geometry_msgs.msg import Twist
 from robotteamsim.msg import Robots
@@ -85,6 +87,34 @@ def call(name: str, service_class: type, /, **fields: Any) -> Any:
     return rospy.ServiceProxy(name, service_class)(**fields)
 
 
+def send(publisher: rospy.Publisher, message: Any) -> None:
+    """Publish a message and wait until all subscribers have received it.
+
+    rospy publishes in a thread of its own, and a node reads each topic in another; on a busy machine, these may be many
+    steps later than a service.
+    """
+    master = rosgraph.Master(rospy.get_name())
+    deadline_s = time.monotonic() + TIMEOUT_S
+    while not (names := dict(master.getSystemState()[1]).get(publisher.name, [])) or (
+        publisher.get_num_connections() < len(names)
+    ):
+        assert time.monotonic() < deadline_s, f"{publisher.name}: not all of {names} are connected"
+        rospy.rostime.wallsleep(0.05)
+    nodes = [ServerProxy(master.lookupNode(name)) for name in names]
+    counts = [_num_received(node, publisher.name) for node in nodes]
+    publisher.publish(message)
+    for name, node, count in zip(names, nodes, counts, strict=True):
+        while _num_received(node, publisher.name) <= count:
+            assert time.monotonic() < deadline_s, f"{name} did not receive the message of {publisher.name}"
+            rospy.rostime.wallsleep(0.001)
+
+
+def _num_received(node: ServerProxy, topic: str) -> int:
+    """Return how many messages of a topic a node has received, as it says itself."""
+    _, _, (_, received, _) = node.getBusStats(rospy.get_name())
+    return sum(count for _, _, count, _, _ in dict(received)[topic])
+
+
 def latched_time() -> rospy.Time:
     """Return the time of a paused world.
 
@@ -146,7 +176,7 @@ def drive(command: rospy.Publisher, twist: Twist, topic: Topic, steps: int) -> S
     pause(topic)
     begin = len(topic.messages)
     for _ in range(0, steps, 2):
-        command.publish(twist)
+        send(command, twist)
         call("/simulation/step", Step, steps=2)
     messages = topic.wait_for_count(begin + steps)
     call("/simulation/resume", Trigger)

@@ -6,7 +6,6 @@ Commands and changes go out by topics and services; readings are the messages wi
 from __future__ import annotations
 
 import math
-import time
 from collections.abc import Callable, Sequence
 from types import SimpleNamespace
 from typing import Any
@@ -15,7 +14,7 @@ import numpy as np
 import rospy
 from geometry_msgs.msg import Pose2D
 from geometry_msgs.msg import Twist as TwistMessage
-from listening import TIMEOUT_S, Topic
+from listening import TIMEOUT_S, Topic, send
 from nav_msgs.msg import Odometry
 from robotteamsim.msg import Contact, Doors, Robots
 from robotteamsim.srv import RemoveRobot, SetDoor, SetPose, SpawnRobot
@@ -72,7 +71,7 @@ class RosWorld:
             message = TwistMessage()
             message.linear.x, message.linear.y = twist.linear_x_mps, twist.linear_y_mps
             message.angular.z = twist.angular_z_radps
-            publisher.publish(message)
+            send(publisher, message)
         self.advance()
 
     def advance(self) -> None:
@@ -148,11 +147,6 @@ class RosWorld:
     def _wait_for_connections(self) -> None:
         for topic in self._topics:
             assert topic.is_connected(TIMEOUT_S), f"nobody publishes {topic.name}"
-        for publisher in self._commands:
-            deadline_s = time.monotonic() + TIMEOUT_S
-            while not publisher.get_num_connections():
-                assert time.monotonic() < deadline_s, f"nobody subscribes to {publisher.name}"
-                rospy.rostime.wallsleep(0.01)
 
     def _change(self, service: str, service_class: type, /, **fields: Any) -> None:
         """Call a service. Raises: ValueError: with its message, if it refuses."""
