@@ -73,7 +73,7 @@ def step(guarded: Guard) -> Decision:
 
 def test_decisions_of_a_sound_controller_pass_unchanged():
     said = Decision(Twist(0.1, 0.2, 0.3), (Message(1, EVERYBODY, "hello"), Message(1, 2, "you")), goal_m=(1.0, 2.0))
-    assert step(guard(said)) is said
+    assert step(guard(said)) == said
 
 
 @pytest.mark.parametrize(
@@ -133,16 +133,20 @@ def test_faulty_decision_stops_the_robot_for_good_and_reports_why(decision, faul
     assert told[0] == told[1] == Decision(fault=told[0].fault)
 
 
-def test_numbers_of_numpy_are_numbers():
+def test_numbers_of_numpy_become_those_of_python():
     said = Decision(
         Twist(np.float32(0.5)),
         (Message(1, np.int64(2), "grüße"),),
         excluded=np.bool_(True),
+        goal_m=np.array([1.0, 2.5]),
         local_best=np.float32(1.5),
         search_counter=np.int32(3),
         swarm=np.int64(-1),
     )
-    assert step(guard(said)) is said
+    kept = step(guard(said))
+    status = (kept.excluded, kept.goal_m, kept.local_best, kept.search_counter, kept.swarm)
+    assert repr(status) == "(True, (1.0, 2.5), 1.5, 3, -1)"
+    assert (kept.twist, kept.outbox) == (said.twist, said.outbox)
 
 
 def test_controller_that_failed_is_not_asked_any_more():

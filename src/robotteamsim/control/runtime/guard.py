@@ -69,7 +69,7 @@ class Guard:
             raise
         except BaseException as error:  # also SystemExit, and what asyncio raises
             self._stop(error)
-        return Decision(fault=self.fault) if self.fault else decision
+        return Decision(fault=self.fault) if self.fault else _plain(decision)
 
     def _stop(self, error: BaseException) -> None:
         self.fault = f"{described(error)}{_place(error)}".encode(errors="backslashreplace").decode()
@@ -89,6 +89,19 @@ def _place(error: BaseException) -> str:
     users = next((file for module, file, _ in frames if not module.startswith(_PACKAGE)), None)
     module, file, line = [frame for frame in frames if users in (None, frame[1])][-1]
     return "" if module == _REGISTRY else f" ({Path(file).name}:{line})"
+
+
+def _plain(decision: Decision) -> Decision:
+    """Return a valid decision with Python's numbers instead of NumPy's, which files and C++ do not take."""
+    goal_m = decision.goal_m
+    return msgspec.structs.replace(
+        decision,
+        excluded=bool(decision.excluded),
+        goal_m=None if goal_m is None else (float(goal_m[0]), float(goal_m[1])),
+        local_best=float(decision.local_best),
+        search_counter=int(decision.search_counter),
+        swarm=int(decision.swarm),
+    )
 
 
 def problem_of(decision: Any, robot_id: int, num_robots: int) -> str:
