@@ -1,9 +1,11 @@
 """Writes files atomically: an incomplete file never has the name of a result."""
 
 import contextlib
+import fcntl
 import itertools
 import os
 import tempfile
+import weakref
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -89,6 +91,27 @@ def cannot_write(path: Path, error: OSError) -> RecordingError:
     return RecordingError(f"{path}: cannot be written: {error.strerror or error}")
 
 
+class ActiveLock:
+    """Keeps other programs from recording to the same path; it ends with the process at the latest."""
+
+    def __init__(self, path: Path, active: Path) -> None:
+        """Lock what is written to before it becomes `path`; file systems without locks are none the worse.
+
+        Args: active: a file or folder.
+        Raises: OSError. RecordingError: another program has locked it.
+        """
+        descriptor = os.open(active, os.O_RDONLY)
+        self.close = weakref.finalize(self, os.close, descriptor)
+        """Let others record; also happens when nobody refers to the lock any more."""
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            self.close()
+            raise taken(path, active) from None
+        except OSError:  # no locks here
+            return
+
+
 def taken(path: Path, active: Path) -> RecordingError:
-    """Return the error of two programs that record to `path` at once: the other one has just made `active`."""
+    """Return the error of two programs that record to `path` at once: the other one has made `active`."""
     return RecordingError(f"{path}: cannot be written: another program writes {active}")

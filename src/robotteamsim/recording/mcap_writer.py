@@ -12,7 +12,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.bag import BagMessages, BagTopic, check_size
 from robotteamsim.recording.bag_types import Ros2Types
-from robotteamsim.recording.files import cannot_write, check_replaceable, make_folder, remove_empty, taken
+from robotteamsim.recording.files import ActiveLock, cannot_write, check_replaceable, make_folder, remove_empty, taken
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
 
@@ -49,14 +49,12 @@ class McapWriter:
             check_size(self._path, setup)
             check_replaceable(self._path)
             self._created = make_folder(self._path.parent)
-            self._remove_folder()
-            self._writer = Writer(self._folder, version=_VERSION, storage_plugin=StoragePlugin.MCAP)
-            self._writer.open()
+            self._remove_earlier()
+            self._writer = self._open()
             self._connections = {topic.name: self._connect(topic) for topic in self._contents.topics()}
         except OSError as error:
+            remove_empty(self._created)
             raise cannot_write(self._path, error) from error
-        except WriterError as error:
-            raise taken(self._path, self._folder) from error
 
     def step(self, record: StepRecord) -> None:
         """Write the messages of one step. Raises: RecordingError: the file cannot be written."""
@@ -82,9 +80,9 @@ class McapWriter:
             with contextlib.suppress(RecordingError):
                 self._close()
             return
-        self._abort()
         with contextlib.suppress(OSError):
-            self._remove_folder()
+            shutil.rmtree(self._folder)
+        self._abort()
         remove_empty(self._created)
 
     def _close(self) -> None:
@@ -93,7 +91,8 @@ class McapWriter:
             self._writer.close()
             self._writer = None
             self._active.replace(self._path)
-            self._remove_folder()
+            shutil.rmtree(self._folder)
+            self._lock.close()
         except OSError as error:
             raise self._write_error(error) from error
 
@@ -110,18 +109,32 @@ class McapWriter:
             with contextlib.suppress(OSError):
                 self._writer.abort()
         self._writer = None
+        self._lock.close()
 
-    def _remove_folder(self) -> None:
-        """Delete the folder of this or of an earlier, killed run.
+    def _open(self) -> Writer:
+        try:
+            writer = Writer(self._folder, version=_VERSION, storage_plugin=StoragePlugin.MCAP)
+            writer.open()
+        except WriterError as error:
+            raise taken(self._path, self._folder) from error
+        except OSError:
+            shutil.rmtree(self._folder, ignore_errors=True)
+            raise
+        self._lock = ActiveLock(self._path, self._folder)
+        return writer
 
-        Raises: OSError. RecordingError: it is something else.
+    def _remove_earlier(self) -> None:
+        """Delete the folder of an earlier, killed run.
+
+        Raises: OSError. RecordingError: it is something else, or of a run that goes on.
         """
         if not os.path.lexists(self._folder):
             return
         ours = {self._active.name, "metadata.yaml", "metadata.yaml.tmp"}
         if not self._folder.is_dir() or not ours.issuperset(os.listdir(self._folder)):
             raise RecordingError(f"{self._path}: cannot be written: {self._folder} would be overwritten; move it first")
-        shutil.rmtree(self._folder)
+        with contextlib.closing(ActiveLock(self._path, self._folder)):
+            shutil.rmtree(self._folder)
 
     def _connect(self, topic: BagTopic) -> Any:
         assert self._writer is not None

@@ -1,7 +1,9 @@
-"""Two programs open the same recording at once: one of them gets a one-line error."""
+"""Two programs write the same recording at once: the second gets a one-line error, and the first loses nothing."""
 
 from __future__ import annotations
 
+import errno
+import fcntl
 from pathlib import Path
 
 import pytest
@@ -9,6 +11,9 @@ from rosbags import rosbag1, rosbag2
 
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording import BagWriter, McapWriter
+from robotteamsim.simulation.trial import Trial
+
+RECORDERS = pytest.mark.parametrize(("recorder", "name"), [(BagWriter, "mission.bag"), (McapWriter, "mission.mcap")])
 
 
 @pytest.mark.parametrize(
@@ -31,6 +36,34 @@ def test_file_that_another_program_has_just_opened_is_named(
 
     monkeypatch.setattr(library, "open", open_second)
     with pytest.raises(RecordingError) as refused:
-        recorder(tmp_path / name).begin(trial.setup)
+        Trial(trial.setup, [recorder(tmp_path / name)])
     assert str(refused.value) == f"{tmp_path / name}: cannot be written: another program writes {active}"
     assert active.exists()
+
+
+@RECORDERS
+def test_recording_that_goes_on_is_not_replaced(trial, tmp_path, recorder, name):
+    first, path = recorder(tmp_path / name), tmp_path / name
+    first.begin(trial.setup)
+    with pytest.raises(RecordingError, match=f"another program writes .*{name}.active"):
+        Trial(trial.setup, [recorder(path)])
+    for record in trial.records(3):
+        first.step(record)
+    first.end(trial.result(3))
+    whole = path.read_bytes()
+    Trial(trial.setup, [recorder(path)]).abandon()
+    assert [path.name for path in tmp_path.iterdir()] == [name]
+    assert path.read_bytes() == whole
+
+
+@RECORDERS
+def test_file_systems_without_locks_hold_recordings(trial, tmp_path, monkeypatch, recorder, name):
+    def flock(_descriptor: int, _operation: int) -> None:
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(fcntl, "flock", flock)
+    recording = recorder(tmp_path / name)
+    recording.begin(trial.setup)
+    recording.step(trial.record(1))
+    recording.end(trial.result(3))
+    assert (tmp_path / name).is_file()
