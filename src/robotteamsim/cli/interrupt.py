@@ -1,6 +1,7 @@
 """Ctrl-C and SIGTERM."""
 
 import contextlib
+import os
 import signal
 import sys
 import threading
@@ -12,6 +13,8 @@ from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
+_AGAIN_S = 0.05
+"""After this time a signal that was ignored is sent again [s, wall]."""
 
 
 class Terminated(KeyboardInterrupt):
@@ -43,7 +46,8 @@ class InterruptBetweenSteps:
 
     def _note(self, signal_number: int, frame: FrameType | None) -> None:
         if self._received:
-            raise _interrupt(signal_number)
+            self.abandon()
+            signal.raise_signal(signal_number)
         self._received = signal_number
 
 
@@ -51,8 +55,9 @@ class InterruptBetweenSteps:
 def signals_raised() -> Iterator[list[KeyboardInterrupt]]:
     """Within the block SIGTERM raises Terminated, as Ctrl-C KeyboardInterrupt, so that files are closed.
 
-    Yields a list of what was raised, because libraries may raise an error of their own instead, or ignore it where they
-    cannot raise it; Python does not print that. It does nothing outside the main thread, which alone receives signals.
+    Yields a list of what was raised, because libraries may raise an error of their own instead. Where nothing can be
+    raised, such as in callbacks of C, Python ignores it: then it is not printed, and the signal comes again a moment
+    later. It does nothing outside the main thread, which alone receives signals.
     """
     raised: list[KeyboardInterrupt] = []
     if threading.current_thread() is not threading.main_thread():
@@ -64,17 +69,24 @@ def signals_raised() -> Iterator[list[KeyboardInterrupt]]:
         raise raised[-1]
 
     print_ignored = sys.unraisablehook
+    later: list[threading.Timer] = []
 
-    def note_ignored(ignored: Any) -> None:
+    def send_again(ignored: Any) -> None:
         if ignored.exc_value not in raised:
             print_ignored(ignored)
+            return
+        number = signal.SIGTERM if isinstance(ignored.exc_value, Terminated) else signal.SIGINT
+        later.append(threading.Timer(_AGAIN_S, os.kill, (os.getpid(), number)))
+        later[-1].start()
 
-    sys.unraisablehook = note_ignored
+    sys.unraisablehook = send_again
     previous = {number: signal.signal(number, note) for number in _SIGNALS}
     try:
         yield raised
     finally:
         sys.unraisablehook = print_ignored
+        for timer in later:
+            timer.cancel()
         for number, handler in previous.items():
             signal.signal(number, handler)
 

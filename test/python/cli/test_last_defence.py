@@ -9,6 +9,7 @@ import struct
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 
 import numpy as np
@@ -355,6 +356,24 @@ def test_signal_that_a_library_cannot_raise_prints_no_traceback(monkeypatch, cap
     monkeypatch.setattr(run_command, "run", callback)
     assert main(["run", "tutorial_arena"]) == 130
     assert capsys.readouterr().err == "robotteamsim: interrupted\n"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("number", "status", "word"), [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "terminated")]
+)
+def test_signal_that_a_library_ignores_ends_the_command_all_the_same(monkeypatch, capsys, number, status, word):
+    class Library:
+        def __del__(self):
+            os.kill(os.getpid(), number)
+
+    def callback(_):
+        Library()
+        time.sleep(60.0)
+
+    monkeypatch.setattr(run_command, "run", callback)
+    assert main(["run", "tutorial_arena"]) == status
+    assert capsys.readouterr().err == f"robotteamsim: {word}\n"
 
 
 @pytest.mark.slow
