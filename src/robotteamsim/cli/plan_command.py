@@ -28,12 +28,12 @@ from robotteamsim.scenario.map_image import (
 from robotteamsim.scenario.yaml_text import write
 from robotteamsim.setup import resolve
 from robotteamsim.wording import counted
-from robotteamsim.world.floor_parts import floor_parts, part_text
+from robotteamsim.world.floor_parts import floor_parts, part_texts
 
 _IMPORT_TEXT = """\
 Convert a drawing (an image, or DXF), or an occupancy image as written by map_server or
 slam_gmapping, into a floor plan of walls and blocks. A scenario can also use the yaml of an image directly as its plan.
-A warning is printed for each part of the floor to which no door leads."""
+Warnings name the parts of the floor to which no door leads; of many, the ten largest."""
 
 _IMPORT_EXAMPLES = """\
 examples:
@@ -78,8 +78,6 @@ _DOOR_WIDTHS_M = (0.6, 1.6)
 _DOOR_WIDTHS_TEXT = ",".join(f"{width_m:g}" for width_m in _DOOR_WIDTHS_M)
 _ROBOT_M = 0.2
 """Radius of the robot for which parts of the floor count as connected."""
-_PARTS_NAMED = 10
-"""Parts of the floor without a door that are named one by one."""
 
 
 def add_to(commands: Any) -> None:
@@ -273,10 +271,7 @@ def import_plan(options: argparse.Namespace) -> None:
         save(draw_import(plan, parts, image, no_wall), options.png)
     if num_left_out := len(found.doors) - len(plan.doors):
         _warn([f"{counted(num_left_out, 'gap')} found next to which a leaf cannot turn: left open, without a door"])
-    named = parts[1 : _PARTS_NAMED + 1]
-    _warn(f"no door leads from the largest part of the floor to {part_text(part)}" for part in named)
-    if num_smaller := len(parts[1:]) - len(named):
-        _warn([f"nor to {counted(num_smaller, 'smaller part')}; --png shows all"])
+    _warn(f"no door leads from the largest part of the floor to {part}" for part in part_texts(parts[1:]))
 
 
 def import_stage(options: argparse.Namespace) -> None:

@@ -27,7 +27,7 @@ from robotteamsim.scenario.yaml_text import mapping_of, read_text
 from robotteamsim.setup import Setup, resolve
 from robotteamsim.simulation import Simulation
 from robotteamsim.wording import counted, printable
-from robotteamsim.world.floor_parts import FloorPart, part_text, parts_without
+from robotteamsim.world.floor_parts import FloorPart, part_texts, parts_without
 
 _SCHEMA_EPILOG = """\
 With an editor's YAML extension, this first line enables completion and checks:
@@ -88,8 +88,8 @@ def run_check(options: argparse.Namespace) -> None:
             f"{name}: valid: {counted(loaded.num_robots, 'robot')}, {counted(len(mission.areas), 'area')}, "
             f"{counted(loaded.num_victims, 'victim')} in {loaded.plan.name} of {width_m:g} x {height_m:g} m"
         )
-        for part in _unreachable(setup):
-            print(f"{name}: no robot can get to {part_text(part)}, not even through doors")
+        for part in part_texts(_unreachable(setup)):
+            print(f"{name}: no robot can get to {part}, not even through doors")
     _report(mistakes)
 
 

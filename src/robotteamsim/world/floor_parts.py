@@ -10,6 +10,7 @@ import shapely
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import obstacles
+from robotteamsim.wording import counted
 
 LEAST_M2 = 1.0
 """Smaller parts are not reported."""
@@ -17,6 +18,7 @@ LEAST_M2 = 1.0
 _NEAR_M = 1.0
 """How far from a start the floor may begin, if the start itself is too close to a wall."""
 
+_MOST_NAMED = 10
 
 _EDGE_M = 0.05
 """Floor that comes so near is at the edge of the plan; an import draws a thin wall there."""
@@ -32,9 +34,12 @@ class FloorPart(NamedTuple):
     place: Point
 
 
-def part_text(part: FloorPart) -> str:
-    """Return area and place of a part for a message."""
-    return f"{part.area_m2:.1f} m2 around [{part.place[0]:g}, {part.place[1]:g}]"
+def part_texts(parts: Sequence[FloorPart]) -> list[str]:
+    """Return area and place of each part for messages; beyond _MOST_NAMED, only how many more there are."""
+    texts = [f"{part.area_m2:.1f} m2 around [{part.place[0]:g}, {part.place[1]:g}]" for part in parts[:_MOST_NAMED]]
+    if num_smaller := len(parts) - len(texts):
+        texts.append(counted(num_smaller, "smaller part"))
+    return texts
 
 
 def floor_parts(plan: FloorPlan, radius_m: float) -> tuple[FloorPart, ...]:

@@ -135,7 +135,7 @@ def test_of_many_rooms_without_a_door_ten_are_named(folder, capsys):
     imported("boxes.png", "--metres-per-pixel", "0.05")
     *named, more = capsys.readouterr().err.splitlines()
     assert len(named) == 10
-    assert more == "robotteamsim: warning: nor to 2 smaller parts; --png shows all"
+    assert more == "robotteamsim: warning: no door leads from the largest part of the floor to 2 smaller parts"
 
 
 def test_rooms_without_a_door_are_reported_by_import_and_check(folder, capsys):
