@@ -20,8 +20,10 @@ def test_no_circle_of_references_keeps_a_mission(name):
         mission.mission.start()
         for _ in range(3):
             mission.step()
+        gc.collect()
         weak = weakref.ref(mission)
         del mission
         assert weak() is None
+        assert gc.collect() == 0
     finally:
         gc.enable()
