@@ -91,7 +91,7 @@ def send(publisher: rospy.Publisher, message: Any) -> None:
     """Publish a message and wait until all subscribers have received it.
 
     rospy publishes in a thread of its own, and a node reads each topic in another; on a busy machine, these may be many
-    steps later than a service.
+    steps later than a service. A node counts a message before it reads it, so that may still be one step late.
     """
     master = rosgraph.Master(rospy.get_name())
     deadline_s = time.monotonic() + TIMEOUT_S
