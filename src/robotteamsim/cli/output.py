@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import io
 import os
 import sys
@@ -31,12 +32,15 @@ def open_streams() -> None:
     """Make stdout and stderr usable.
 
     A closed one is replaced by /dev/null: print would otherwise write errors to stdout, and the next file to be opened
-    would take its number. Characters that the encoding does not have are escaped.
+    would take its number. One that another program has left without blocking waits for its reader again. Characters
+    that the encoding does not have are escaped.
     """
     for name, number in (("stdout", 1), ("stderr", 2)):
         if getattr(sys, name) is None:
             _open_null(number)
             setattr(sys, name, os.fdopen(number, "w"))
+        with contextlib.suppress(OSError):  # a stream without a file
+            os.set_blocking(number, True)
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import fcntl
 import io
+import json
 import os
 import signal
 import struct
 import subprocess
 import sys
+import termios
 import threading
 import time
 from pathlib import Path
@@ -319,6 +322,26 @@ def test_no_further_thread_is_one_line(monkeypatch, capsys):
     assert main(["run", "tutorial_arena"]) == 1
     wanted = "robotteamsim: no more threads or processes can be started; raise `ulimit -u`\n"
     assert capsys.readouterr().err == wanted
+
+
+@pytest.mark.slow
+def test_pipe_that_does_not_block_gets_all_of_a_long_output():
+    reader, writer = os.pipe()
+    os.set_blocking(writer, False)
+    command = [sys.executable, "-m", "robotteamsim.cli", "scenario", "schema"]
+    with subprocess.Popen(command, stdout=writer, stderr=subprocess.PIPE, text=True) as process:
+        os.close(writer)
+        while process.poll() is None and _num_waiting(reader) < 60_000:  # until the pipe is full
+            time.sleep(0.05)
+        with open(reader) as file:
+            schema = file.read()
+        assert (process.wait(), process.stderr.read()) == (0, "")
+    assert "properties" in json.loads(schema)
+
+
+def _num_waiting(reader: int) -> int:
+    """Return how many bytes a pipe holds."""
+    return int.from_bytes(fcntl.ioctl(reader, termios.FIONREAD, bytes(4)), sys.byteorder)
 
 
 @pytest.mark.slow
