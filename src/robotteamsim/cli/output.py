@@ -39,8 +39,9 @@ def open_streams() -> None:
         if getattr(sys, name) is None:
             _open_null(number)
             setattr(sys, name, os.fdopen(number, "w"))
-        with contextlib.suppress(OSError):  # a stream without a file
-            os.set_blocking(number, True)
+        if sys.platform != "win32":
+            with contextlib.suppress(OSError):  # a stream without a file
+                os.set_blocking(number, True)
     if isinstance(sys.stdout, io.TextIOWrapper):
         sys.stdout.reconfigure(errors="backslashreplace")
 

@@ -1,15 +1,18 @@
 """Writes files atomically: an incomplete file never has the name of a result."""
 
 import contextlib
-import fcntl
 import itertools
 import os
+import sys
 import tempfile
 import weakref
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from robotteamsim.errors import RecordingError
+
+if sys.platform != "win32":
+    import fcntl
 
 PART = ".part-"
 """Begin of the names of incomplete files; a killed process leaves them."""
@@ -100,16 +103,19 @@ class ActiveLock:
         Args: active: a file or folder.
         Raises: OSError. RecordingError: another program has locked it.
         """
-        descriptor = os.open(active, os.O_RDONLY)
-        self.close = weakref.finalize(self, os.close, descriptor)
+        held = contextlib.ExitStack()
+        self.close = weakref.finalize(self, held.close)
         """Let others record; also happens when nobody refers to the lock any more."""
-        try:
-            fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            self.close()
-            raise taken(path, active) from None
-        except OSError:  # no locks here
-            return
+        if sys.platform != "win32":  # where nobody can delete what is open
+            descriptor = os.open(active, os.O_RDONLY)
+            held.callback(os.close, descriptor)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                self.close()
+                raise taken(path, active) from None
+            except OSError:  # no locks here
+                return
 
 
 def taken(path: Path, active: Path) -> RecordingError:

@@ -108,4 +108,5 @@ def _leave_display_to_parent() -> None:
         egl.EGL_DISPLAY = None  # type: ignore[attr-defined]
 
 
-os.register_at_fork(after_in_child=_leave_display_to_parent)
+if sys.platform != "win32":
+    os.register_at_fork(after_in_child=_leave_display_to_parent)
