@@ -1,7 +1,6 @@
 """Ctrl-C and SIGTERM."""
 
 import contextlib
-import os
 import signal
 import sys
 import threading
@@ -13,8 +12,6 @@ from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
 
 _SIGNALS = (signal.SIGINT, signal.SIGTERM)
-_AGAIN_S = 0.05
-"""After this time a signal that was ignored is sent again [s, wall]."""
 
 
 class Terminated(KeyboardInterrupt):
@@ -56,8 +53,8 @@ def signals_raised() -> Iterator[list[KeyboardInterrupt]]:
     """Within the block SIGTERM raises Terminated, as Ctrl-C KeyboardInterrupt, so that files are closed.
 
     Yields a list of what was raised, because libraries may raise an error of their own instead. Where nothing can be
-    raised, such as in callbacks of C, Python ignores it: then it is not printed, and the signal comes again a moment
-    later. It does nothing outside the main thread, which alone receives signals.
+    raised, such as in callbacks of C, Python ignores it, and would print that; then only a second signal ends the
+    command. It does nothing outside the main thread, which alone receives signals.
     """
     raised: list[KeyboardInterrupt] = []
     if threading.current_thread() is not threading.main_thread():
@@ -69,24 +66,17 @@ def signals_raised() -> Iterator[list[KeyboardInterrupt]]:
         raise raised[-1]
 
     print_ignored = sys.unraisablehook
-    later: list[threading.Timer] = []
 
-    def send_again(ignored: Any) -> None:
+    def note_ignored(ignored: Any) -> None:
         if ignored.exc_value not in raised:
             print_ignored(ignored)
-            return
-        number = signal.SIGTERM if isinstance(ignored.exc_value, Terminated) else signal.SIGINT
-        later.append(threading.Timer(_AGAIN_S, os.kill, (os.getpid(), number)))
-        later[-1].start()
 
-    sys.unraisablehook = send_again
+    sys.unraisablehook = note_ignored
     previous = {number: signal.signal(number, note) for number in _SIGNALS}
     try:
         yield raised
     finally:
         sys.unraisablehook = print_ignored
-        for timer in later:
-            timer.cancel()
         for number, handler in previous.items():
             signal.signal(number, handler)
 

@@ -11,7 +11,7 @@ from rosbags.rosbag1 import Writer, WriterError
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.bag import BagMessages, BagTopic, check_size
 from robotteamsim.recording.bag_types import BagTypes
-from robotteamsim.recording.files import ActiveLock, cannot_write, check_replaceable, make_folder, remove_empty, taken
+from robotteamsim.recording.files import cannot_write, check_replaceable, lock_active, make_folder, remove_empty, taken
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
 from robotteamsim.user_files import open_regular
@@ -111,8 +111,8 @@ class BagWriter:
         if self._writer is None:
             return
         if self._steps == 0:
-            self._active.unlink(missing_ok=True)
             self._close_file()
+            self._active.unlink(missing_ok=True)
             remove_empty(self._created)
             return
         if self._within_step:
@@ -127,37 +127,38 @@ class BagWriter:
             self._writer.close()
             self._writer = None
             self._active.replace(self._path)
-            self._lock.close()
         except OSError as error:
             raise self._write_error(error) from error
 
     def _open(self) -> _Writer:
+        """Open the file. Raises: OSError. RecordingError: another program writes it."""
         try:
             writer = _Writer(self._active)
             writer.chunk_threshold = CHUNK_BYTES
             writer.open()
         except WriterError as error:
             raise taken(self._path, self._active) from error
-        except OSError:
-            self._active.unlink(missing_ok=True)
+        assert writer.bio is not None
+        try:
+            lock_active(writer.bio.fileno(), self._path, self._active)
+        except RecordingError:
+            writer.bio.close()
             raise
-        self._lock = ActiveLock(self._path, self._active)
         return writer
 
     def _remove_active(self) -> None:
         """Delete the file of an earlier, killed run.
 
-        Raises: OSError. RecordingError: it is something else, or of a run that goes on.
+        Raises: OSError. RecordingError: it is something else, or another program writes it.
         """
         if os.path.lexists(self._active):
             with open_regular(self._active) as file:
-                begin = file.read(len(_MAGIC))
-            if begin not in (b"", _MAGIC):
-                raise RecordingError(
-                    f"{self._path}: cannot be written: {self._active} would be overwritten; move it first"
-                )
-            with contextlib.closing(ActiveLock(self._path, self._active)):
-                self._active.unlink()
+                if file.read(len(_MAGIC)) not in (b"", _MAGIC):
+                    raise RecordingError(
+                        f"{self._path}: cannot be written: {self._active} would be overwritten; move it first"
+                    )
+                lock_active(file.fileno(), self._path, self._active)
+            self._active.unlink()
 
     def _write_error(self, error: OSError) -> RecordingError:
         """Close the file without an index, and return the error for the user."""
@@ -172,7 +173,6 @@ class BagWriter:
             with contextlib.suppress(OSError):
                 self._writer.bio.close()
         self._writer = None
-        self._lock.close()
 
     def _connect(self, topic: BagTopic) -> Any:
         assert self._writer is not None

@@ -5,7 +5,6 @@ import itertools
 import os
 import sys
 import tempfile
-import weakref
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
@@ -94,28 +93,22 @@ def cannot_write(path: Path, error: OSError) -> RecordingError:
     return RecordingError(f"{path}: cannot be written: {error.strerror or error}")
 
 
-class ActiveLock:
-    """Keeps other programs from recording to the same path; it ends with the process at the latest."""
+def lock_active(descriptor: int, path: Path, active: Path) -> None:
+    """Keep other programs from recording to `path` until the descriptor of an open file `active` is closed.
 
-    def __init__(self, path: Path, active: Path) -> None:
-        """Lock what is written to before it becomes `path`; file systems without locks are none the worse.
-
-        Args: active: a file or folder.
-        Raises: OSError. RecordingError: another program has locked it.
-        """
-        held = contextlib.ExitStack()
-        self.close = weakref.finalize(self, held.close)
-        """Let others record; also happens when nobody refers to the lock any more."""
-        if sys.platform != "win32":  # where nobody can delete what is open
-            descriptor = os.open(active, os.O_RDONLY)
-            held.callback(os.close, descriptor)
-            try:
-                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            except BlockingIOError:
-                self.close()
-                raise taken(path, active) from None
-            except OSError:  # no locks here
-                return
+    Where a file system has no locks, nothing keeps them off. Raises: RecordingError: another program writes `active`.
+    """
+    if sys.platform == "win32":  # nobody can delete what is open
+        return
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        is_there = os.path.samestat(os.fstat(descriptor), os.stat(active))
+    except (BlockingIOError, FileNotFoundError):
+        is_there = False
+    except OSError:  # no locks
+        return
+    if not is_there:
+        raise taken(path, active)
 
 
 def taken(path: Path, active: Path) -> RecordingError:

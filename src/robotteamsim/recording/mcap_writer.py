@@ -12,9 +12,10 @@ from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.bag import BagMessages, BagTopic, check_size
 from robotteamsim.recording.bag_types import Ros2Types
-from robotteamsim.recording.files import ActiveLock, cannot_write, check_replaceable, make_folder, remove_empty, taken
+from robotteamsim.recording.files import cannot_write, check_replaceable, lock_active, make_folder, remove_empty, taken
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
+from robotteamsim.user_files import open_regular
 
 SUFFIX = ".mcap"
 
@@ -80,9 +81,9 @@ class McapWriter:
             with contextlib.suppress(RecordingError):
                 self._close()
             return
+        self._abort()
         with contextlib.suppress(OSError):
             shutil.rmtree(self._folder)
-        self._abort()
         remove_empty(self._created)
 
     def _close(self) -> None:
@@ -92,7 +93,6 @@ class McapWriter:
             self._writer = None
             self._active.replace(self._path)
             shutil.rmtree(self._folder)
-            self._lock.close()
         except OSError as error:
             raise self._write_error(error) from error
 
@@ -109,9 +109,9 @@ class McapWriter:
             with contextlib.suppress(OSError):
                 self._writer.abort()
         self._writer = None
-        self._lock.close()
 
     def _open(self) -> Writer:
+        """Open the file. Raises: OSError. RecordingError: another program writes it."""
         try:
             writer = Writer(self._folder, version=_VERSION, storage_plugin=StoragePlugin.MCAP)
             writer.open()
@@ -120,21 +120,27 @@ class McapWriter:
         except OSError:
             shutil.rmtree(self._folder, ignore_errors=True)
             raise
-        self._lock = ActiveLock(self._path, self._folder)
+        try:
+            lock_active(writer.storage.bio.fileno(), self._path, self._active)  # type: ignore[union-attr]
+        except RecordingError:
+            writer.abort()
+            raise
         return writer
 
     def _remove_earlier(self) -> None:
         """Delete the folder of an earlier, killed run.
 
-        Raises: OSError. RecordingError: it is something else, or of a run that goes on.
+        Raises: OSError. RecordingError: it is something else, or another program writes it.
         """
         if not os.path.lexists(self._folder):
             return
         ours = {self._active.name, "metadata.yaml", "metadata.yaml.tmp"}
         if not self._folder.is_dir() or not ours.issuperset(os.listdir(self._folder)):
             raise RecordingError(f"{self._path}: cannot be written: {self._folder} would be overwritten; move it first")
-        with contextlib.closing(ActiveLock(self._path, self._folder)):
-            shutil.rmtree(self._folder)
+        if self._active.exists():
+            with open_regular(self._active) as file:
+                lock_active(file.fileno(), self._path, self._active)
+        shutil.rmtree(self._folder)
 
     def _connect(self, topic: BagTopic) -> Any:
         assert self._writer is not None

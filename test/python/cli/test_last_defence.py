@@ -382,24 +382,6 @@ def test_signal_that_a_library_cannot_raise_prints_no_traceback(monkeypatch, cap
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("number", "status", "word"), [(signal.SIGINT, 130, "interrupted"), (signal.SIGTERM, 143, "terminated")]
-)
-def test_signal_that_a_library_ignores_ends_the_command_all_the_same(monkeypatch, capsys, number, status, word):
-    class Library:
-        def __del__(self):
-            os.kill(os.getpid(), number)
-
-    def callback(_):
-        Library()
-        time.sleep(60.0)
-
-    monkeypatch.setattr(run_command, "run", callback)
-    assert main(["run", "tutorial_arena"]) == status
-    assert capsys.readouterr().err == f"robotteamsim: {word}\n"
-
-
-@pytest.mark.slow
 def test_a_mission_runs_in_another_thread():
     statuses = []
     words = ["run", "tutorial_arena", "--json", "--set", "mission.time_limit_s=1"]

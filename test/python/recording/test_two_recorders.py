@@ -11,6 +11,7 @@ from rosbags import rosbag1, rosbag2
 
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording import BagWriter, McapWriter
+from robotteamsim.recording.files import lock_active
 from robotteamsim.simulation.trial import Trial
 
 RECORDERS = pytest.mark.parametrize(("recorder", "name"), [(BagWriter, "mission.bag"), (McapWriter, "mission.mcap")])
@@ -67,3 +68,15 @@ def test_file_systems_without_locks_hold_recordings(trial, tmp_path, monkeypatch
     recording.step(trial.record(1))
     recording.end(trial.result(3))
     assert (tmp_path / name).is_file()
+
+
+def test_file_that_another_program_has_replaced_before_it_is_locked_is_named(tmp_path):
+    path, active = tmp_path / "mission.bag", tmp_path / "mission.bag.active"
+    with active.open("xb") as file:
+        lock_active(file.fileno(), path, active)
+        active.unlink()
+        with pytest.raises(RecordingError, match="another program writes"):
+            lock_active(file.fileno(), path, active)
+        active.touch()
+        with pytest.raises(RecordingError, match="another program writes"):
+            lock_active(file.fileno(), path, active)

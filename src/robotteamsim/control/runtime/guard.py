@@ -97,7 +97,7 @@ def _plain(decision: Decision) -> Decision:
     return msgspec.structs.replace(
         decision,
         excluded=bool(decision.excluded),
-        goal_m=None if goal_m is None else (float(goal_m[0]), float(goal_m[1])),
+        goal_m=None if goal_m is None else tuple(map(float, goal_m)),
         local_best=float(decision.local_best),
         search_counter=int(decision.search_counter),
         swarm=int(decision.swarm),
@@ -177,7 +177,7 @@ def _is_field(value: Any) -> bool:
 
 def _is_point(value: Any) -> bool:
     try:
-        return isfinite(dist(value, _ORIGIN))
+        return isinstance(value, (tuple, list, np.ndarray)) and isfinite(dist(value, _ORIGIN))
     except (TypeError, ValueError):
         return False
 
