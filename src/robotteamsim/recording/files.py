@@ -10,9 +10,6 @@ from pathlib import Path
 
 from robotteamsim.errors import RecordingError
 
-if sys.platform != "win32":
-    import fcntl
-
 PART = ".part-"
 """Begin of the names of incomplete files; a killed process leaves them."""
 
@@ -100,6 +97,8 @@ def lock_active(descriptor: int, path: Path, active: Path) -> None:
     """
     if sys.platform == "win32":  # nobody can delete what is open
         return
+    import fcntl  # only POSIX has it
+
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
         is_there = os.path.samestat(os.fstat(descriptor), os.stat(active))
