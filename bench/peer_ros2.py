@@ -71,7 +71,8 @@ def receive(pattern: str | None, count: Callable[[object], None], ready: Any, do
     time.sleep(3.0)  # discovery of all topics
     profile = QoSProfile(depth=0, history=HistoryPolicy.KEEP_ALL)
     found = node.get_topic_names_and_types() if pattern else []
-    topics = [(name, kind) for name, (kind, *_) in found if re.fullmatch(str(pattern), name)]
+    # Hidden topics, such as the feedback of actions, have types that only rclpy makes.
+    topics = [(name, kind) for name, (kind, *_) in found if "/_" not in name and re.fullmatch(str(pattern), name)]
     for name, kind in topics:
         package, _, message = kind.split("/")
         message_class = getattr(importlib.import_module(f"{package}.msg"), message)
