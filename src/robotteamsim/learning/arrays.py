@@ -11,6 +11,8 @@ from robotteamsim.learning.errors import LearningError
 
 def array_of(values: Any) -> np.ndarray:
     """Return values as an array; masked ones, and rows with different lengths, as one of type object."""
+    if type(values) is np.ndarray:
+        return values
     if any(np.ma.isMaskedArray(value) for value in (values if isinstance(values, list) else [values])):
         return np.asarray(None)
     try:

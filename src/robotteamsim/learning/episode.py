@@ -109,15 +109,12 @@ class Episode:
         self._simulation: Simulation | None = None
         self.percepts: Percepts
         """What the agents perceive, after `begin` and each `step`."""
+        self.present: np.ndarray
+        """Whether each agent is present then, bool, shape (n,)."""
         self.record: StepRecord | None = None
         """The last record of the simulation; None before the first step."""
         self.watch: Callable[[Simulation, StepRecord], None] | None = None
         """Is called when a mission begins and after each of its steps."""
-
-    @property
-    def present(self) -> np.ndarray:
-        """Whether each agent is present, bool, shape (n,)."""
-        return self._sensed.inputs.present[self.robot_ids]
 
     def begin(self, seed: Any = None) -> None:
         """Begin a mission; without a seed, with the next one of a sequence that begins with the last seed.
@@ -217,6 +214,7 @@ class Episode:
 
     def _sense(self, simulation: Simulation) -> None:
         self._sensed = simulation.sense()
+        self.present = self._sensed.inputs.present[self.robot_ids]
         self._senses.note_team(self._sensed.inputs)
 
     def _rewards(self, record: StepRecord) -> np.ndarray:
