@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from typing import Annotated
 
@@ -10,9 +11,10 @@ import numpy as np
 
 from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.interface import Message, Observation, Task
-from robotteamsim.interface.payload import Point, Update, update_reader
+from robotteamsim.interface.payload import Point, Update, read_payload
 from robotteamsim.learning.arrays import numbers_of
 from robotteamsim.learning.observe import Observe, Percepts, cos_sin
+from robotteamsim.network.messages import Batch, batch_of
 from robotteamsim.sensing.readings import RobotReading, VoiceReading
 from robotteamsim.setup import Setup
 from robotteamsim.simulation.controllers import TeamInputs
@@ -25,7 +27,7 @@ class Said(Update, frozen=True):
     say: tuple[Annotated[float, msgspec.Meta(ge=-1.0, le=1.0)], ...] = ()
 
 
-_read = update_reader(Said, kept=256)
+_decoder = msgspec.json.Decoder(Said)
 
 
 class Senses:
@@ -41,10 +43,13 @@ class Senses:
         by_odometry = setup.scenario.control.localisation == "odometry"
         starts = [PoseReading.from_pose(Pose(*setup.robots[i].start_pose)) for i in self._ids]
         self._map_T_odom = np.array([msgspec.structs.astuple(start) for start in starts]) if by_odometry else None
-        nothing = (0.0, 0.0, 0.0, 0, *(0.0,) * observe.said)
         self._memory = observe.remembers(setup, self._ids)
-        self._heard = [[nothing] * observe.teammates for _ in self._ids]
-        """Per agent and teammate: a row of `Percepts.heard`, but with the time of the message [ns]."""
+        senders = range(max(len(setup.robots), observe.teammates + 1))
+        others = [[sender for sender in senders if sender != i][: observe.teammates] for i in self._ids]
+        self._of_others = np.arange(len(self._ids))[:, None], np.array(others, int)
+        """Where `_heard` has each agent's teammates, the first others in id order."""
+        self._heard = np.zeros((len(self._ids), len(senders), 4 + observe.said))
+        """Per agent and sender: a row of `Percepts.heard`, but with the time of the message [ns]."""
 
     def note(self, time_ns: int, inboxes: Sequence[Sequence[Message]], readings: Sequence[RobotReading]) -> None:
         """Note a step: what teammates say, without messages of other kinds, and readings, if the memory looks at them.
@@ -53,14 +58,15 @@ class Senses:
         """
         if self._memory.looks:
             self._memory.look(readings)
-        for robot_id, inbox, heard in zip(self._ids, inboxes, self._heard, strict=True):
-            for message in inbox:
-                said = _read(message.payload)
-                if said is not None and len(said.say) == self._observe.said:
-                    # The rows are those of the first others in id order.
-                    row = message.sender - (message.sender > robot_id)
-                    if row < len(heard):
-                        heard[row] = (1.0, *said.at, time_ns, *said.say)
+        agents: dict[Batch, list[int]] = {}
+        for agent, inbox in enumerate(inboxes):
+            if inbox:
+                agents.setdefault(batch_of(inbox), []).append(agent)
+        for batch, receivers in agents.items():
+            senders, rows = _said_in(batch, self._observe.said)
+            where = np.array(receivers)[:, None], senders
+            self._heard[where] = rows
+            self._heard[(*where, 3)] = time_ns
 
     def note_team(self, inputs: TeamInputs) -> None:
         """Note a step, see `note`."""
@@ -99,8 +105,8 @@ class Senses:
         task: Task,
         time_ns: int,
     ) -> Percepts:
-        area, observe = task.area_center_m, self._observe
-        heard = np.array(self._heard, float).reshape(len(self._ids), observe.teammates, 4 + observe.said)
+        area = task.area_center_m
+        heard = self._heard[self._of_others]
         heard[..., 3] = (time_ns - heard[..., 3]) * 1e-9
         percepts = Percepts(
             ranges_m if isinstance(ranges_m, np.ndarray) else self._padded(ranges_m),
@@ -111,7 +117,7 @@ class Senses:
             heard,
             np.zeros((len(self._ids), 0)),
         )
-        shape = len(self._ids), observe.remembered
+        shape = len(self._ids), self._observe.remembered
         name, remembered = type(self._memory).__name__, self._memory.after(percepts, time_ns * 1e-9)
         return percepts._replace(remembered=numbers_of(f"{name}.after", remembered, shape))
 
@@ -120,6 +126,18 @@ class Senses:
         for row, measured_m in zip(padded, ranges_m, strict=True):
             row[: len(measured_m)] = measured_m
         return padded
+
+
+# Robots that hear each other receive the same batch.
+@functools.lru_cache(maxsize=16)
+def _said_in(batch: Batch, said: int) -> tuple[list[int], np.ndarray]:
+    """Return who says so many numbers in a batch, and their rows of `Percepts.heard`, with time 0."""
+    rows = {}
+    for message in batch.messages:
+        content = read_payload(_decoder, message.payload)
+        if content is not None and len(content.say) == said:
+            rows[message.sender] = (1.0, *content.at, 0.0, *content.say)
+    return list(rows), np.array(list(rows.values()), float).reshape(-1, 4 + said)
 
 
 def _composed(first: np.ndarray, then: np.ndarray) -> np.ndarray:
