@@ -17,7 +17,6 @@ from robotteamsim.analysis.report.page import (
     campaign_notes,
     campaign_page,
     campaign_pictures,
-    report_files,
 )
 from robotteamsim.analysis.report.pictures import Picture, picture
 from robotteamsim.analysis.report.samples import Campaign, pooled, read_campaign
@@ -104,7 +103,7 @@ def make_study(
     comparisons = compare(pairs)
     claims = judge(campaign, [read_campaign(one, place) for one, place in zip(stored, places, strict=True)])
     shown = panels(campaign)
-    pictures = list(_pictures(campaign, comparisons))
+    pictures = tuple(_pictures(campaign, comparisons))
     tables = (*campaign_tables(shown, contrasts(campaign), overall(campaign)), tests_table(comparisons))
     notes = campaign_notes(campaign, missions)
     if missing := [panel.name for panel in shown if len(panel.series) == 1]:
@@ -133,8 +132,7 @@ def make_study(
         },
         dissertation=DISSERTATION,
     )
-    files = {"tables/claims.csv": claims_table(claims).csv().encode(), **report_files(page, pictures, tables)}
-    return StudyReport(Report(opening, notes, files, tables), claims)
+    return StudyReport(Report(opening, notes, page, pictures, (*tables, claims_table(claims))), claims)
 
 
 def _pictures(campaign: Campaign, comparisons: Sequence[Comparison]) -> Iterator[Picture]:

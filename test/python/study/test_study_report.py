@@ -30,7 +30,7 @@ def few(garage):
 
 
 def text(study):
-    return study.report.files["report.html"].decode()
+    return study.report.page
 
 
 def test_report_has_figures_16_to_22_and_the_others(study):

@@ -21,7 +21,7 @@ from robotteamsim.analysis.benchmark.tables import (
     vertex_table,
 )
 from robotteamsim.analysis.report.contrasts import Pair, compare
-from robotteamsim.analysis.report.page import FOLDER, Report, render, report_files
+from robotteamsim.analysis.report.page import FOLDER, Report, render
 from robotteamsim.analysis.report.pictures import Picture, picture
 from robotteamsim.analysis.report.tables import Table, difference_table, network_table
 from robotteamsim.campaign import Design, Outcome
@@ -177,4 +177,4 @@ def _report(
         command=command,
         version=robotteamsim.__version__,
     )
-    return Report((title,), tuple(notes), report_files(page, pictures, shown), tuple(shown))
+    return Report((title,), tuple(notes), page, tuple(pictures), tuple(shown))

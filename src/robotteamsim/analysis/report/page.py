@@ -7,6 +7,7 @@ import json
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import jinja2
@@ -63,20 +64,30 @@ READING = (
 """How to read the figures and tables of a campaign: terms and explanations."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Report:
     """A report in memory.
 
     opening: first paragraphs: how the settings compare.
     notes:   what is missing or omitted.
-    files:   contents by path below the report's folder; the page is last.
+    page:    HTML.
     tables:  the most important one first.
     """
 
     opening: tuple[str, ...]
     notes: tuple[str, ...]
-    files: dict[str, bytes]
+    page: str
+    pictures: tuple[Picture, ...]
     tables: tuple[Table, ...]
+
+    @cached_property
+    def files(self) -> dict[str, bytes]:
+        """Its files by path below the folder: figures as PNG, PDF and SVG, tables as CSV and LaTeX, the page last."""
+        files = {f"figures/{name}": data for drawn in self.pictures for name, data in drawn.files().items()}
+        for table in self.tables:
+            files[f"tables/{table.name}.csv"] = table.csv().encode()
+            files[f"tables/{table.name}.tex"] = table.latex().encode()
+        return files | {PAGE_NAME: self.page.encode()}
 
     def write(self, folder: Path) -> Path:
         """Write all files and return the page's path. Raises: RecordingError."""
@@ -121,7 +132,7 @@ def make_report(
     panels, between = panels_of(campaign), contrasts(campaign, each_pair=each_pair)
     tables = campaign_tables(panels, between, overall(campaign))
     tables += tuple(table for table in (egress_table(panels), exit_table(panels)) if table.rows)
-    pictures = list(campaign_pictures(campaign, panels))
+    pictures = tuple(campaign_pictures(campaign, panels))
     opening, notes = compared_settings(between), campaign_notes(campaign, missions)
     if not each_pair and (count := len(compared_pairs(campaign))) > MAX_PAIRS:
         notes += (f"Settings are not compared: they are {count} pairs; `report --each-pair` compares them.",)
@@ -129,7 +140,7 @@ def make_report(
     page = campaign_page(
         campaign, [*opening, *notes], pictures, tables[len(comparison) :], missions, comparison=comparison
     )
-    return Report(opening, notes, report_files(page, pictures, tables), tables)
+    return Report(opening, notes, page, pictures, tables)
 
 
 def compared_settings(contrasts: Sequence[Contrast]) -> tuple[str, ...]:
@@ -157,15 +168,6 @@ def _paragraph(contrasts: Sequence[Contrast]) -> str:
     where = f" at {one.where}" if one.where else ""
     how = "" if one.pairs is None else f", in {one.pairs} pairs of missions with the same seed"
     return f"{one.second} compared with {one.first}{where}{how}: {'; '.join(parts)}."
-
-
-def report_files(page: str, pictures: Sequence[Picture], tables: Sequence[Table]) -> dict[str, bytes]:
-    """Return the files of a report by path: its figures as PNG, PDF and SVG, its tables as CSV and LaTeX, its page."""
-    files = {f"figures/{name}": data for drawn in pictures for name, data in drawn.files().items()}
-    for table in tables:
-        files[f"tables/{table.name}.csv"] = table.csv().encode()
-        files[f"tables/{table.name}.tex"] = table.latex().encode()
-    return files | {PAGE_NAME: page.encode()}
 
 
 def campaign_notes(campaign: Campaign, missions: ShownMissions | None) -> tuple[str, ...]:

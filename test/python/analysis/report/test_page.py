@@ -32,7 +32,7 @@ def sweep_report(arena):
 
 
 def text(report):
-    return report.files["report.html"].decode()
+    return report.page
 
 
 def test_report_has_its_figures(garage_report):
@@ -122,7 +122,7 @@ def test_more_pairs_than_anybody_reads_are_compared_on_request(arena):
     stored = arena(Factor("control.alpha", tuple(0.1 + 0.05 * i for i in range(13)), "--sweep"), trials=1)
     report = make_report([stored], ["here"])
     assert report.notes == ("Settings are not compared: they are 78 pairs; `report --each-pair` compares them.",)
-    assert "tables/differences.csv" not in report.files
+    assert "differences" not in [table.name for table in report.tables]
     assert make_report([stored], ["here"], each_pair=True).tables[0].name == "differences"
 
 
