@@ -69,3 +69,32 @@ def break_every_third(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callab
         monkeypatch.setenv("PYTHONPATH", str(tmp_path))
 
     return install
+
+
+LOSS = """
+import time
+import warnings
+from rclpy.service import Service
+
+def losing(send):
+    def call(service, response, header):
+        if service.srv_name.endswith("/get_parameters"):
+            call.number += 1
+            print(f"answer {call.number} after {time.monotonic():.3f} s", flush=True)
+            if call.number == 1:
+                warnings.warn("failed to send response (timeout), at a.cpp:1, at a.c:1", RuntimeWarning)
+                return
+        send(service, response, header)
+
+    call.number = 0
+    return call
+
+Service.send_response = losing(Service.send_response)
+"""
+
+
+@pytest.fixture
+def lose_first_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let programs lose the first value of a parameter that they send, as if the client were not discovered yet."""
+    (tmp_path / "sitecustomize.py").write_text(LOSS)
+    monkeypatch.setenv("PYTHONPATH", str(tmp_path))

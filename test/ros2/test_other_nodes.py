@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import os
 import pty
+import re
 import subprocess
 import sys
 
@@ -61,6 +62,17 @@ def test_late_viewer_gets_the_whole_scene_of_a_mission(tmp_path, peer):
     for program in (simulation, scene):
         assert "Traceback" not in program.output
         assert "cannot be drawn" not in program.output
+
+
+def test_answer_that_is_lost_is_asked_for_again(tmp_path, peer, lose_first_answer):
+    mission = (*MISSION, "garage_sar", "--controllers", "inside", "--speed", "2")
+    with running(mission, tmp_path) as simulation, running(SCENE, tmp_path):
+        found = peer.listen("/scene/building", "visualization_msgs/MarkerArray", ALL_LATCHED)
+        peer.wait_until(lambda: namespaces(found) == {"floor", "walls"}, "the building")
+    times_s = [float(one) for one in re.findall(r"answer \d+ after ([0-9.]+) s", simulation.output)]
+    assert times_s[1] - times_s[0] < 9.0
+    assert "failed to send response (timeout)\n" in simulation.output
+    assert "RuntimeWarning" not in simulation.output
 
 
 def test_scene_with_a_scenario_of_its_own_needs_no_simulation(tmp_path, peer):

@@ -7,6 +7,7 @@ import signal
 import sys
 import threading
 import time
+import warnings
 from collections.abc import Callable, Collection, Mapping, Sequence
 from functools import partial
 from typing import Any
@@ -37,6 +38,8 @@ SIMULATION = "/simulation"
 """The node whose parameters all nodes of a launch share."""
 CALL_TIMEOUT_S = 10.0
 """A call of a service that is there waits this long for the response [s, wall]."""
+ANSWER_S = 2.0
+"""A parameter is asked for again after this time, because answers to clients not yet discovered are lost [s, wall]."""
 WAIT_S = 0.2
 """Interval of checks whether a service is there [s, wall]."""
 SERVICES_AT_ONCE = 8
@@ -79,6 +82,7 @@ def run(name: str, serve: Callable[[Ros2Node], None], *, owns_settings: bool = F
             (logging.INFO, lambda text: node.log.info(text)),
         )
     )
+    _log_lost_answers()
     try:
         with shutdown.after_mistakes():
             serve(node)
@@ -298,6 +302,10 @@ class Ros2Node:
 
     def call(self, name: str, type_name: str, request: Mapping[str, Any]) -> Any:
         """As for all nodes."""
+        return self._call(name, type_name, request, CALL_TIMEOUT_S)
+
+    def _call(self, name: str, type_name: str, request: Mapping[str, Any], timeout_s: float) -> Any:
+        """Return the response; None if the service is not there, or none came in this time."""
         service = interface("srv", type_name)
         client = self._inputs.create_client(service, name)
         try:
@@ -306,7 +314,7 @@ class Ros2Node:
             answered = threading.Event()
             future = client.call_async(service.Request(**request))
             future.add_done_callback(lambda _: answered.set())
-            deadline_s = time.monotonic() + CALL_TIMEOUT_S
+            deadline_s = time.monotonic() + timeout_s
             while not answered.wait(WAIT_S):
                 if not self.is_running() or time.monotonic() > deadline_s:
                     return None
@@ -336,15 +344,17 @@ class Ros2Node:
             executor.shutdown()
 
     def _setting_of_simulation(self, key: str, default: Any) -> Any:
-        waited_s = 0.0
+        begin_s, reported = time.monotonic(), False
         while self.is_running():
-            answer = self.call(f"{SIMULATION}/get_parameters", "rcl_interfaces/GetParameters", {"names": [key]})
+            answer = self._call(
+                f"{SIMULATION}/get_parameters", "rcl_interfaces/GetParameters", {"names": [key]}, ANSWER_S
+            )
             if answer is not None:
                 value = parameter_value_to_python(answer.values[0]) if answer.values else None
                 return default if value is None else _as_text(key, value, default)
-            waited_s += WAIT_S
-            if REPORT_TIMEOUT_S <= waited_s < REPORT_TIMEOUT_S + WAIT_S:
+            if not reported and time.monotonic() - begin_s > REPORT_TIMEOUT_S:
                 logger.warning("waiting for the node %s", SIMULATION)
+                reported = True
         return default
 
     def _judge(self, parameters: Sequence[Parameter]) -> SetParametersResult:
@@ -354,6 +364,19 @@ class Ros2Node:
                 reason = "call the service ~/reset_seed instead, which starts all nodes again"
                 return SetParametersResult(successful=False, reason=reason)
         return SetParametersResult(successful=True)
+
+
+def _log_lost_answers() -> None:
+    """Have rclpy's warning of a response that cannot be sent in the log, without the line of its source."""
+    show = warnings.showwarning
+
+    def shown(message: Warning | str, *where: Any, **more: Any) -> None:
+        if (text := str(message)).startswith("failed to send response"):
+            logger.warning("%s", text.partition(", at ")[0])
+        else:
+            show(message, *where, **more)
+
+    warnings.showwarning = shown
 
 
 def _as_text(key: str, value: Any, default: Any) -> Any:
