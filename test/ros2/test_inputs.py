@@ -45,6 +45,14 @@ def test_stamped_commands_are_obeyed_where_they_are_asked_for(tmp_path, peer):
         drive(peer, publisher, TwistStamped(twist=FORWARD), lambda: is_driving(truth))
 
 
+def test_controllers_stamp_their_commands_where_the_simulation_asks_for_it(tmp_path, peer):
+    mission = (*MISSION, "garage_sar", "--robots", "1", "--speed", "5", "--ros-args", "-p", "stamped_cmd_vel:=true")
+    with running(mission, tmp_path) as started:
+        truth = peer.listen("/robot_0/base_pose_ground_truth", "nav_msgs/Odometry")
+        peer.wait_until(lambda: truth and truth[-1].twist.twist.linear.x > 0.1, "a robot that drives")
+    assert "ignoring" not in started.output
+
+
 def test_commands_of_another_type_are_ignored_with_one_warning(tmp_path, peer):
     with running((*ARENA, "--ros-args", "-p", "stamped_cmd_vel:=true"), tmp_path) as mission:
         peer.node.create_publisher(Twist, "/robot_0/cmd_vel", 1)
@@ -126,6 +134,10 @@ def test_scans_are_sent_by_best_effort_on_request(tmp_path, peer):
         (("scenario:=garage_sar", "elsewhere:=3"), "elsewhere: 3; expected 0 to 2"),
         (("scenario:=garage_sar", "elsewhere:=[0, 1]"), "elsewhere: expected text"),
         (("scenario:=garage_sar", "seed:=-1"), "seed: "),
+        (
+            ("scenario:=garage_sar", "stamped_cmd_vell:=true"),
+            "stamped_cmd_vell: unknown parameter; did you mean 'stamped_cmd_vel'?",
+        ),
         (
             ("scenario:=garage_sar", "set:=control.localisation=tf", "controllers:=inside"),
             "controllers: inside; expected nodes or team with control.localisation=tf",

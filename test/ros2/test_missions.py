@@ -101,12 +101,19 @@ def test_number_that_is_negative_is_refused(tmp_path, option):
     assert f"argument {option}: -1; expected a whole number from 0 on" in mission.output
 
 
+def test_parameter_that_has_an_option_is_refused(tmp_path):
+    with running((*MISSION, "garage_sar", "--ros-args", "-p", "simulation:robots:=2"), tmp_path) as mission:
+        assert mission.wait() == 2
+    assert mission.output == "robotteamsim.ros2: -p robots; expected the option --robots\n"
+
+
 def test_ctrl_c_ends_a_mission_without_a_traceback(tmp_path):
     with running((*MISSION, "garage_sar", "--speed", "1"), tmp_path) as mission:
         mission.wait_for(lambda line: "mission starts" in line, "the start of the mission")
         for pid in (mission.process.pid, *descendants(mission.process.pid)):
             os.kill(pid, signal.SIGINT)
         assert mission.wait() == 128 + signal.SIGINT
+    assert "interrupted; /mission/abort ends a mission with its results" in mission.output
     assert "Traceback" not in mission.output
     assert "a controller has ended" not in mission.output
 

@@ -21,6 +21,7 @@ from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.message_parts import robot_name
 from robotteamsim.nodes.launched import NOT_SET, lock_domain, read_scenario
 from robotteamsim.nodes.settings import HOSTED
+from robotteamsim.ros2.arguments import given_parameters
 
 NODE = """
 import os, signal, threading
@@ -64,6 +65,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "allow_code": options.allow_code,
     }
     own = {name: getattr(options, name) for name in ("speed", "out", "stays", "paused", "localization")}
+    for name in given_parameters(given[split + 1 :]):
+        if name in settings | own:  # ROS would not notice two values of different types
+            sys.stderr.write(f"robotteamsim.ros2: -p {name}; expected the option --{name.replace('_', '-')}\n")
+            return 2
     try:
         num_robots = read_scenario(settings.get).team_size
         with lock_domain(_domain()):  # before controllers start, which would answer another simulation
@@ -135,6 +140,7 @@ def _run(nodes: Sequence[subprocess.Popen[bytes]]) -> int:
         node.kill()
     status = simulation.wait()
     if signals:
+        sys.stderr.write("robotteamsim.ros2: interrupted; /mission/abort ends a mission with its results\n")
         return 128 + signals[0]
     if is_first and status >= 0:
         return status

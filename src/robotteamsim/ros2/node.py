@@ -9,7 +9,7 @@ import threading
 import time
 import warnings
 from collections.abc import Callable, Collection, Mapping, Sequence
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import rclpy
@@ -31,7 +31,9 @@ from robotteamsim.nodes.rosout import forward_logging
 from robotteamsim.nodes.shutdown import Shutdown
 from robotteamsim.nodes.steps import REPORT_TIMEOUT_S
 from robotteamsim.recording.bag_types import Ros2Types
+from robotteamsim.ros2.arguments import given_parameters
 from robotteamsim.ros2.topics import Ros2Output, Sender, StampedOutput, filled, interface, quality
+from robotteamsim.scenario.problems import suggestion
 from robotteamsim.wording import counted
 
 SIMULATION = "/simulation"
@@ -191,6 +193,22 @@ class Ros2Node:
         self._node.set_descriptor(key, descriptor)
         return value
 
+    @cached_property
+    def _stamps_commands(self) -> bool:
+        """Whether `cmd_vel` is a TwistStamped."""
+        return bool(self.setting("stamped_cmd_vel", False))
+
+    def check_given(self) -> None:
+        """Check the names on the command line, after all parameters have been read.
+
+        Raises: ParameterError: there is no such parameter.
+        """
+        self.setting("stamped_cmd_vel", False)  # of the controllers
+        known = self._node.list_parameters([], 0).names
+        for name in given_parameters(sys.argv):
+            if name not in known:
+                raise ParameterError(f"{name}: unknown parameter{suggestion(name, known)}")
+
     def change_setting(self, key: str, value: str) -> None:
         """As for all nodes."""
         self._changing = key
@@ -199,7 +217,7 @@ class Ros2Node:
 
     def output(self, topic: str, type_name: str, *, latched: bool = False) -> Output:
         """As for all nodes. Raises: ParameterError: its type is not installed, or `qos_overrides` has a wrong value."""
-        is_stamped = type_name == TWIST and self.parameter("~stamped_cmd_vel", False)
+        is_stamped = type_name == TWIST and self._stamps_commands
         type_name = f"{TWIST}Stamped" if is_stamped else type_name
         try:
             self._outputs.append(Ros2Output(self._node, self.make, topic, type_name, latched=latched))
@@ -219,7 +237,7 @@ class Ros2Node:
     ) -> None:
         """As for all nodes. A latched topic is received from latching publishers only."""
         profile = quality(latched=latched, lossy=lossy, queue_size=queue_size)
-        if type_name == TWIST and self.parameter("~stamped_cmd_vel", False):
+        if type_name == TWIST and self._stamps_commands:
             type_name, receive = f"{TWIST}Stamped", self._unstamped(receive)
         # rclpy inspects the signature, which functions in C need not have.
         self._inputs.create_subscription(

@@ -24,6 +24,7 @@ def _serve(node: Ros2Node) -> None:
             from robotteamsim.ros2 import simulation_interfaces
 
             simulation_interfaces.offer(node, simulation)
+        node.check_given()
         node.spin()
         simulation.serve()
 
