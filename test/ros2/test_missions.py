@@ -101,10 +101,19 @@ def test_number_that_is_negative_is_refused(tmp_path, option):
     assert f"argument {option}: -1; expected a whole number from 0 on" in mission.output
 
 
-def test_parameter_that_has_an_option_is_refused(tmp_path):
-    with running((*MISSION, "garage_sar", "--ros-args", "-p", "simulation:robots:=2"), tmp_path) as mission:
+@pytest.mark.parametrize(
+    ("parameter", "line"),
+    [
+        ("simulation:robots:=2", "-p robots; expected the option --robots"),
+        ("allow_code:=true", "-p allow_code; expected the option --allow-code"),
+        ("seed:=3", "-p seed; expected the option --seed"),
+        ("scenario:=office_manet", "-p scenario; expected the first argument"),
+    ],
+)
+def test_parameter_that_has_an_option_is_refused(tmp_path, parameter, line):
+    with running((*MISSION, "garage_sar", "--ros-args", "-p", parameter), tmp_path) as mission:
         assert mission.wait() == 2
-    assert mission.output == "robotteamsim.ros2: -p robots; expected the option --robots\n"
+    assert mission.output == f"robotteamsim.ros2: {line}\n"
 
 
 def test_ctrl_c_ends_a_mission_without_a_traceback(tmp_path):

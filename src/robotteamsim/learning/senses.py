@@ -11,7 +11,7 @@ import numpy as np
 
 from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.interface import Message, Observation, Task
-from robotteamsim.interface.payload import Point, Update, read_payload
+from robotteamsim.interface.payload import Point, Update, update_reader
 from robotteamsim.learning.arrays import numbers_of
 from robotteamsim.learning.observe import Observe, Percepts, cos_sin
 from robotteamsim.network.messages import Batch, batch_of
@@ -27,7 +27,7 @@ class Said(Update, frozen=True):
     say: tuple[Annotated[float, msgspec.Meta(ge=-1.0, le=1.0)], ...] = ()
 
 
-_decoder = msgspec.json.Decoder(Said)
+_read = update_reader(Said, kept=256)
 
 
 class Senses:
@@ -134,7 +134,7 @@ def _said_in(batch: Batch, said: int) -> tuple[list[int], np.ndarray]:
     """Return who says so many numbers in a batch, and their rows of `Percepts.heard`, with time 0."""
     rows = {}
     for message in batch.messages:
-        content = read_payload(_decoder, message.payload)
+        content = _read(message.payload)
         if content is not None and len(content.say) == said:
             rows[message.sender] = (1.0, *content.at, 0.0, *content.say)
     return list(rows), np.array(list(rows.values()), float).reshape(-1, 4 + said)

@@ -169,7 +169,7 @@ def _check(node: Node, settings: Settings) -> None:
     """Raise ParameterError if the settings do not fit together."""
     if settings.controllers not in HOSTED:
         raise _wrong(node, "controllers", f"{settings.controllers}; expected {', '.join(HOSTED)}")
-    allows_code = node.setting("allow_code", False)
+    allows_code = node.setting("allow_code", False)  # in any case, so that it counts as known
     if settings.controllers != "none" and not allows_code:
         foreign_code.check_scenario(settings.scenario, "allow_code:=true")
     if not settings.prefix and (settings.num_robots > 1 or settings.mission or settings.controllers != "none"):

@@ -72,7 +72,7 @@ class SteppedSimulation:
         self._folder = Path(out).expanduser() if out else None
         self._recording = _recording(node)
         self._starts_paused = node.parameter("~paused", False)
-        self._is_recorded = node.parameter("~recorded", False)
+        self._is_recorded = node.parameter("~recorded", False)  # in any case, so that it counts as known
         self._motion = _motion(node, settings)
         self._pacer = _pacer(node)
         self.gate = Gate()
@@ -132,7 +132,7 @@ class SteppedSimulation:
             for name in self._controllers.wait_for_all(START_TIMEOUT_S):
                 logger.warning("starting without %s", name)
         if self._starts_paused:
-            logger.info("paused before the first step; /simulation/resume begins")
+            logger.info("paused before the first step; /simulation/resume starts it")
             self.gate.wait()  # until clients that need the first step have subscribed
         else:
             recorded = recorded_topics(self._settings) if self._is_recorded else []

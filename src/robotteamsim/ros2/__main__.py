@@ -65,9 +65,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "allow_code": options.allow_code,
     }
     own = {name: getattr(options, name) for name in ("speed", "out", "stays", "paused", "localization")}
-    for name in given_parameters(given[split + 1 :]):
-        if name in settings | own:  # ROS would not notice two values of different types
-            sys.stderr.write(f"robotteamsim.ros2: -p {name}; expected the option --{name.replace('_', '-')}\n")
+    for name in given_parameters(given):
+        if name in {*settings, *own, "seed"}:  # ROS takes two values of different types without an error
+            instead = "the first argument" if name == "scenario" else f"the option --{name.replace('_', '-')}"
+            sys.stderr.write(f"robotteamsim.ros2: -p {name}; expected {instead}\n")
             return 2
     try:
         num_robots = read_scenario(settings.get).team_size

@@ -132,7 +132,7 @@ class Ros2Node:
         return not self._shutdown.wait(0.0)
 
     def spin(self) -> None:
-        """Begin to serve: from now on the node answers. One that owns settings does so when it has read them all."""
+        """Begin to serve: from now on the node answers. One that owns settings is told when: it reads them first."""
         self._node.add_on_set_parameters_callback(self._judge)
         self._inputs.create_timer(TYPES_S, self._warn_of_types, clock=Clock(clock_type=ClockType.STEADY_TIME))
         executors = EventsExecutor(), EventsExecutor(), MultiThreadedExecutor(SERVICES_AT_ONCE)
@@ -198,16 +198,13 @@ class Ros2Node:
         """Whether `cmd_vel` is a TwistStamped."""
         return bool(self.setting("stamped_cmd_vel", False))
 
-    def check_given(self) -> None:
-        """Check the names on the command line, after all parameters have been read.
-
-        Raises: ParameterError: there is no such parameter.
-        """
-        self.setting("stamped_cmd_vel", False)  # of the controllers
+    def warn_of_unknown_parameters(self) -> None:
+        """Warn of what the command line of the simulation sets, but the simulation has not read by now."""
+        self.setting("stamped_cmd_vel", False)  # controllers ask for it
         known = self._node.list_parameters([], 0).names
         for name in given_parameters(sys.argv):
             if name not in known:
-                raise ParameterError(f"{name}: unknown parameter{suggestion(name, known)}")
+                logger.warning("-p %s: there is no such parameter%s", name, suggestion(name, known))
 
     def change_setting(self, key: str, value: str) -> None:
         """As for all nodes."""

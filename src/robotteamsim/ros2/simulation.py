@@ -24,7 +24,7 @@ def _serve(node: Ros2Node) -> None:
             from robotteamsim.ros2 import simulation_interfaces
 
             simulation_interfaces.offer(node, simulation)
-        node.check_given()
+        node.warn_of_unknown_parameters()
         node.spin()
         simulation.serve()
 
