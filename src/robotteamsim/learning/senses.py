@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Sequence
 from typing import Annotated
 
@@ -128,8 +127,6 @@ class Senses:
         return padded
 
 
-# Robots that hear each other receive the same batch.
-@functools.lru_cache(maxsize=16)
 def _said_in(batch: Batch, said: int) -> tuple[list[int], np.ndarray]:
     """Return who says so many numbers in a batch, and their rows of `Percepts.heard`, with time 0."""
     rows = {}
