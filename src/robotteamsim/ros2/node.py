@@ -132,7 +132,9 @@ class Ros2Node:
         return not self._shutdown.wait(0.0)
 
     def spin(self) -> None:
-        """Begin to serve: from now on the node answers. One that owns settings is told when: it reads them first."""
+        """Begin to serve: from now on the node answers. A node that owns settings calls this itself."""
+        if self._owns_settings:
+            self.setting("stamped_cmd_vel", False)  # controllers ask for it
         self._node.add_on_set_parameters_callback(self._judge)
         self._inputs.create_timer(TYPES_S, self._warn_of_types, clock=Clock(clock_type=ClockType.STEADY_TIME))
         executors = EventsExecutor(), EventsExecutor(), MultiThreadedExecutor(SERVICES_AT_ONCE)
@@ -200,7 +202,6 @@ class Ros2Node:
 
     def warn_of_unknown_parameters(self) -> None:
         """Warn of what the command line of the simulation sets, but the simulation has not read by now."""
-        self.setting("stamped_cmd_vel", False)  # controllers ask for it
         known = self._node.list_parameters([], 0).names
         for name in given_parameters(sys.argv):
             if name not in known:

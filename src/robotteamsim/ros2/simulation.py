@@ -24,8 +24,8 @@ def _serve(node: Ros2Node) -> None:
             from robotteamsim.ros2 import simulation_interfaces
 
             simulation_interfaces.offer(node, simulation)
-        node.warn_of_unknown_parameters()
         node.spin()
+        node.warn_of_unknown_parameters()
         simulation.serve()
 
 
