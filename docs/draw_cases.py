@@ -5,7 +5,6 @@ Every number in the picture is computed by the library. Run by `make pictures`; 
 
 from __future__ import annotations
 
-import math
 import sys
 from dataclasses import dataclass
 from pathlib import Path
@@ -87,13 +86,13 @@ def oblique_wall() -> Case:
 
 def corner() -> Case:
     """Case 2."""
-    level = Wall(name="level", start=(0.0, 2.2), end=(2.85, 2.2))
-    thick = Wall(name="thick", start=(2.55, 2.3), end=(2.55, 0.0), thickness_m=0.6)
+    level = Wall(name="level", start=(0.0, 2.2), end=(2.7, 2.2), thickness_m=0.4)
+    upright = Wall(name="upright", start=(2.5, 2.4), end=(2.5, 0.0), thickness_m=0.4)
     return Case(
-        "2  corner",
-        plan(walls=(level, thick)),
+        "2  corner of two walls of one class",
+        plan(walls=(level, upright)),
         (((1.5, 2.8), (3.5, 1.2), (3.1, 2.15)), ((0.5, 0.45), (3.6, 0.45), (3.1, 0.6))),
-        (Note(class_text(level), (0.1, 1.85)), Note(class_text(thick), (0.5, 1.1))),
+        (Note(class_text(level), (0.1, 1.75)),),
     )
 
 
@@ -111,11 +110,12 @@ def along_a_wall() -> Case:
 def pillar() -> Case:
     """Case 4."""
     block = Block(name="pillar", kind="pillar", polygon=((1.7, 1.2), (2.3, 1.2), (2.3, 1.8), (1.7, 1.8)))
+    wall = Wall(name="wall", start=(2.4, 0.0), end=(2.4, 3.0))
     return Case(
-        "4  pillar",
-        plan(blocks=(block,)),
-        (((0.4, 1.3), (3.6, 1.3), (3.05, 1.02)), ((1.2, 2.2), (2.9, 1.5), (2.05, 2.05))),
-        (Note(class_text(block), (0.3, 0.6)),),
+        "4  pillar that touches a wall",
+        plan(walls=(wall,), blocks=(block,)),
+        (((0.4, 1.5), (3.6, 1.5), (3.05, 1.65)),),
+        (Note(class_text(block), (0.2, 0.4)), Note(class_text(wall), (2.6, 0.4))),
     )
 
 
@@ -199,11 +199,13 @@ def draw(axes: Axes, case: Case) -> None:
         for name, end, outward in (("a", a, -ahead), ("b", b, ahead)):
             axes.plot(*end, "o", color=ROBOT, markersize=6, markeredgecolor=palette.PAPER, zorder=6)
             write_next_to(axes, name, end, 10.0 * outward, ROBOT)
-        for point, loss_db in found:
+        points = list(dict.fromkeys(point for point, _ in found))
+        for i, point in enumerate(points):
             axes.plot(*point, "o", color=PAID, markersize=7, markeredgecolor=palette.PAPER, zorder=7)
-            side = -1.0 if math.dist(point, a) < math.dist(found[-1][0], a) else 1.0
+            here = " + ".join(f"{loss_db:g}" for there, loss_db in found if there == point)
+            side = 1.0 if i == len(points) - 1 else -1.0 if i == 0 else 0.0
             below = -1.0 if side * ahead[1] >= 0.0 else 1.0
-            write_next_to(axes, f"{loss_db:g}", point, np.array([side * 17.0, below * 9.0]), PAID)
+            write_next_to(axes, here, point, np.array([side * 17.0, below * (9.0 if side else 34.0)]), PAID)
         text = f"{total_db:g} dB"
         axes.text(*text_at, text, color=PAID, fontsize=11, weight="bold", zorder=8, path_effects=HALO)
     for note in case.notes:

@@ -62,11 +62,10 @@ class Faces:
 def radio_faces(plan: FloorPlan, radio: Radio) -> Faces:
     """Return the faces that attenuate radio, in units of 0.05 dB [dissertation, eq. 4 and Table 3].
 
-    A wall costs the loss of its class at any angle, half where a ray enters and half where it leaves. The class follows
-    from the thickness of a wall, or from the least width (over all directions) of a block or pillar without a
-    thickness, in whole mm; over 80 cm it is ]60,80]. A material replaces the class. Outlines inside the union of all
-    solids are not faces. Where the outlines of several solids coincide, or run within 5 mm of each other, the highest
-    loss counts.
+    A ray loses the loss of each wall and block that it crosses, at any angle, half where it enters and half where it
+    leaves; walls of one class that touch or overlap are one wall, see `_walls_that_meet`. The class follows from the
+    thickness of a wall, or from the least width (over all directions) of a block or pillar without a thickness, in
+    whole mm; over 80 cm it is ]60,80]. A material replaces the class.
 
     Raises: ScenarioError: a material is not in `radio.materials`.
     """
@@ -104,18 +103,40 @@ def _static_solids(plan: FloorPlan) -> list[Solid]:
 def _faces(plan: FloorPlan, weights: tuple[int, ...], door_weights: tuple[int, ...]) -> Faces:
     """Return the faces of a plan. Args: weights: of its static solids, or _NO_FACE.  door_weights: of its doors."""
     fading = [(solid, weight) for solid, weight in zip(_static_solids(plan), weights, strict=True) if weight >= 0]
-    ends_mm, face_weights = _union_faces([solid.polygon for solid, _ in fading], [weight for _, weight in fading])
+    outlines = [
+        _union_faces([solid.polygon for solid, _ in one], [weight for _, weight in one])
+        for one in _walls_that_meet(fading)
+    ]
     door_ends_mm = np.array([(*door.start, *door.end) for door in plan.doors]).reshape(-1, 4) * MM_PER_M
-    all_ends_mm = np.vstack([ends_mm, _whole(door_ends_mm).astype(np.int64)])
-    all_weights = np.concatenate([face_weights, np.array(door_weights, dtype=np.int32)])
+    all_ends_mm = np.vstack([*(ends_mm for ends_mm, _ in outlines), _whole(door_ends_mm).astype(np.int64)])
+    all_weights = np.concatenate([*(weights for _, weights in outlines), np.array(door_weights, dtype=np.int32)])
     all_ends_mm.flags.writeable = all_weights.flags.writeable = False
     return Faces(all_ends_mm, all_weights, {door.name: door.closed for door in plan.doors})
+
+
+def _walls_that_meet(fading: Sequence[tuple[Solid, int]]) -> list[list[tuple[Solid, int]]]:
+    """Return the solids in groups that are one where they touch: the walls of each class of Table 3 or material.
+
+    So a corner, a junction and pieces drawn one after the other are not two walls. Blocks with a thickness are walls
+    too: an imported image is cut into them. A pillar, or a block without a thickness, is a group of its own.
+    """
+    groups: dict[object, list[tuple[Solid, int]]] = {}
+    for solid, weight in fading:
+        element = solid.element
+        assert not isinstance(element, Door)
+        is_wall = solid.kind != "pillar" and element.thickness_m is not None
+        key = (element.material or _loss_class(element),) if is_wall else solid.name
+        groups.setdefault(key, []).append((solid, weight))
+    return list(groups.values())
 
 
 def _union_faces(polygons: Sequence[shapely.Polygon], weights: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
     """Return ends [mm] and weights of the outline of the polygons' union, its crossings rounded outwards."""
     in_mm = shapely.transform(np.array(polygons, dtype=object), lambda points_m: _whole(points_m * MM_PER_M))
     snapped = shapely.set_precision(in_mm, 1.0)
+    if len(polygons) == 1:
+        ends_mm, _, _ = _edges(shapely.orient_polygons(snapped))
+        return ends_mm, np.full(len(ends_mm), weights[0], dtype=np.int32)
     united = shapely.orient_polygons(shapely.union_all(snapped, grid_size=1.0))
     ends_mm, ring, _ = _edges(united)
     solid_edges_mm, _, solid_of_edge = _edges(snapped)
@@ -154,9 +175,13 @@ def _wall_units(plan: FloorPlan, radio: Radio, element: Wall | Block | Door) -> 
                 f"{plan.name}: {element.name}.material: '{element.material}' is not in radio.materials ({known})"
             )
         return _units(radio.materials[element.material])
+    return _units(radio.wall_loss_db[_loss_class(element)])
+
+
+def _loss_class(element: Wall | Block) -> int:
+    """Return the class of Table 3 that a thickness belongs to, from 0."""
     thickness_mm = _thickness_mm(element)
-    loss_class = sum(thickness_mm > limit_mm for limit_mm in _CLASS_LIMITS_MM)
-    return _units(radio.wall_loss_db[loss_class])
+    return sum(thickness_mm > limit_mm for limit_mm in _CLASS_LIMITS_MM)
 
 
 def _thickness_mm(element: Wall | Block | Door) -> int:

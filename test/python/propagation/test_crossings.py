@@ -16,11 +16,12 @@ from robotteamsim.scenario.sections import Radio
 
 THICK = ((14.861, 1.969), (14.775, 2.703), (14.079, 2.620), (14.166, 1.887))
 LONG = ((14.010, 2.142), (18.349, 2.656), (18.290, 3.152), (13.951, 2.639))
-"""A block of 70 cm (12.4 dB) and a wall of 50 cm (5.7 dB) that crosses it."""
+"""Two walls that cross, of one class (5.7 dB)."""
 
 
-def plan_of(*polygons: object) -> FloorPlan:
-    blocks = tuple(Block(name=f"b{i}", polygon=polygon) for i, polygon in enumerate(polygons))
+def plan_of(*polygons: object, thickness_m: float | None = 0.5) -> FloorPlan:
+    """Return a plan of walls of one class, which are one wall; without a thickness, of blocks, each of its own."""
+    blocks = tuple(Block(name=f"b{i}", polygon=polygon, thickness_m=thickness_m) for i, polygon in enumerate(polygons))
     return FloorPlan(name="oblique", bounds=Bounds(min=(-30.0, -30.0), max=(30.0, 30.0)), blocks=blocks)
 
 
@@ -59,7 +60,7 @@ def is_inside(wall: np.ndarray, point: np.ndarray) -> bool:
 @pytest.mark.parametrize("degrees", range(0, 360, 5))
 def test_ray_along_an_oblique_face_through_a_crossing_pays_that_wall_once_or_nothing(degrees):
     # From the corner of the long wall, along its lower face, to 2 mm inside: half of 5.7 dB, or nothing if the corner
-    # counts as inside. The block that the wall crosses costs nothing.
+    # counts as inside. The wall that it crosses is of the same class and costs nothing.
     core = radio_faces(plan_of(turned(THICK, degrees), turned(LONG, degrees)), Radio()).core()
     start, end = turned(((14.010, 2.142), (15.750, 2.350)), degrees)
     assert core.weight_between(start, end) == core.weight_between(end, start)
@@ -114,7 +115,8 @@ def test_ray_outside_along_a_thick_wall_pays_each_thin_wall_at_most_as_much_as_t
         along = np.array([math.cos(angle_rad), math.sin(angle_rad)])
         thick = strip(np.zeros(2), angle_rad, 12.0, 0.7)  # 12.4 dB
         thin = [strip(place_m * along, angle_rad + turn_rad, 4.0, 0.15) for place_m in (-3.0, 0.0, 3.0)]  # 3.8 dB
-        core = radio_faces(plan_of(*((wall / 1000.0).tolist() for wall in (thick, *thin))), Radio()).core()
+        elements = ((wall / 1000.0).tolist() for wall in (thick, *thin))
+        core = radio_faces(plan_of(*elements, thickness_m=None), Radio()).core()
         start, end = thick[:2]
         outwards = np.array([end[1] - start[1], start[0] - end[0]]) / math.dist(start, end)
         for depths_mm in generator.uniform(1.5, 4.0, (10, 2)):
