@@ -89,7 +89,7 @@ def corner() -> Case:
     level = Wall(name="level", start=(0.0, 2.2), end=(2.7, 2.2), thickness_m=0.4)
     upright = Wall(name="upright", start=(2.5, 2.4), end=(2.5, 0.0), thickness_m=0.4)
     return Case(
-        "2  corner of two walls of one class",
+        "2  corner of two walls",
         plan(walls=(level, upright)),
         (((1.5, 2.8), (3.5, 1.2), (3.1, 2.15)), ((0.5, 0.45), (3.6, 0.45), (3.1, 0.6))),
         (Note(class_text(level), (0.1, 1.75)),),

@@ -21,14 +21,8 @@ _UNITS_PER_DB = 20
 _CLASS_LIMITS_MM = (200, 400, 600)
 """Thickest wall of each of the first three classes of Table 3; all thicker walls are in the fourth, ]60,80] cm."""
 
-_NO_FACE = -1
-"""Weight of a solid that does not attenuate."""
-
 _HALF_TOLERANCE = 1e-6
 """A number this near to a half is a half: 8.0255 m is 8025.499999999999 mm in doubles."""
-
-_SAME_OUTLINE_MM = 5.0
-"""Outlines within this distance count as one. Rounding in the union moves a face by 0.7 mm, possibly several times."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -36,7 +30,7 @@ class Faces:
     """Segments that attenuate rays crossing them; the last ones are the doors, in the plan's order.
 
     ends_mm: int64, shape (n, 4): x1, y1, x2, y2 in `map` [mm].
-    weights: int32, shape (n,), >= 0: half of the wall's weight for a face of a wall, all of it for a closed door.
+    weights: int32, shape (n,), > 0: half of what the loss changes by at a face of a wall, all of it at a closed door.
     doors:   whether each door is closed at the start, by name.
     """
 
@@ -62,15 +56,15 @@ class Faces:
 def radio_faces(plan: FloorPlan, radio: Radio) -> Faces:
     """Return the faces that attenuate radio, in units of 0.05 dB [dissertation, eq. 4 and Table 3].
 
-    A ray loses the loss of each wall and block that it crosses, at any angle, half where it enters and half where it
-    leaves; walls of one class that touch or overlap are one wall, see `_walls_that_meet`. The class follows from the
-    thickness of a wall, or from the least width (over all directions) of a block or pillar without a thickness, in
-    whole mm; over 80 cm it is ]60,80]. A material replaces the class.
+    A ray loses the loss of each wall, block and pillar that it crosses, at any angle, half where it enters and half
+    where it leaves; walls that touch or overlap are one wall with the highest of their losses, see `_faces`. The class
+    follows from the thickness of a wall, or from the least width (over all directions) of a block or pillar without a
+    thickness, in whole mm; over 80 cm it is ]60,80]. A material replaces the class.
 
     Raises: ScenarioError: a material is not in `radio.materials`.
     """
     half_losses = tuple(
-        _wall_units(plan, radio, solid.element) // 2 if radio.pillars or solid.kind != "pillar" else _NO_FACE
+        _wall_units(plan, radio, solid.element) // 2 if radio.pillars or solid.kind != "pillar" else 0
         for solid in _static_solids(plan)
     )
     door_loss_db = {"normal": radio.door_loss_db, "fireproof": radio.fireproof_door_loss_db}
@@ -98,56 +92,68 @@ def _static_solids(plan: FloorPlan) -> list[Solid]:
     return [solid for solid in solids(plan) if solid.kind != "door"]
 
 
-# Shared by all trials on one plan: the union of the garage's solids takes 10 ms.
+# Shared by all trials on one plan: the garage takes some 20 ms.
 @functools.lru_cache(maxsize=16)
 def _faces(plan: FloorPlan, weights: tuple[int, ...], door_weights: tuple[int, ...]) -> Faces:
-    """Return the faces of a plan. Args: weights: of its static solids, or _NO_FACE.  door_weights: of its doors."""
-    fading = [(solid, weight) for solid, weight in zip(_static_solids(plan), weights, strict=True) if weight >= 0]
-    outlines = [
-        _union_faces([solid.polygon for solid, _ in one], [weight for _, weight in one])
-        for one in _walls_that_meet(fading)
-    ]
+    """Return the faces of a plan.
+
+    At each place, walls have the highest of their losses. A ray loses half of each change of it, so walls that touch
+    or overlap are one wall, also at a corner. Blocks with a thickness are walls: an imported image is cut into them. A
+    pillar, or a block without a thickness, loses its own in addition.
+
+    Args: weights: half of the loss of each static solid, 0 if it does not attenuate.  door_weights: of its doors.
+    """
+    walls: list[tuple[shapely.Polygon, int]] = []
+    others: list[tuple[shapely.Polygon, int]] = []
+    for solid, weight in zip(_static_solids(plan), weights, strict=True):
+        if weight > 0:
+            is_wall = solid.kind != "pillar" and solid.element.thickness_m is not None
+            (walls if is_wall else others).append((solid.polygon, weight))
+    outlines_mm, outline_weights = _separate_outlines(others)
+    parts = [(outlines_mm, outline_weights)]
+    below = 0
+    for level in sorted({weight for _, weight in walls}):  # the changes at the outline of all walls of so high a loss
+        outline_mm = _union_outline([polygon for polygon, weight in walls if weight >= level])
+        parts.append((outline_mm, np.full(len(outline_mm), level - below, dtype=np.int32)))
+        below = level
+    ends_mm, face_weights = _merged(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
     door_ends_mm = np.array([(*door.start, *door.end) for door in plan.doors]).reshape(-1, 4) * MM_PER_M
-    all_ends_mm = np.vstack([*(ends_mm for ends_mm, _ in outlines), _whole(door_ends_mm).astype(np.int64)])
-    all_weights = np.concatenate([*(weights for _, weights in outlines), np.array(door_weights, dtype=np.int32)])
+    all_ends_mm = np.vstack([ends_mm, _whole(door_ends_mm).astype(np.int64)])
+    all_weights = np.concatenate([face_weights, np.array(door_weights, dtype=np.int32)])
     all_ends_mm.flags.writeable = all_weights.flags.writeable = False
     return Faces(all_ends_mm, all_weights, {door.name: door.closed for door in plan.doors})
 
 
-def _walls_that_meet(fading: Sequence[tuple[Solid, int]]) -> list[list[tuple[Solid, int]]]:
-    """Return the solids in groups that are one where they touch: the walls of each class of Table 3 or material.
-
-    So a corner, a junction and pieces drawn one after the other are not two walls. Blocks with a thickness are walls
-    too: an imported image is cut into them. A pillar, or a block without a thickness, is a group of its own.
-    """
-    groups: dict[object, list[tuple[Solid, int]]] = {}
-    for solid, weight in fading:
-        element = solid.element
-        assert not isinstance(element, Door)
-        is_wall = solid.kind != "pillar" and element.thickness_m is not None
-        key = (element.material or _loss_class(element),) if is_wall else solid.name
-        groups.setdefault(key, []).append((solid, weight))
-    return list(groups.values())
-
-
-def _union_faces(polygons: Sequence[shapely.Polygon], weights: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-    """Return ends [mm] and weights of the outline of the polygons' union, its crossings rounded outwards."""
+def _snapped(polygons: Sequence[shapely.Polygon]) -> np.ndarray:
+    """Return polygons in whole millimetres; those without an area are empty."""
     in_mm = shapely.transform(np.array(polygons, dtype=object), lambda points_m: _whole(points_m * MM_PER_M))
-    snapped = shapely.set_precision(in_mm, 1.0)
-    if len(polygons) == 1:
-        ends_mm, _, _ = _edges(shapely.orient_polygons(snapped))
-        return ends_mm, np.full(len(ends_mm), weights[0], dtype=np.int32)
-    united = shapely.orient_polygons(shapely.union_all(snapped, grid_size=1.0))
-    ends_mm, ring, _ = _edges(united)
-    solid_edges_mm, _, solid_of_edge = _edges(snapped)
-    near = _pairs_near(ends_mm[:, :2], solid_edges_mm) & _pairs_near(ends_mm[:, 2:], solid_edges_mm)
-    face_weights = np.full(len(ends_mm), -1, dtype=np.int32)
-    for face, edge in sorted(near):
-        face_weights[face] = max(face_weights[face], weights[solid_of_edge[edge]])
-    assert np.all(face_weights >= 0), "every face of a union lies on an edge of one of its parts"
-    ends_mm = round_outwards(ends_mm, ring, solid_edges_mm)
-    has_length = np.any(ends_mm[:, :2] != ends_mm[:, 2:], axis=1)
-    return ends_mm[has_length], face_weights[has_length]
+    return np.asarray(shapely.set_precision(in_mm, 1.0))
+
+
+def _separate_outlines(solids_of: Sequence[tuple[shapely.Polygon, int]]) -> tuple[np.ndarray, np.ndarray]:
+    """Return ends [mm] and weights of the outlines of solids, each of which counts for itself."""
+    ends_mm, _, solid = _edges(shapely.orient_polygons(_snapped([polygon for polygon, _ in solids_of])))
+    return ends_mm, np.array([weight for _, weight in solids_of], dtype=np.int32)[solid]
+
+
+def _union_outline(polygons: Sequence[shapely.Polygon]) -> np.ndarray:
+    """Return the ends [mm] of the outline of the polygons' union, its crossings rounded outwards."""
+    snapped = _snapped(polygons)
+    ends_mm, ring, _ = _edges(shapely.orient_polygons(shapely.union_all(snapped, grid_size=1.0)))
+    edges_mm, _, _ = _edges(snapped)
+    rounded_mm = round_outwards(ends_mm, ring, edges_mm)
+    return rounded_mm[np.any(rounded_mm[:, :2] != rounded_mm[:, 2:], axis=1)]
+
+
+def _merged(ends_mm: np.ndarray, weights: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the faces with those in one place merged, in order; so an outline of several levels stays one ring."""
+    backwards = (ends_mm[:, 0] > ends_mm[:, 2]) | ((ends_mm[:, 0] == ends_mm[:, 2]) & (ends_mm[:, 1] > ends_mm[:, 3]))
+    places = np.where(backwards[:, None], ends_mm[:, [2, 3, 0, 1]], ends_mm)
+    _, first, same = np.unique(places, axis=0, return_index=True, return_inverse=True)
+    sums = np.zeros(len(first), dtype=np.int32)
+    np.add.at(sums, same.reshape(-1), weights)
+    in_order = np.argsort(first)
+    return ends_mm[first[in_order]], sums[in_order]
 
 
 def _edges(geometry: shapely.Geometry | np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -157,13 +163,6 @@ def _edges(geometry: shapely.Geometry | np.ndarray) -> tuple[np.ndarray, np.ndar
     points_mm = np.rint(points).astype(np.int64)
     joined = np.flatnonzero(ring[:-1] == ring[1:])
     return np.hstack([points_mm[joined], points_mm[joined + 1]]), ring[joined], geometry_of_ring[ring[joined]]
-
-
-def _pairs_near(points_mm: np.ndarray, edges_mm: np.ndarray) -> set[tuple[int, int]]:
-    """Return the indices (point, edge) of all pairs that are close enough to belong to the same outline."""
-    tree = shapely.STRtree(shapely.linestrings(edges_mm.reshape(-1, 2, 2)))
-    pairs = tree.query(shapely.points(points_mm), predicate="dwithin", distance=_SAME_OUTLINE_MM)
-    return set(zip(*pairs.tolist(), strict=True))
 
 
 def _wall_units(plan: FloorPlan, radio: Radio, element: Wall | Block | Door) -> int:

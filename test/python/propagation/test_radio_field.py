@@ -70,13 +70,13 @@ def test_door_costs_its_loss_when_closed_and_nothing_when_open(make_plan, kind, 
     assert field.path_loss_db(*way) == free.path_loss_db(*way)
 
 
-def test_corner_of_walls_of_two_classes_costs_both(make_plan):
+def test_corner_of_walls_of_two_classes_costs_the_higher_loss(make_plan):
     walls = (
         Wall(name="thin", start=(5.0, 5.0), end=(10.0, 5.0), thickness_m=0.2),
         Wall(name="thick", start=(5.0, 4.9), end=(5.0, 10.0), thickness_m=0.7),
     )
     way = ((7.2, 4.4), (4.0, 5.6))  # in through the lower face of the thin wall, out through the left one of the thick
-    assert _wall_loss_db(make_plan(walls=walls), *way) == pytest.approx(3.8 + 12.4)
+    assert _wall_loss_db(make_plan(walls=walls), *way) == pytest.approx(12.4)
 
 
 @pytest.mark.parametrize("y_m", [4.9, 5.0, 5.1])
