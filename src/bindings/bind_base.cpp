@@ -1,7 +1,4 @@
 // _core.base: lengths and nearest points.
-#include <nanobind/stl/pair.h>
-#include <nanobind/stl/vector.h>
-
 #include <stdexcept>
 #include <vector>
 

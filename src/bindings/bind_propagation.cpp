@@ -1,8 +1,4 @@
 // _core.propagation: fading of radio and voice.
-#include <nanobind/eigen/dense.h>
-#include <nanobind/stl/array.h>
-#include <nanobind/stl/vector.h>
-
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>

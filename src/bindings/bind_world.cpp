@@ -1,8 +1,4 @@
 // _core.world: robots, walls, doors and objects.
-#include <nanobind/stl/map.h>
-#include <nanobind/stl/string.h>
-#include <nanobind/stl/vector.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <map>
