@@ -1,5 +1,7 @@
 // _core.base: lengths and nearest points.
+#include <cstddef>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "arrays.hpp"

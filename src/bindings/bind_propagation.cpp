@@ -1,5 +1,6 @@
 // _core.propagation: fading of radio and voice.
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>

@@ -1,6 +1,7 @@
 // _core.sensing: ranges as they are reported, odometry and hearing.
 #include <array>
-#include <memory>
+#include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 #include <vector>
 
