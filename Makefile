@@ -33,7 +33,7 @@ unexport PYTHONDONTWRITEBYTECODE
 check test_python test_ros test_ros2: export OPENBLAS_NUM_THREADS ?= 1
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help announce setup build build_tests compile garage_sar run check test test_cpp test_python test_ros test_ros2 lint tidy bench bench_learning bench_ros bench_ros2 exactness report build_fuzz fuzz sanitize faults garbage gazebo wheel pictures docs notebook man lock clean
+.PHONY: help announce setup build build_tests compile garage_sar run check test test_cpp test_python test_ros test_ros2 lint tidy bench bench_learning bench_ros bench_ros2 exactness report build_fuzz fuzz sanitize faults garbage gazebo nightly wheel pictures docs notebook man lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -105,7 +105,7 @@ garage_sar: build ## run the garage mission with roslaunch, and rviz if there is
 run: build ## run the garage mission headless
 	@$(VENV)/bin/robotteamsim run garage_sar $(ARGS)
 
-test: lint test_cpp test_python test_ros test_ros2 ## linters, GoogleTest, pytest, rostest, ROS 2; not tidy, fuzz, sanitize, faults, garbage, gazebo
+test: lint test_cpp test_python test_ros test_ros2 ## linters, GoogleTest, pytest, rostest, ROS 2; not tidy, sanitize, fuzz, faults, garbage, gazebo
 
 check: build_tests ## run the linters of Python and the fast tests, in about a minute: for every save
 	@$(PYTHON) -m ruff check --quiet .
@@ -221,6 +221,11 @@ gazebo: build_tests ## run the garage mission in Gazebo, in a Debian 11 that is 
 	@$(if $(GAZEBO_CHROOT),setup/gazebo-chroot.sh create $(GAZEBO_CHROOT))
 	$(call step,building the plugins of Gazebo,build_gazebo) $(GAZEBO_RUN) gazebo/build.sh $(BUILD)/gazebo $(JOBS)
 	@$(ENV) GAZEBO_CHROOT=$(GAZEBO_CHROOT) $(PYTHON) -m pytest test/gazebo -s $(ARGS)
+
+NIGHTLY ?= tidy sanitize fuzz faults garbage gazebo
+
+nightly: build_tests ## run what test leaves out, one after the other; NIGHTLY="tidy fuzz" some of it
+	+@setup/nightly.sh $(NIGHTLY)
 
 wheel: $(DEBIAN)-build $(VENV)/.wheel ## build dist/*.whl for Python 3.11 and newer, which includes Box2D and needs no compiler
 	@rm -rf dist && mkdir -p dist/raw

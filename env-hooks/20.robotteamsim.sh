@@ -1,5 +1,5 @@
-# What the package ros-environment sets, which Debian 13 does not have: the folders of this workspace's packages and of
-# Debian's. Where ros-environment is installed, its hooks have run before and nothing is missing.
+# Where ros-environment is missing, which sets the paths of all workspaces: the folders of this workspace's packages and of
+# Debian's. No package of Debian 13 depends on it; `make` installs it.
 
 _robotteamsim_paths=$(tr ';' ':' < "$CATKIN_ENV_HOOK_WORKSPACE/.catkin" 2> /dev/null)
 for _robotteamsim_path in "${_robotteamsim_paths:-$CATKIN_ENV_HOOK_WORKSPACE/share}" /usr/share; do

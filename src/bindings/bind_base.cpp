@@ -1,8 +1,7 @@
 // _core.base: lengths and nearest points.
-#include <nanobind/stl/pair.h>
-#include <nanobind/stl/vector.h>
-
+#include <cstddef>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "arrays.hpp"

@@ -1,6 +1,4 @@
 // _core.hazards: fire, smoke and heat.
-#include <nanobind/stl/vector.h>
-
 #include <cstdint>
 #include <utility>
 #include <vector>

@@ -1,11 +1,9 @@
 // _core.network: links between robots.
-#include <nanobind/eigen/dense.h>
-#include <nanobind/stl/shared_ptr.h>
-
 #include <memory>
 #include <utility>
 
 #include "bindings.hpp"
+#include "casters.hpp"
 #include "robotteamsim/network/fiedler.hpp"
 #include "robotteamsim/network/hop_count.hpp"
 #include "robotteamsim/network/team_links.hpp"

@@ -1,7 +1,4 @@
 // _core.plan: path planning on the known map.
-#include <nanobind/stl/optional.h>
-#include <nanobind/stl/vector.h>
-
 #include <cstdint>
 #include <utility>
 #include <vector>

@@ -1,9 +1,6 @@
 // _core.propagation: fading of radio and voice.
-#include <nanobind/eigen/dense.h>
-#include <nanobind/stl/array.h>
-#include <nanobind/stl/vector.h>
-
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>

@@ -1,11 +1,7 @@
 // _core.sensing: ranges as they are reported, odometry and hearing.
-#include <nanobind/eigen/dense.h>
-#include <nanobind/stl/array.h>
-#include <nanobind/stl/shared_ptr.h>
-#include <nanobind/stl/vector.h>
-
 #include <array>
-#include <memory>
+#include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 #include <vector>
 

@@ -1,7 +1,8 @@
 // _core.simulation: totals over a trial.
-#include <nanobind/stl/vector.h>
+#include <vector>
 
 #include "bindings.hpp"
+#include "casters.hpp"
 #include "robotteamsim/sensing/team_state.hpp"
 #include "robotteamsim/simulation/team_totals.hpp"
 

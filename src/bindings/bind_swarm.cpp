@@ -1,7 +1,4 @@
 // _core.swarm: velocities of a robotic swarm.
-#include <nanobind/stl/array.h>
-#include <nanobind/stl/vector.h>
-
 #include <array>
 #include <cstddef>
 

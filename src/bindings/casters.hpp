@@ -1,7 +1,17 @@
 #pragma once
 
+// How C++ types become Python's and back. Every binding includes this header: a function that returns a type of the
+// standard library or of Eigen compiles without its caster, and then fails when it is called.
+#include <nanobind/eigen/dense.h>
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/shared_ptr.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
 
 #include <array>
 #include <cstddef>

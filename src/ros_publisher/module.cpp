@@ -93,7 +93,7 @@ class Publisher {
     if (!publisher_) throw std::runtime_error(topic + ": cannot be advertised as " + type);
   }
 
-  void Publish(nb::bytes data) const {
+  void Publish(const nb::bytes& data) const {
     const Bytes message{data.c_str(), data.size()};
     const int before = num_subscribers();
     publisher_.publish(message);

@@ -18,6 +18,7 @@ class Output(NamedTuple):
 
     shape: tuple[int, ...]
     kind: type = np.float32
+    before: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -52,8 +53,8 @@ def evaluate(node: Any, filled: list[Any]) -> Any:
                 attribute = getattr(made, method)
                 filled.append(attribute(*(evaluate(arg, filled) for arg in args)) if callable(attribute) else attribute)
             return made
-        case Output(shape, kind):
-            filled.append(np.zeros(shape, kind))
+        case Output(shape, kind, before):
+            filled.append(np.full(shape, before, kind))
             return filled[-1]
         case Pose():
             return node
@@ -359,7 +360,8 @@ _THREE = np.full((2, 3), 0.1)
 
 def _sensors() -> Iterator[Call]:
     yield _CASTER.of(("cast", _WORLD, [0, 1]))
-    yield new("sensing.report", _LIMITS, np.full((2, 7), 2.0), np.full((2, 7), 0.01))
+    measured_m = np.array([[0.01, 2.0, 9.0], [2.0, 2.0, 2.0]])  # too near, a return, and none
+    yield new("sensing.report", _LIMITS, measured_m, np.full((2, 3), 0.01))
     contact = np.array([True, False])
     team = new("world.TeamMotion", poses=_THREE, twists=_THREE, motions=_THREE, in_contact=contact)
     yield team.of(("poses",), ("twists",), ("motions",), ("in_contact",))
@@ -404,7 +406,7 @@ def _hazards() -> Iterator[Call]:
     yield _BURNING.of(*burn, *state, *numbers)
     yield new("hazards.values_at", _MAP, (-1.0, 2.0), 0.5, np.array([[0.0, 3.0], [9.0, 9.0]]), 1.0)
     yield new("hazards.hot_in_sight", _MAP, (-1.0, 2.0), 0.5, 2.0, _GRID, _FROM, 4.0)
-    yield new("sensing.dim", _FAN, np.array([[0.0, 3.0, 0.1], [1.0, 4.0, 0.2]]), _HAZE, 6.0, Output((2, 7)))
+    yield new("sensing.dim", _FAN, np.array([[0.0, 3.0, 0.1], [1.0, 4.0, 0.2]]), _HAZE, 6.0, Output((2, 7), before=5.0))
 
 
 def calls() -> tuple[Call, ...]:

@@ -37,6 +37,8 @@ MAY_BE_INFINITE = {
     *("lengths_from", "length_m"),
     *("read_team", "world.TeamMotion", "sensing.OdometryState", "sensing.TeamState"),
 }
+INFINITE_IF_GIVEN = {"sensing.report", "sensing.dim"}
+"""Calls that report what they are given where a laser has no return, also an infinite range (REP-117)."""
 AS_GIVEN = {"OdometryState", "TeamState"}
 """Inputs of other calls that have the numbers that they are given; what those calls return must be finite."""
 # What is wrong is named: the type, the value, or the index.
@@ -52,6 +54,8 @@ def is_finite(value: Any) -> bool:
         return is_finite(list(value.values()))
     if isinstance(value, (tuple, list)):
         return all(is_finite(item) for item in value)
+    if type(value).__name__ == "Call":
+        return is_finite([*vars(value).values()])
     if not type(value).__module__.startswith("robotteamsim._core") or type(value).__name__ in AS_GIVEN:
         return True
     public = [name for name in dir(value) if not name.startswith("_")]
@@ -70,6 +74,8 @@ def check(call: Any, expected: tuple[type[Exception], ...] = EXPECTED) -> None:
         return
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
+    if call.name in INFINITE_IF_GIVEN and not is_finite(call):
+        return
     if MAY_BE_INFINITE.isdisjoint({call.name, *(method[0] for method in call.then)}):
         assert is_finite(filled), f"{call} returned {filled}"
 

@@ -133,6 +133,16 @@ def test_bindings_of_a_floor_include_only_it_and_lower_floors():
     assert offenders == []
 
 
+def test_each_binding_has_all_type_casters():
+    # Compiled together, a source gets the casters of its neighbours: only a build without unity misses one.
+    casters = re.compile(r"nanobind/(stl|eigen)/")
+    own = [path.name for path in BINDINGS if path.name != "casters.hpp" and any(map(casters.match, included(path)))]
+    assert own == []
+    without = [p.name for p in BINDINGS if p.name.startswith("bind_") and "casters.hpp" not in included(p)]
+    assert without == []
+    assert any(map(casters.match, included(ROOT / "src" / "bindings" / "casters.hpp")))
+
+
 def test_cpp_library_knows_neither_ros_nor_python():
     offenders = [
         f"{path.relative_to(ROOT)} includes {name}"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import subprocess
 import sys
 import tomllib
@@ -48,3 +49,10 @@ def test_wheels_are_configured_for_three_systems_and_the_stable_abi_of_python():
     for system in ("linux", "macos", "windows"):
         _, script, _ = settings[system]["before-all"].split()
         assert (root / script).is_file()
+
+
+def test_sources_of_libraries_in_wheels_are_commits_which_cannot_change():
+    lines = (Path(__file__).parents[2] / "setup" / "wheel-libraries.sh").read_text().splitlines()
+    libraries = {words[1].rsplit("/", 1)[1]: words[2] for words in map(str.split, lines) if words[:1] == ["install"]}
+    assert set(libraries) == {"eigen", "spectra", "box2d"}
+    assert all(re.fullmatch(r"[0-9a-f]{40}", commit) for commit in libraries.values()), libraries

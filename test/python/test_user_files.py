@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import socket
 from pathlib import Path
 
@@ -43,3 +44,39 @@ def test_anything_else_is_rejected_with_its_name(tmp_path: Path, kind: str, reas
     with pytest.raises(OSError, match=reason) as raised:
         open_regular(path)
     assert raised.value.filename == str(path)
+
+
+_ROOT = Path(__file__).parents[2]
+_READS = re.compile(
+    r"\b(open_regular|read_text\(path|ezdxf\.readfile|fdsreader\.Simulation|sqlite3\.connect|torch\.load)\b"
+)
+_READERS = {
+    "campaign/store.py": "`campaign.sqlite`",
+    "hazards/fds.py": "results of FDS",
+    "learning/policy_file.py": "a policy (`policy.pt`)",
+    "map_import/cells.py": "image (PNG",
+    "recording/bag_file.py": "bag (ROS 1, MCAP)",
+    "recording/bag_reader.py": "bag (ROS 1, MCAP)",
+    "recording/bag_writer.py": "bag (ROS 1, MCAP)",  # what an earlier program has left
+    "recording/mcap_writer.py": "bag (ROS 1, MCAP)",
+    "recording/results.py": "`mission.json`",
+    "scenario/dxf.py": "drawing (DXF)",
+    "scenario/patrol.py": "patrol graph",
+    "scenario/plan_cache.py": "cache of imported plans",
+    "scenario/yaml_text.py": "scenario, floor plan, map yaml",
+    "stage/world_file.py": "world of Stage",
+    "cli/scenario_command.py": "scenario, floor plan, map yaml",
+}
+"""What each module reads, as SECURITY.md calls it."""
+
+
+def test_security_page_names_each_format_that_is_read():
+    package = _ROOT / "src" / "robotteamsim"
+    reading = {
+        path.relative_to(package).as_posix() for path in package.rglob("*.py") if _READS.search(path.read_text("utf-8"))
+    }
+    assert reading - {"user_files.py"} == set(_READERS)
+    rows = [
+        line.split("|")[1].strip() for line in (_ROOT / "SECURITY.md").read_text("utf-8").splitlines() if "|" in line
+    ]
+    assert [name for name in _READERS.values() if not any(name in row for row in rows)] == []

@@ -28,6 +28,10 @@ void Check(const Pose& pose, const char* name);
 void CheckNotNegative(double value, const char* name);
 void CheckPositive(double value, const char* name);
 
+/// Throw std::invalid_argument, which names the argument, unless it is usable or infinite, as a range without a return
+/// may be. In single precision a larger number would become infinite, too.
+void CheckUsableOrInfinite(double value, const char* name);
+
 /// Returns a number as an int: truncated, and limited to the range from low to high; low for NaN.
 inline int ClampedInt(double value, int low, int high) {
   if (!(value > low)) return low;

@@ -23,6 +23,7 @@ class Air {
   Air(const AirModel& model, const Links& links);
 
   /// Adds soot [g/m^2] and heat [kJ/m^2] to a cell.
+  /// Throws std::invalid_argument: it has more than single precision can hold in what follows, 1e12 K or 1e28 g/m^2.
   void Add(int padded, double soot_g_m2, double heat_kj_m2);
 
   /// Lets soot and heat spread through the links, and heat be lost, for some time [s].

@@ -19,8 +19,8 @@ struct RangeLimits {
 
 /// Writes true ranges as a sensor reports them [m]; all tables have one row per robot and one column per beam.
 /// Args: noise_m: added to the ranges [m]; empty: none.
-/// Throws std::invalid_argument if the shapes differ, the limits are not positive and ascending, or a value to report
-/// is not a number.
+/// Throws std::invalid_argument if the shapes differ, the limits are not positive, ascending and within base::kLargest,
+/// or a value to report is neither within it nor infinite.
 void Report(const RangeLimits& limits, const base::Table<const double>& ranges_m,
             const base::Table<const double>& noise_m, const base::Table<float>& reported_m);
 
@@ -28,7 +28,8 @@ void Report(const RangeLimits& limits, const base::Table<const double>& ranges_m
 /// Args: robots: poses of the robots that carry the fan; NaN for absent ones.
 ///       no_return_m: replaces what is hidden.
 ///       reported_m: as Report writes them, one row per robot.
-/// Throws std::invalid_argument if they have another shape.
+/// Throws std::invalid_argument if they have another shape, or no_return_m is neither within base::kLargest nor
+/// infinite.
 void Dim(const world::Fan& fan, const std::vector<base::Pose>& robots, const hazards::Haze& haze, double no_return_m,
          const base::Table<float>& reported_m);
 

@@ -44,4 +44,8 @@ void CheckPositive(double value, const char* name) {
   if (!IsPositive(value)) Reject(name, "> 0, from 1e-9 to 1e9", value);
 }
 
+void CheckUsableOrInfinite(double value, const char* name) {
+  if (!IsUsable(value) && !std::isinf(value)) Reject(name, "within 1e9 or infinite", value);
+}
+
 }  // namespace robotteamsim::base

@@ -16,6 +16,9 @@ constexpr double kLongestCooling = 1.0;               // [s]
 constexpr float kNothing = 1e-9F;                     // [K]
 constexpr double kSmallest = 1e-3;
 constexpr double kHottest = 1e4;  // [K]
+// Radiation multiplies three temperatures, and a density divides soot by a height: both fit in single precision.
+constexpr float kMostExcess = 1e12F;  // [K]
+constexpr double kMostSoot = 1e28;    // [g/m^2]
 constexpr int kMostPasses = 1'000'000;
 
 AirModel Checked(const AirModel& model) {
@@ -92,6 +95,9 @@ void Air::Add(int padded, double soot_g_m2, double heat_kj_m2) {
   last_ = std::max(last_, row);
   soot_.at(padded) += soot_g_m2;
   excess_.at(padded) += static_cast<float>(heat_kj_m2 / model_.heat_capacity_kj_m2_k);
+  if (!(excess_[padded] <= kMostExcess && soot_[padded] <= kMostSoot)) {
+    throw std::invalid_argument("more than 1e12 K or 1e28 g/m^2 of soot in a cell: it is too small for its fire");
+  }
 }
 
 void Air::Advance(const Links& links, double seconds) {

@@ -13,11 +13,11 @@ namespace {
 constexpr double kSharedSight = 0.09;  // 5 degrees
 
 void Check(const RangeLimits& limits) {
+  base::CheckNotNegative(limits.range_min_m, "range_min_m");
+  base::CheckPositive(limits.range_max_m, "range_max_m");
   if (!(limits.range_max_m > limits.range_min_m)) throw std::invalid_argument("range_max_m must be > range_min_m");
-  if (!(limits.range_min_m >= 0.0)) throw std::invalid_argument("range_min_m must be >= 0");
-  if (std::isnan(limits.too_near_m) || std::isnan(limits.no_return_m)) {
-    throw std::invalid_argument("too_near_m and no_return_m must be numbers");
-  }
+  base::CheckUsableOrInfinite(limits.too_near_m, "too_near_m");
+  base::CheckUsableOrInfinite(limits.no_return_m, "no_return_m");
 }
 
 void WriteReport(const RangeLimits& limits, const double* __restrict ranges_m, const double* __restrict noise_m,
@@ -69,6 +69,7 @@ void Report(const RangeLimits& limits, const base::Table<const double>& ranges_m
 
 void Dim(const world::Fan& fan, const std::vector<base::Pose>& robots, const hazards::Haze& haze, double no_return_m,
          const base::Table<float>& reported_m) {
+  base::CheckUsableOrInfinite(no_return_m, "no_return_m");
   if (!reported_m.HasShape(robots.size(), static_cast<std::size_t>(fan.beams))) {
     throw std::invalid_argument("ranges must have one row per robot and one column per beam");
   }

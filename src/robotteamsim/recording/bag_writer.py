@@ -11,7 +11,15 @@ from rosbags.rosbag1 import Writer, WriterError
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.bag import BagMessages, BagTopic, check_size
 from robotteamsim.recording.bag_types import BagTypes
-from robotteamsim.recording.files import cannot_write, check_replaceable, lock_active, make_folder, remove_empty, taken
+from robotteamsim.recording.files import (
+    cannot_write,
+    check_replaceable,
+    lock_active,
+    make_folder,
+    remove_empty,
+    rename_complete,
+    taken,
+)
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
 from robotteamsim.user_files import open_regular
@@ -126,7 +134,7 @@ class BagWriter:
         try:
             self._writer.close()
             self._writer = None
-            self._active.replace(self._path)
+            rename_complete(self._active, self._path)
         except OSError as error:
             raise self._write_error(error) from error
 

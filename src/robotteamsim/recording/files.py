@@ -68,15 +68,34 @@ def atomically(path: Path) -> Iterator[Path]:
     part = next(free for name in names if not os.path.lexists(free := path.with_name(name)))
     try:
         yield part
-        with part.open("rb") as file:
-            os.fsync(file.fileno())
-        part.replace(path)
+        rename_complete(part, path)
     except BaseException as error:
         with contextlib.suppress(OSError):
             part.unlink(missing_ok=True)
         if isinstance(error, OSError):
             raise cannot_write(path, error) from error
         raise
+
+
+def rename_complete(part: Path, path: Path) -> None:
+    """Give a complete file its final name once its contents are on the disk.
+
+    A loss of power then leaves the earlier file or the complete new one, and never the new name of half a file.
+
+    Raises: OSError: syncing or renaming fails.
+    """
+    with part.open("r+b") as file:  # for reading only, Windows cannot sync
+        os.fsync(file.fileno())
+    part.replace(path)
+    if sys.platform == "win32":  # no folder can be opened
+        return
+    # Some network file systems cannot sync a folder.
+    with contextlib.suppress(OSError):
+        folder = os.open(path.parent, os.O_RDONLY)
+        try:
+            os.fsync(folder)
+        finally:
+            os.close(folder)
 
 
 def write_atomically(path: Path, text: str) -> None:

@@ -12,7 +12,15 @@ from rosbags.rosbag2 import StoragePlugin, Writer, WriterError
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.bag import BagMessages, BagTopic, check_size
 from robotteamsim.recording.bag_types import Ros2Types
-from robotteamsim.recording.files import cannot_write, check_replaceable, lock_active, make_folder, remove_empty, taken
+from robotteamsim.recording.files import (
+    cannot_write,
+    check_replaceable,
+    lock_active,
+    make_folder,
+    remove_empty,
+    rename_complete,
+    taken,
+)
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
 from robotteamsim.user_files import open_regular
@@ -91,7 +99,7 @@ class McapWriter:
         try:
             self._writer.close()
             self._writer = None
-            self._active.replace(self._path)
+            rename_complete(self._active, self._path)
             shutil.rmtree(self._folder)
         except OSError as error:
             raise self._write_error(error) from error

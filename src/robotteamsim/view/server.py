@@ -18,6 +18,7 @@ _MAX_COMMAND_BYTES = 10_000
 _SCRIPTS = {f"/page/{name}.js": PAGE / f"{name}.js" for name in (*MODULES, "three.min")}
 _COMMANDS: msgspec.json.Decoder[AnyCommand] = msgspec.json.Decoder(AnyCommand)
 _KEEP_ALIVE_S = 5.0
+_FOREIGN = "only for the viewer's own page, in a browser of this machine"
 
 
 # aiohttp or starlette would save few of these lines, and need an event loop next to the threads of missions.
@@ -53,8 +54,8 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         """Answer a request for the page, one of its scripts, or the frames."""
-        if not self._is_from_here():
-            self._reply(HTTPStatus.FORBIDDEN, b"for this machine only", "text/plain")
+        if self._is_foreign():
+            self._reply(HTTPStatus.FORBIDDEN, _FOREIGN.encode(), "text/plain")
         elif self.path == "/":
             self._reply(HTTPStatus.OK, self.server.page, "text/html; charset=utf-8")
         elif self.path in _SCRIPTS:
@@ -69,9 +70,9 @@ class _Handler(BaseHTTPRequestHandler):
         mission = self.server.mission
         # A page from elsewhere can send JSON only after a CORS preflight, which this server rejects.
         is_json = self.headers.get("Content-Type") == "application/json"
-        if mission is None or self.path != "/command" or not is_json or not self._is_from_here():
+        if mission is None or self.path != "/command" or not is_json or self._is_foreign():
             self.close_connection = True  # the body has not been read
-            self._reply(HTTPStatus.FORBIDDEN, b"{}", "application/json")
+            self._reply(HTTPStatus.FORBIDDEN, msgspec.json.encode({"error": _FOREIGN}), "application/json")
             return
         length = self.headers.get("Content-Length", "")
         if not length.isdecimal() or int(length) > _MAX_COMMAND_BYTES:
@@ -85,13 +86,18 @@ class _Handler(BaseHTTPRequestHandler):
     def log_message(self, format: str, *args: Any) -> None:
         """Log nothing."""
 
-    def _is_from_here(self) -> bool:
-        """Whether the request is for an address of this machine and does not come from a page elsewhere.
+    def _is_foreign(self) -> bool:
+        """Whether the request is for a name that leads here (DNS rebinding), or comes from a page of elsewhere.
 
-        A name that leads here (DNS rebinding) and a picture or script of another page are refused.
+        Not each browser sends `Sec-Fetch-Site`, and none sends `Origin` for its own address bar or a picture.
         """
-        is_foreign = self.headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin")
-        return not is_foreign and self.headers.get("Host", "").rpartition(":")[0] in (HOST, "localhost")
+        host = self.headers.get("Host", "")
+        own_page = f"http://{host}"
+        return (
+            host.rpartition(":")[0] not in (HOST, "localhost")
+            or self.headers.get("Origin", own_page) != own_page
+            or self.headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin")
+        )
 
     def _send_frames(self, mission: ShownMission) -> None:
         self.close_connection = True

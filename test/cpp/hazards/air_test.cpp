@@ -125,5 +125,19 @@ TEST(Air, RejectsImpossibleNumbers) {
   EXPECT_THROW(air.Advance(links, -1.0), std::invalid_argument);
 }
 
+TEST(Air, RejectsMoreHeatThanSinglePrecisionHolds) {
+  const Links links(1, 1, {1}, {1}, {}, 0);
+  AirModel model;
+  model.heat_capacity_kj_m2_k = 1.0;
+  model.emissivity = 0.0;
+  // Up to 1e12 K, (x + 4 a) x^2 + ... is within 3.4e38; from 7e12 K on it is infinite, and 0 times it not a number.
+  Air warm(model, links);
+  warm.Add(links.Padded(0), 0.0, 1e12);
+  warm.Advance(links, 1.0);
+  EXPECT_NEAR(warm.excess()[links.Padded(0)], 1e12 / 1.02, 1e6);  // 2 h / C = 0.02 in one implicit step
+  EXPECT_THROW(Air(model, links).Add(links.Padded(0), 0.0, 1e13), std::invalid_argument);
+  EXPECT_THROW(Air(model, links).Add(links.Padded(0), 1e29, 0.0), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace robotteamsim::hazards

@@ -32,6 +32,10 @@ TEST(Report, RefusesImpossibleLimitsAndTablesOfAnotherShape) {
   EXPECT_THROW(Reported({5.0, 5.0, 5.0, 5.0}), std::invalid_argument);
   EXPECT_THROW(Reported({-1.0, 5.0, 0.0, 5.0}), std::invalid_argument);
   EXPECT_THROW(Reported({0.0, 5.0, kNan, 5.0}), std::invalid_argument);
+  // Reported in single precision, whose largest number is 3.4e38, these would become infinite.
+  EXPECT_THROW(Reported({0.0, 5.0, 1e39, 5.0}), std::invalid_argument);
+  EXPECT_THROW(Reported({0.0, 5.0, 0.0, -1e39}), std::invalid_argument);
+  EXPECT_THROW(Reported({0.0, 1e39, 0.0, 5.0}), std::invalid_argument);
   const std::vector<double> ranges_m(4), noise_m(4);
   std::vector<float> reported_m(4);
   const base::Table<float> reported{reported_m.data(), 2, 2};
@@ -50,6 +54,7 @@ TEST(Dim, RemovesWhatSmokeHidesFromEachRobot) {
   EXPECT_EQ(reported_m[4], 1.0F);
   EXPECT_EQ(reported_m[7], 2.0F);  // of an absent robot
   EXPECT_THROW(Dim(fan, {robots[0]}, haze, 5.0, rows), std::invalid_argument);
+  EXPECT_THROW(Dim(fan, robots, haze, 1e39, rows), std::invalid_argument);
 }
 
 }  // namespace

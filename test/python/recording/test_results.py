@@ -10,7 +10,7 @@ import pytest
 
 import robotteamsim
 from robotteamsim.errors import RecordingError
-from robotteamsim.recording import ResultWriter, result_summary
+from robotteamsim.recording import BagWriter, McapWriter, ResultWriter, result_summary
 from robotteamsim.recording.files import write_atomically
 from robotteamsim.scenario.scenario import Scenario
 
@@ -87,3 +87,22 @@ def test_full_disk_keeps_the_old_file_whole(tmp_path):
     assert f"RecordingError: {path}: cannot be written: File too large" in done.stderr
     assert path.read_text() == "old"
     assert os.listdir(tmp_path) == ["mission.json"]
+
+
+@pytest.mark.parametrize("name", ["m.txt", "m.bag", "m.mcap"])
+def test_file_is_on_the_disk_before_it_has_its_name_and_its_name_after(trial, tmp_path, monkeypatch, name):
+    path, synced, fsync = tmp_path / name, [], os.fsync
+
+    def record(descriptor: int) -> None:
+        fsync(descriptor)
+        there = os.fstat(descriptor)
+        synced.append((there.st_ino, there.st_size, path.exists()))
+
+    monkeypatch.setattr(os, "fsync", record)
+    if name == "m.txt":
+        write_atomically(path, "new")
+    else:
+        trial.play({"m.bag": BagWriter, "m.mcap": McapWriter}[name](path), steps=2)
+    file, folder = path.stat(), tmp_path.stat()
+    assert synced[0] == (file.st_ino, file.st_size, False)
+    assert [(inode, named) for inode, _, named in synced[1:]] == [(folder.st_ino, True)]

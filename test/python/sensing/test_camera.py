@@ -163,7 +163,9 @@ raise SystemExit(os.waitstatus_to_exitcode(status))
 
 
 def run_python(code: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=120)
+    # From 3.12 on, Python warns whoever forks a process with threads, such as those of OpenGL. Here, that is the test.
+    command = [sys.executable, "-W", "ignore:This process:DeprecationWarning", "-c", code]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=120)
 
 
 def test_forked_process_cannot_draw_and_says_so():

@@ -206,6 +206,33 @@ def test_server_answers_only_on_loopback_and_only_to_its_own_page(server: ViewSe
     connection.close()
 
 
+@pytest.mark.parametrize(
+    ("origin", "status"),
+    [
+        (None, 200),
+        ("http://127.0.0.1:{port}", 200),
+        ("http://localhost:{port}", 403),  # another origin than that of `Host`
+        ("https://127.0.0.1:{port}", 403),
+        ("http://127.0.0.1:1", 403),  # another program on this machine
+        ("https://attacker.example", 403),
+        ("null", 403),  # a file, or a frame in a sandbox
+        ("", 403),
+    ],
+)
+def test_page_of_another_origin_is_refused_in_one_line(server: ViewServer, origin: str | None, status: int) -> None:
+    headers = {} if origin is None else {"Origin": origin.format(port=server.server_address[1])}
+    given, error = _post(server, '{"command": "play"}', headers)
+    assert given == status
+    connection = http.client.HTTPConnection(*server.server_address[:2], timeout=_WAIT_S)
+    connection.request("GET", "/", headers=headers)
+    answer = connection.getresponse()
+    text = answer.read().decode()
+    connection.close()
+    assert answer.status == status
+    if status == 403:
+        assert error == text == "only for the viewer's own page, in a browser of this machine"
+
+
 @pytest.mark.slow
 def test_live_page_follows_the_mission_and_sends_commands(browser: Browser, server: ViewServer) -> None:
     with opened(browser, server.url) as page:
