@@ -16,7 +16,8 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "src" / "robotteamsim"
 
 FLOORS = (
-    ("errors", "extras", "geometry", "message_parts", "palette", "rng", "user_files", "wording", "base"),  # base is C++
+    # base is C++
+    ("base", "ending", "errors", "extras", "geometry", "message_parts", "palette", "rng", "user_files", "wording"),
     ("map_import",),
     ("scenario", "plan"),  # C++ calls it plan
     ("world", "propagation", "hazards"),

@@ -65,10 +65,11 @@ def registrations(node: str) -> list[str]:
     [
         lambda process: process.send_signal(signal.SIGINT),
         lambda process: process.send_signal(signal.SIGTERM),
+        lambda process: process.send_signal(signal.SIGHUP),
         lambda _: kill_by_master("/renamed"),
         lambda _: kill_by_master("/renamed_topics"),
     ],
-    ids=["SIGINT", "SIGTERM", "shutdown", "shutdown of its topics"],
+    ids=["SIGINT", "SIGTERM", "SIGHUP", "shutdown", "shutdown of its topics"],
 )
 def test_waiting_node_ends_cleanly_on_shutdown(ros, end):
     command = [sys.executable, "-c", WAITING_NODE, "__name:=renamed"]

@@ -184,7 +184,7 @@ def _check_algorithm(of: Scenario, settings: Sequence[Factor], allow_code: bool)
     try:
         make_controller(0, resolve(of))
     except RobotTeamSimError as error:
-        message = str(error).removeprefix(f"{of.name}: ")
+        message = str(error).removeprefix(f"{of.name}: ").removeprefix(f"{of.origin.place}: ")
         raise CampaignError(f"{matching[-1].place if matching else of.name}: {message}") from None
     except KeyboardInterrupt:
         raise

@@ -142,16 +142,17 @@ def _dead_workers_replaced(cluster: LocalCluster, count: int) -> Iterator[None]:
 
 @contextlib.contextmanager
 def _interrupts_kept_from_children() -> Iterator[None]:
-    """Block Ctrl-C in threads and processes that are started here, and in their children; this thread handles it.
+    """Block Ctrl-C and SIGHUP in threads and processes that are started here, and in their children.
 
-    A terminal sends it to all processes, and workers would print tracebacks.
+    This thread handles them. A terminal sends them to all processes, and workers would print tracebacks, or end first.
     """
     if not hasattr(signal, "pthread_sigmask"):  # Windows
         yield
         return
-    # Starts Python's resource tracker, which unblocks the signal: later it would do so in a thread of Dask.
+    former = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGHUP})
+    # Starts Python's resource tracker, which unblocks Ctrl-C: later it would do so in a thread of Dask.
     multiprocessing.get_context("spawn").Lock()
-    former = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:

@@ -26,7 +26,7 @@ from robotteamsim.cli import (
     scenario_command,
     view_command,
 )
-from robotteamsim.cli.interrupt import Terminated, signals_raised
+from robotteamsim.cli.interrupt import HungUp, Terminated, signals_raised
 from robotteamsim.cli.output import close_stdout, open_streams
 from robotteamsim.cli.parser import Parser, UsageError
 from robotteamsim.errors import RobotTeamSimError
@@ -35,6 +35,7 @@ from robotteamsim.wording import described, printable
 
 EXIT_ERROR = 1
 EXIT_MISTAKE = 2
+EXIT_HUNG_UP = 129
 EXIT_INTERRUPTED = 130
 EXIT_BROKEN_PIPE = 141
 EXIT_TERMINATED = 143
@@ -65,8 +66,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     With --debug anywhere among the arguments, an error also prints its traceback, and warnings of libraries are shown.
 
-    Returns: 0; 1 for a campaign with failed trials, or an error that is not the user's; 2 for a user's mistake; 130 if
-        interrupted; 141 for a broken pipe; 143 if terminated.
+    Returns: 0; 1 for a campaign with failed trials, or an error that is not the user's; 2 for a user's mistake; 129 if
+        the terminal was closed; 130 if interrupted; 141 for a broken pipe; 143 if terminated.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     open_streams()
@@ -125,6 +126,8 @@ def _reported(error: BaseException) -> int:
         case BrokenPipeError():  # the reader has closed the pipe
             close_stdout()
             return EXIT_BROKEN_PIPE
+        case HungUp():
+            line, status = "terminated, because the terminal was closed", EXIT_HUNG_UP
         case Terminated():
             line, status = "terminated", EXIT_TERMINATED
         case KeyboardInterrupt():

@@ -1,4 +1,4 @@
-"""Ctrl-C and SIGTERM."""
+"""Ctrl-C, SIGTERM, and SIGHUP of a closed terminal."""
 
 import contextlib
 import signal
@@ -8,27 +8,31 @@ from collections.abc import Iterator
 from types import FrameType
 from typing import Any, NoReturn
 
+from robotteamsim.cli.output import leave_closed_terminal
+from robotteamsim.ending import ending_signals
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Result, StepRecord
-
-_SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 class Terminated(KeyboardInterrupt):
     """SIGTERM: what cleans up after Ctrl-C also does after this."""
 
 
+class HungUp(Terminated):
+    """SIGHUP."""
+
+
 class InterruptBetweenSteps:
-    """Ends a run on Ctrl-C or SIGTERM after the current step has been recorded; a second signal ends it at once."""
+    """Ends a run on a signal after the current step has been recorded; a second signal ends it at once."""
 
     def begin(self, setup: Setup) -> None:
         """Install the handler; only in the main thread, which alone can receive signals."""
         self._received = 0
-        numbers = _SIGNALS if threading.current_thread() is threading.main_thread() else ()
+        numbers = ending_signals() if threading.current_thread() is threading.main_thread() else ()
         self._previous = {number: signal.signal(number, self._note) for number in numbers}
 
     def step(self, record: StepRecord) -> None:
-        """End the run if a signal has come. Raises: KeyboardInterrupt, Terminated."""
+        """End the run if a signal has come. Raises: KeyboardInterrupt, Terminated, HungUp."""
         if self._received:
             raise _interrupt(self._received)
 
@@ -45,12 +49,13 @@ class InterruptBetweenSteps:
         if self._received:
             self.abandon()
             signal.raise_signal(signal_number)
+        leave_closed_terminal()
         self._received = signal_number
 
 
 @contextlib.contextmanager
 def signals_raised() -> Iterator[list[KeyboardInterrupt]]:
-    """Within the block SIGTERM raises Terminated, as Ctrl-C KeyboardInterrupt, so that files are closed.
+    """Within the block SIGTERM raises Terminated and SIGHUP HungUp, as Ctrl-C KeyboardInterrupt: files are closed.
 
     Yields a list of what was raised, because libraries may raise an error of their own instead. Where nothing can be
     raised, such as in callbacks of C, Python ignores it, and would print that; then only a second signal ends the
@@ -62,6 +67,7 @@ def signals_raised() -> Iterator[list[KeyboardInterrupt]]:
         return
 
     def note(signal_number: int, frame: FrameType | None) -> NoReturn:
+        leave_closed_terminal()
         raised.append(_interrupt(signal_number))
         raise raised[-1]
 
@@ -72,7 +78,7 @@ def signals_raised() -> Iterator[list[KeyboardInterrupt]]:
             print_ignored(ignored)
 
     sys.unraisablehook = note_ignored
-    previous = {number: signal.signal(number, note) for number in _SIGNALS}
+    previous = {number: signal.signal(number, note) for number in ending_signals()}
     try:
         yield raised
     finally:
@@ -82,4 +88,6 @@ def signals_raised() -> Iterator[list[KeyboardInterrupt]]:
 
 
 def _interrupt(signal_number: int) -> KeyboardInterrupt:
-    return Terminated() if signal_number == signal.SIGTERM else KeyboardInterrupt()
+    if signal_number == signal.SIGINT:
+        return KeyboardInterrupt()
+    return Terminated() if signal_number == signal.SIGTERM else HungUp()

@@ -54,6 +54,15 @@ def close_stdout() -> None:
         return
 
 
+def leave_closed_terminal() -> None:
+    """Discard what is written to a terminal that was closed; each write would be an error, and files stay open."""
+    for number in (1, 2):
+        try:
+            os.write(number, b"")
+        except OSError:
+            _open_null(number)
+
+
 def _open_null(number: int) -> None:
     null = os.open(os.devnull, os.O_WRONLY)
     if null != number:

@@ -79,8 +79,8 @@ def run_check(options: argparse.Namespace) -> None:
         except ScenarioError as error:
             mistakes += _lines(error)
             continue
-        if mistake := _mistake_in_setting_up(setup):
-            mistakes.append(f"{name}: {mistake}")
+        if mistake := _mistake_in_setting_up(setup, name):
+            mistakes.append(mistake)
             continue
         mission, bounds = loaded.mission, loaded.plan.bounds
         width_m, height_m = (high - low for low, high in zip(bounds.min, bounds.max, strict=True))
@@ -112,16 +112,21 @@ def _unreachable(setup: Setup) -> tuple[FloorPart, ...]:
     return parts_without(setup.plan, min(robot.reach_m for robot in robots), starts) if robots else ()
 
 
-def _mistake_in_setting_up(setup: Setup) -> str:
-    """Return a mistake that appears only when the mission is set up, such as an unknown controller; "" if none."""
+def _mistake_in_setting_up(setup: Setup, name: str) -> str:
+    """Return a mistake that appears only when the mission is set up, such as an unknown controller; "" if none.
+
+    Args: name: of the scenario, for mistakes that do not name its file or option.
+    """
+    of = setup.scenario
     try:
-        if patrols(setup.scenario):
+        if patrols(of):
             patrol_graph(setup)
         faults = Simulation(setup).controllers.faults
     except RobotTeamSimError as error:
-        return str(error).removeprefix(f"{setup.scenario.name}: ")
+        line = str(error).removeprefix(f"{of.name}: ")
+        return line if line.startswith((f"{of.origin.place}: ", "--set: ")) else f"{name}: {line}"
     fault = next(filter(None, faults), "")
-    return f"control.algorithm: {setup.scenario.control.algorithm}: {fault}" if fault else ""
+    return f"{name}: control.algorithm: {of.control.algorithm}: {fault}" if fault else ""
 
 
 def run_show(options: argparse.Namespace) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from robotteamsim.learning.act import Commands
-from robotteamsim.learning.arrays import array_of
+from robotteamsim.learning.arrays import array_of, shown
 from robotteamsim.learning.episode import LARGEST_SEED, AnyScenario, Episode, Rules, vectors_of
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.observe import Percepts
@@ -102,13 +102,18 @@ class BatchEnv:
         self._perceive()
         return self._step.observations
 
-    def begin(self, which: np.ndarray) -> np.ndarray:
+    def begin(self, which: ArrayLike) -> np.ndarray:
         """Begin some missions now instead of in the next step, and return the observations of all.
 
         For libraries that reset environments themselves. Args: which: bool, shape (num_envs,).
+        Raises: RobotTeamSimError: one line: `reset` was not called, or `which` is something else.
         """
         self.episodes[-1].check_begun()
-        for i in np.flatnonzero(which):
+        chosen = array_of(which)
+        if chosen.shape != (self.num_envs,) or chosen.dtype != bool:
+            found = f"which: {shown(chosen)}, shape {chosen.shape}"
+            raise LearningError(f"{found}; expected bool, shape ({self.num_envs},)")
+        for i in np.flatnonzero(chosen):
             self.episodes[i].begin()
             for array in self._step[1:]:
                 array[i] = 0

@@ -14,7 +14,7 @@ from robotteamsim.learning.act import Act, Commands
 from robotteamsim.learning.arrays import array_of, numbers_of, shown
 from robotteamsim.learning.driven import DrivenControllers, driven_ids
 from robotteamsim.learning.errors import LearningError
-from robotteamsim.learning.observe import Observe, Percepts, in_bounds
+from robotteamsim.learning.observe import LARGEST_PART, MOST_TEAMMATES, Observe, Percepts, in_bounds
 from robotteamsim.learning.reward import Reward, SearchReward
 from robotteamsim.learning.senses import Senses
 from robotteamsim.mission.status import END_TEXTS, OUT_OF_DANGER
@@ -56,11 +56,19 @@ class Rules(msgspec.Struct, frozen=True, kw_only=True):
             value = given.get(key, base)
             if not (isinstance(value, type) and issubclass(value, base)):
                 raise LearningError(f"{key}: {value!r:.60}; expected a class derived from {base.__name__}")
-        for key, least in (("every", 1), ("said", 0), ("max_cycles", 1), ("teammates", 0)):
+        for key, least, most in (
+            ("every", 1, None),
+            ("said", 0, LARGEST_PART),
+            ("max_cycles", 1, None),
+            ("teammates", 0, MOST_TEAMMATES),
+        ):
             value = given.get(key, least)
+            if value is None and key in ("max_cycles", "teammates"):
+                continue
             is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
-            if not (value is None and key in ("max_cycles", "teammates")) and (not is_whole or value < least):
-                raise LearningError(f"{key}: {value!r}; expected a whole number of at least {least}")
+            if not is_whole or value < least or (most is not None and value > most):
+                limits = f"of at least {least}" if most is None else f"from {least} to {most}"
+                raise LearningError(f"{key}: {value!r:.60}; expected a whole number {limits}")
         return cls(**given)
 
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.propagation import shared_radio_field
 from robotteamsim.scenario import FloorPlan
+from robotteamsim.scenario.scenario import MAX_ROBOTS
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.setup import Setup
 
@@ -27,7 +28,11 @@ OLDEST_S = 10.0
 
 
 LARGEST_PART = 10**6
-"""Numbers in a part of the vector."""
+"""Numbers in a part of the vector, and in a message."""
+
+LARGEST_VECTOR = 10**7
+
+MOST_TEAMMATES = MAX_ROBOTS - 1
 
 
 class Part(NamedTuple):
@@ -168,6 +173,8 @@ class Observe:
             if not isinstance(size, int | np.integer) or not 0 <= size <= LARGEST_PART:
                 raise LearningError(f"part {name}: {size!r} numbers; expected a whole number from 0 to {LARGEST_PART}")
         begins = np.cumsum([0, *(size for _, size, _ in parts)]).tolist()
+        if begins[-1] > LARGEST_VECTOR:
+            raise LearningError(f"observation: {begins[-1]} numbers; expected at most {LARGEST_VECTOR}")
         return [Part(name, begin, size, meaning) for begin, (name, size, meaning) in zip(begins, parts, strict=False)]
 
     def vectors(self, percepts: Percepts) -> np.ndarray:

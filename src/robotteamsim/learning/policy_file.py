@@ -23,7 +23,7 @@ from robotteamsim.extras import missing_extra
 from robotteamsim.learning.act import Act
 from robotteamsim.learning.episode import AnyScenario, Episode, Rules
 from robotteamsim.learning.errors import LearningError
-from robotteamsim.learning.observe import Observe
+from robotteamsim.learning.observe import LARGEST_PART, MOST_TEAMMATES, Observe
 from robotteamsim.learning.policy import PolicyController
 from robotteamsim.recording.files import atomically
 from robotteamsim.scenario.controllers import is_policy_file
@@ -48,8 +48,8 @@ class _Settings(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     observe: str
     act: str
     every: _Size
-    said: Annotated[int, msgspec.Meta(ge=0)]
-    teammates: Annotated[int, msgspec.Meta(ge=0)] | None
+    said: Annotated[int, msgspec.Meta(ge=0, le=LARGEST_PART)]
+    teammates: Annotated[int, msgspec.Meta(ge=0, le=MOST_TEAMMATES)] | None
     vector: _Size
     numbers: _Size
     torch: str

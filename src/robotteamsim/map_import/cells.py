@@ -52,6 +52,8 @@ def read_image(path: Path) -> np.ndarray:
                 pixels, file_format = _pixels(image), image.format
         except (Image.DecompressionBombError, Image.DecompressionBombWarning):
             raise ValueError(f"has more than {MAX_PIXELS // 10**6} million pixels") from None
+        except MemoryError:
+            raise ValueError("needs more memory than there is") from None
         except Exception:  # Pillow has no error class for damaged files: SyntaxError, KeyError, struct.error and others
             raise ValueError("cannot be read as an image") from None
     if pixels.dtype == np.uint8:

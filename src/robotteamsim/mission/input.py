@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from types import MappingProxyType
 
 import msgspec
@@ -22,6 +22,7 @@ class MissionInput(msgspec.Struct, frozen=True, kw_only=True, eq=False):
     """The state of one step, after the controllers have decided. Sequences are in robot id order.
 
     positions_m: true positions of the team in `map`, shape (n, 2) [m].
+    speaker:     name of the victim whose voice is the loudest at a place in `map` [m]; None if nobody calls.
     present:     whether each robot is present, bool, shape (n,). Absent robots do not count.
     team_version: increases with each change of `present`.
     failed:      ids of the absent members who have failed by heat or collapsed.
@@ -38,6 +39,7 @@ class MissionInput(msgspec.Struct, frozen=True, kw_only=True, eq=False):
     sim_time_ns: int
     positions_m: np.ndarray
     voices: Sequence[VoiceReading]
+    speaker: Callable[[Point], str | None]
     network: NetworkState
     decisions: Sequence[Decision]
     present: np.ndarray

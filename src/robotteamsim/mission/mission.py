@@ -23,7 +23,6 @@ from robotteamsim.mission.victims import Casualties, Victims
 from robotteamsim.network.messages import Message, Refusal, Traffic
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.sections import Victim
-from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.setup import Setup
 
 
@@ -31,8 +30,8 @@ class Mission:
     """Judges one mission, step by step, only from the input of `step`; it has no access to the world.
 
     The mission's clock counts the steps while the mission is running, not those before the start, while paused or after
-    the end. All events of a step have its time, see `StepRecord`. When a robot hears a voice, the unsaved victim
-    nearest to the loudest place that the robot perceives counts as heard. If there is a base, `scenario.base`, a
+    the end. All events of a step have its time, see `StepRecord`. When a robot hears a voice, the victim who
+    is the loudest at the loudest place near the robot counts as heard. If there is a base, `scenario.base`, a
     mission whose areas are all explored continues until all discoveries have been delivered to the base. If
     firefighters save the victims, `Rescue` judges them, and the mission ends when all of them are safe or dead.
     """
@@ -170,7 +169,7 @@ class Mission:
         return tuple(Event(self._elapsed_ns / 1e9, what, what.words(self._member)) for what in news)
 
     def _judge(self, now: MissionInput) -> None:
-        self._judge_voices(now.voices)
+        self._judge_voices(now)
         self._judge_places(now.positions_m)
         passed = self._order.passed_over(now.decisions, now.present)
         if passed is not None:
@@ -207,13 +206,13 @@ class Mission:
             self._epoch += 1  # the voice leaves the map
             self._add(event)
 
-    def _judge_voices(self, voices: Sequence[VoiceReading]) -> None:
+    def _judge_voices(self, now: MissionInput) -> None:
         if "waiting" not in self._victims.states:
             return
-        for robot_id, voice in enumerate(voices):
+        for robot_id, voice in enumerate(now.voices):
             if voice.heard and voice.local_best_m not in self._heard_places_m:
                 self._heard_places_m.add(voice.local_best_m)
-                self._hear(robot_id, voice.local_best_m, voice.local_best_level_db)
+                self._hear(robot_id, now.speaker(voice.local_best_m), voice.local_best_level_db)
 
     def _judge_places(self, positions_m: np.ndarray) -> None:
         num_victims = len(self._saved_on_reach)
@@ -233,8 +232,8 @@ class Mission:
         self._add(events.VictimSaved(victim.name, count, len(self.victims), robot_id=robot_id))
         self._base.add(Discovery("victim", victim.name, robot_id, victim.position, self._elapsed_ns / 1e9))
 
-    def _hear(self, robot_id: int, loudest_m: Point, level_db: float) -> None:
-        index = self._victims.nearest_caller(loudest_m)
+    def _hear(self, robot_id: int, speaker: str | None, level_db: float) -> None:
+        index = None if speaker is None else self._victims.index(speaker)
         if index is not None and self._victims.states[index] == "waiting":
             self._victims.change(index, "heard")
             self._add(events.VictimHeard(self.victims[index].name, level_db, robot_id=robot_id))

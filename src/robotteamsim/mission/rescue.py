@@ -25,7 +25,6 @@ from robotteamsim.mission.events import (
 from robotteamsim.mission.input import MissionInput
 from robotteamsim.mission.status import VictimState
 from robotteamsim.mission.victims import Victims
-from robotteamsim.propagation import farthest_m
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import VoiceReading
@@ -64,7 +63,6 @@ class Rescue:
     def __init__(self, setup: Setup) -> None:
         scenario, mission = setup.scenario, setup.scenario.mission
         self._section, self._reach_m = mission.rescue, mission.save_distance_m
-        self._voice = scenario.voice
         self._firefighters = scenario.firefighter_ids
         self._sight = Sight(scenario.plan, mission.rescue, scenario.team_size, scenario.run.seed)
         self._safe_places = [(way_out.name, way_out.center, way_out.radius_m) for way_out in mission.exits]
@@ -119,7 +117,7 @@ class Rescue:
 
     def _located_by_voice(self, there_m: np.ndarray, now: MissionInput, victims: Victims) -> Iterator[VictimNews]:
         # All voices of a step are those of whoever called before it, also if they fall silent in this step.
-        speakers = [(robot_id, self._speaker(voice, victims)) for robot_id, voice in enumerate(now.voices)]
+        speakers = [(robot_id, self._speaker(voice, now, victims)) for robot_id, voice in enumerate(now.voices)]
         located: set[int] = set()
         for robot_id, index in speakers:
             if index is None or index in located or math.isnan(there_m[robot_id, 0]):
@@ -128,15 +126,12 @@ class Rescue:
                 located.add(index)
                 yield self._located(index, robot_id, now.voices[robot_id].local_best_m, "voice", victims.all[index])
 
-    def _speaker(self, voice: VoiceReading, victims: Victims) -> int | None:
-        """Return the index of the victim whose loud voice this is: the nearest caller whom it can come from."""
+    def _speaker(self, voice: VoiceReading, now: MissionInput, victims: Victims) -> int | None:
+        """Return the index of the victim whose loud voice this is; None if it is not loud, or they are silent."""
         if not voice.heard or voice.local_best_level_db < self._section.located_voice_db:
             return None
-        index = victims.nearest_caller(voice.local_best_m)
-        if index is None:
-            return None
-        away_m = math.dist(victims.all[index].position, voice.local_best_m)
-        return index if away_m <= farthest_m(self._voice, voice.local_best_level_db) else None
+        name = now.speaker(voice.local_best_m)
+        return None if name is None or name in victims.silent else victims.index(name)
 
     def _seen(self, there_m: np.ndarray, now: MissionInput, victims: Victims) -> Iterator[VictimNews]:
         states, enclosed = victims.states, now.enclosed

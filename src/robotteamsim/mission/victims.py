@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 
 from robotteamsim.hazards import Dose, Doses, HazardField
@@ -59,19 +58,10 @@ class Victims:
         self._note_who_calls()
         return True
 
-    def nearest_caller(self, place_m: Point) -> int | None:
-        """Return the index of the victim nearest to a place who may be heard there; None if nobody calls."""
-        if not self._calling:
-            return None  # the last voice of a victim who was saved in the step before
-        distances_m = [math.dist(place, place_m) for place in self._calling_m]
-        return self._calling[distances_m.index(min(distances_m))]
-
     def _note_who_calls(self) -> None:
-        named = list(zip(self.all, self.states, strict=True))
+        named = zip(self.all, self.states, strict=True)
         self.silent = tuple([victim.name for victim, state in named if state in SILENT])
         """Names of the victims who call no more."""
-        self._calling = [i for i, (victim, state) in enumerate(named) if state not in SILENT and victim.calling]
-        self._calling_m = [self.all[index].position for index in self._calling]
 
 
 class Casualties:

@@ -5,6 +5,7 @@ from typing import Any
 
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.nodes.node import Node
+from robotteamsim.wording import printable
 
 SERVICE_TIMEOUT_S = 5.0
 """A service waits this long for the current step [s, wall]."""
@@ -20,6 +21,11 @@ def offer_command(node: Node, name: str, type_name: str, do: Callable[[Any], str
         try:
             return {"success": True, "message": do(request) or ""}
         except (ValueError, RobotTeamSimError) as error:
-            return {"success": False, "message": str(error)}
+            return refused(error)
 
     node.offer(f"~{name}", type_name, serve)
+
+
+def refused(error: ValueError | RobotTeamSimError) -> dict[str, Any]:
+    """Return the response of a service that refuses a request: one line, although names in it have any characters."""
+    return {"success": False, "message": printable(str(error))}

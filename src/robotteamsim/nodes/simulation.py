@@ -24,7 +24,7 @@ from robotteamsim.nodes.node import Node, Output, ParameterError
 from robotteamsim.nodes.outputs import RadioMapOutputs, RecordOutputs, RobotOutputs, TeamOutputs, output_of
 from robotteamsim.nodes.recorded import recorded_topics
 from robotteamsim.nodes.requests import CHANGES, CHANGES_OF_BODIES, Change, pose_of
-from robotteamsim.nodes.services import SERVICE_TIMEOUT_S, offer_command
+from robotteamsim.nodes.services import SERVICE_TIMEOUT_S, offer_command, refused
 from robotteamsim.nodes.settings import SEED, Settings
 from robotteamsim.nodes.stage import StageRequests
 from robotteamsim.propagation import FieldMap
@@ -389,7 +389,7 @@ class SteppedSimulation:
                 getattr(mission, order)()
                 after = mission.status.state
         except ValueError as error:
-            return {"success": False, "message": str(error)}
+            return refused(error)
         return {"success": before != after, "message": f"the mission is {after}"}
 
     def _pause(self, _: object) -> str:

@@ -2,6 +2,6 @@
 
 from robotteamsim.propagation.field_map import FieldMap
 from robotteamsim.propagation.radio_field import RadioField, shared_radio_field
-from robotteamsim.propagation.voice_field import VoiceField, VoiceSource, farthest_m, voice_obstacles
+from robotteamsim.propagation.voice_field import VoiceField, VoiceSource, voice_obstacles
 
-__all__ = ["FieldMap", "RadioField", "VoiceField", "VoiceSource", "farthest_m", "shared_radio_field", "voice_obstacles"]
+__all__ = ["FieldMap", "RadioField", "VoiceField", "VoiceSource", "shared_radio_field", "voice_obstacles"]

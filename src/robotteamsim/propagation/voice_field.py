@@ -43,15 +43,6 @@ class VoiceSource:
         return _core.propagation.VoiceSource(self.position_m, self.constant_db, self.exponent)
 
 
-def farthest_m(voice: Voice, level_db: float) -> float:
-    """Return the largest distance at which any voice of a scenario can have a level, by eq. (7) without walls [m].
-
-    It is rounded up by one cell of the map.
-    """
-    decades = [(-voice.constant_db[0] - level_db) / (10.0 * exponent) for exponent in voice.exponent]
-    return float(np.power(10.0, min(max(decades), 9.0))) + voice.map_resolution_m
-
-
 def voice_obstacles(plan: FloorPlan, voice: Voice) -> tuple[Faces, float]:
     """Return the faces that attenuate voices by `voice.wall_model`, eqs. (5) and (6), and the loss of one unit [dB]."""
     if voice.wall_model == "thickness":

@@ -8,6 +8,7 @@ from typing import Any
 
 import rospy
 
+from robotteamsim.ending import ending_signals
 from robotteamsim.nodes.node import KINDS, ParameterError
 from robotteamsim.nodes.rosout import forward_logging
 from robotteamsim.nodes.shutdown import Shutdown
@@ -50,7 +51,7 @@ _shutdown = _Shutdown()
 
 def run(name: str, serve: Callable[[], None]) -> None:
     """Run a node until it is done or shut down; a user's mistake ends it with one line and status 2."""
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in ending_signals():
         signal.signal(number, lambda *_: _shutdown.begin())
     wait_for_master(_shutdown.wait)
     if not is_running():

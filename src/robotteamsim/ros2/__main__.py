@@ -17,6 +17,7 @@ import time
 from collections.abc import Sequence
 from typing import Any
 
+from robotteamsim.ending import ending_signals
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.message_parts import robot_name
 from robotteamsim.nodes.launched import NOT_SET, lock_domain, read_scenario
@@ -128,7 +129,7 @@ def _node(
 def _run(nodes: Sequence[subprocess.Popen[bytes]]) -> int:
     """Wait until one of the nodes has ended, and end the others; return the exit status of the mission."""
     signals: list[int] = []
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in ending_signals():
         signal.signal(number, lambda number, _: signals.append(number))
     simulation = nodes[0]
     while not signals and all(node.poll() is None for node in nodes):
@@ -141,7 +142,8 @@ def _run(nodes: Sequence[subprocess.Popen[bytes]]) -> int:
         node.kill()
     status = simulation.wait()
     if signals:
-        sys.stderr.write("robotteamsim.ros2: interrupted; /mission/abort ends a mission with its results\n")
+        with contextlib.suppress(OSError):  # of a closed terminal
+            sys.stderr.write("robotteamsim.ros2: interrupted; /mission/abort ends a mission with its results\n")
         return 128 + signals[0]
     if is_first and status >= 0:
         return status

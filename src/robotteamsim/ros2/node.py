@@ -25,6 +25,7 @@ from rclpy.parameter import Parameter, parameter_value_to_python
 from rclpy.qos_overriding_options import InvalidQosOverridesError
 from rclpy.signals import SignalHandlerOptions
 
+from robotteamsim.ending import ending_signals
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.nodes.node import KINDS, Output, ParameterError
 from robotteamsim.nodes.rosout import forward_logging
@@ -67,7 +68,7 @@ def run(name: str, serve: Callable[[Ros2Node], None], *, owns_settings: bool = F
     Args: owns_settings: whether the settings that all nodes share are parameters of this one.
     """
     shutdown = Shutdown()
-    for number in (signal.SIGINT, signal.SIGTERM):
+    for number in ending_signals():
         signal.signal(number, lambda *_: shutdown.begin())
     try:
         rclpy.init(args=sys.argv, signal_handler_options=SignalHandlerOptions.NO)

@@ -25,6 +25,7 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.yaml_text import mapping_of
 from robotteamsim.simulation import Simulation
+from robotteamsim.wording import printable
 
 SERVICES = (
     *("GetSimulatorFeatures", "GetSimulationState", "SetSimulationState", "ResetSimulation", "StepSimulation"),
@@ -72,9 +73,9 @@ def _answer(serve: Callable[[Any], Mapping[str, Any] | None], request: Any) -> M
         values = serve(request) or {}
         return values if "features" in values else {"result": Result(result=Result.RESULT_OK), **values}
     except RefusedError as error:
-        return {"result": Result(result=error.code, error_message=str(error))}
+        return {"result": Result(result=error.code, error_message=printable(str(error)))}
     except (ValueError, RobotTeamSimError) as error:
-        return {"result": Result(result=Result.RESULT_OPERATION_FAILED, error_message=str(error))}
+        return {"result": Result(result=Result.RESULT_OPERATION_FAILED, error_message=printable(str(error)))}
 
 
 class _Services:
@@ -131,7 +132,7 @@ class _Services:
         except ValueError as error:
             if goal.is_active:
                 goal.abort()
-            result = Result(result=Result.RESULT_OPERATION_FAILED, error_message=str(error))
+            result = Result(result=Result.RESULT_OPERATION_FAILED, error_message=printable(str(error)))
             return SimulateSteps.Result(result=result)
         goal.succeed()
         return SimulateSteps.Result(result=Result(result=Result.RESULT_OK))

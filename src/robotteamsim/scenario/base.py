@@ -95,7 +95,12 @@ def _in_tenths(loss_db: float) -> float:
     return loss_db
 
 
-LossDb = Annotated[float, Field(ge=0.0, le=120.0), AfterValidator(_in_tenths)]
+LossDb = Annotated[
+    float,
+    # With multipleOf, validators that divide binary numbers reject a third of the tenths, such as 0.3.
+    Field(ge=0.0, le=120.0, json_schema_extra={"enum": [tenths / 10.0 for tenths in range(1201)]}),
+    AfterValidator(_in_tenths),
+]
 """A loss in whole tenths of a dB, so that half of it is exact in the integer sums of the propagation model."""
 
 NoiseDb = Annotated[float, Field(ge=0.0, le=80.0)]

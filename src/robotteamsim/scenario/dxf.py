@@ -43,6 +43,9 @@ LEAST_SHARE = 1e-5
 LARGEST = 1e15
 """Of curves, in units of the drawing."""
 
+MOST_BYTES = 64 * 2**20
+"""Of a file: twice that of MOST_LINES lines. It needs some ten times its size while it is read."""
+
 MOST_WALLS = 100_000
 
 MOST_LINES = 200_000
@@ -124,10 +127,15 @@ def _read(path: Path) -> Drawing:
         raise ScenarioError(f"ezdxf: its configuration is damaged: {printable(' '.join(str(error).split()))}") from None
     if not is_file(path):
         raise ScenarioError(f"{path}: there is no such file")
+    if path.stat().st_size > MOST_BYTES:
+        raise ScenarioError(f"{path}: larger than {MOST_BYTES // 2**20} MiB; expected a drawing of one floor")
     try:
         return ezdxf.readfile(path)
+    except MemoryError:
+        pass  # so that what was read is freed first
     except Exception as error:  # damaged files cause IndexError, KeyError, StopIteration and others
         raise _unreadable(path, error) from None
+    raise ScenarioError(f"{path}: cannot be read as DXF: out of memory")
 
 
 def _unreadable(path: Path, error: Exception) -> ScenarioError:
@@ -141,6 +149,8 @@ def _unreadable(path: Path, error: Exception) -> ScenarioError:
         reason = error.strerror or "it is not a DXF file"
     elif isinstance(error, RecursionError):
         reason = "a block contains itself"
+    elif isinstance(error, MemoryError):
+        reason = "out of memory"
     return ScenarioError(f"{path}: cannot be read as DXF: {printable(reason)}")
 
 

@@ -93,22 +93,31 @@ def read_patrol_graph(path: Path, place: str) -> dict[str, object]:
     if not resolution_m > 0.0:
         raise words.error(f"resolution {resolution_m:g} is not above 0")
     offset_m = words.number(float, "the offset in x [m]"), words.number(float, "the offset in y [m]")
-    vertices = [_vertex(words, index, resolution_m, offset_m) for index in range(count)]
+    vertices = [_vertex(words, index, count, resolution_m, offset_m) for index in range(count)]
     words.end()
     return {"vertices": vertices}
 
 
-def _vertex(words: _Words, index: int, resolution_m: float, offset_m: tuple[float, float]) -> dict[str, object]:
+def _vertex(
+    words: _Words, index: int, count: int, resolution_m: float, offset_m: tuple[float, float]
+) -> dict[str, object]:
     number = words.number(int, f"the id of vertex {index}")
     if number != index:
         raise words.error(f"vertex {number}; expected {index}: ids count from 0")
     x_px, y_px = words.number(float, f"x of vertex {index} [px]"), words.number(float, f"y of vertex {index} [px]")
     neighbours: list[int] = []
     lengths_m: list[float] = []
-    for _ in range(words.number(int, f"the degree of vertex {index}")):
+    degree = words.number(int, f"the degree of vertex {index}")
+    if degree < (count > 1):
+        raise words.error(f"degree {degree}; a robot could never leave vertex {index}")
+    for _ in range(degree):
         neighbours.append(words.number(int, f"a neighbour of vertex {index}"))
+        if not 0 <= neighbours[-1] < count or neighbours[-1] == index:
+            raise words.error(f"{neighbours[-1]} is not another vertex; expected 0 to {count - 1}")
         words.next(f"the direction of an edge of vertex {index}")
         lengths_m.append(words.number(float, f"the cost of an edge of vertex {index} [px]") * resolution_m)
+        if not lengths_m[-1] > 0.0:
+            raise words.error(f"an edge of {lengths_m[-1]:g} m; expected a cost above 0")
     position = [x_px * resolution_m + offset_m[0], y_px * resolution_m + offset_m[1]]
     return {"position": position, "neighbours": neighbours, "lengths_m": lengths_m}
 

@@ -10,8 +10,8 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, mod
 from robotteamsim.scenario.base import Model, Name, NoiseDb, PlanarPose, Point, wrong
 
 EventKind = Literal["remove", "spawn", "door", "light", "noise_db", "victim", "ignite"]
-_KINDS: tuple[EventKind, ...] = get_args(EventKind)
-_DETAILS: dict[str, EventKind] = {"pose": "spawn", "closed": "door", "lit": "light", "position": "victim"}
+EVENTS: tuple[EventKind, ...] = get_args(EventKind)
+DETAILS: dict[str, EventKind] = {"pose": "spawn", "closed": "door", "lit": "light", "position": "victim"}
 """Keys that are only allowed with one kind of event."""
 
 
@@ -40,8 +40,8 @@ class ScheduledEvent(Model):
         given = self._given_kinds()
         if len(given) != 1:
             found = " and ".join(given) or "none"
-            raise wrong("", f"expected exactly one of {', '.join(_KINDS)}; found {found}")
-        for key, kind in _DETAILS.items():
+            raise wrong("", f"expected exactly one of {', '.join(EVENTS)}; found {found}")
+        for key, kind in DETAILS.items():
             if getattr(self, key) is not None and kind != given[0]:
                 raise wrong(key, f"only allowed with {kind}")
         if self.door is not None and self.closed is None:
@@ -58,7 +58,7 @@ class ScheduledEvent(Model):
         return {key: value for key, value in handler(self).items() if value is not None}
 
     def _given_kinds(self) -> list[EventKind]:
-        return [kind for kind in _KINDS if getattr(self, kind) is not None]
+        return [kind for kind in EVENTS if getattr(self, kind) is not None]
 
     @property
     def kind(self) -> EventKind:

@@ -35,6 +35,8 @@ class VoiceSensor:
         self._map: FieldMap | None = None
         self._core: _core.sensing.VoiceSensor | None = None
         """Evaluates this map at positions."""
+        self._speakers: dict[tuple[float, float], str | None] = {}
+        """Results of `speaker` since the last change."""
         self.version = 0
         """Number of changes of the map so far."""
         for victim in victims:
@@ -71,6 +73,21 @@ class VoiceSensor:
                 voice_map.origin_m, voice_map.resolution_m, voice_map.values, radius_m
             )
         return tuple(self._core.hear(positions_m))
+
+    def speaker(self, place_m: tuple[float, float]) -> str | None:
+        """Return whose voice is the loudest at a place in `map` [m], by eq. (7) with walls; None if nobody calls.
+
+        Of equally loud voices, it is that of the victim who was added first.
+        Raises: ValueError: the place is not finite.
+        """
+        if place_m not in self._speakers:
+            levels_db = {
+                name: self._field.level_db(source, place_m)
+                for name, source in self._sources.items()
+                if self._calls(name)
+            }
+            self._speakers[place_m] = max(levels_db, key=levels_db.__getitem__, default=None)
+        return self._speakers[place_m]
 
     def set_silenced(self, names: Collection[str]) -> None:
         """Silence these victims and let all others call. Raises: ValueError: no such victim."""
@@ -132,4 +149,5 @@ class VoiceSensor:
 
     def _change(self) -> None:
         self._map = self._core = None
+        self._speakers.clear()
         self.version += 1

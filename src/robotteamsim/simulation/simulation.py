@@ -138,6 +138,7 @@ class Simulation:
             sim_time_ns=of.sim_time_ns,
             positions_m=of.readings.positions_m,
             voices=of.voices,
+            speaker=self.hearing.sensor.speaker,
             network=network,
             decisions=decisions,
             present=world.present,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import time
 from collections.abc import Sequence
@@ -102,8 +103,10 @@ class Trial:
 
     def abandon(self) -> None:
         """Let the observers abandon an interrupted trial; no effect after the end of the mission."""
-        while self._observers:
-            self._observers.pop().abandon()
+        with contextlib.ExitStack() as stack:  # also if one of them raises
+            for observer in self._observers:
+                stack.callback(observer.abandon)
+            self._observers = []
 
     def _result(self, last: StepRecord) -> Result:
         status, run = last.mission, self._scenario.run

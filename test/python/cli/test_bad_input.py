@@ -127,3 +127,9 @@ def test_check_refuses_a_patrol_that_cannot_be_measured(tmp_path, refusal):
     )
     line = refusal("scenario", "check", path)
     assert line == f"{path}: mission.patrol.spacing_m: 6 m leaves no two places of the plan linked"
+
+
+def test_check_names_the_option_of_a_patrol_that_cannot_be_measured(refusal):
+    changes = ("--set", "control.algorithm=sebs", "--set", "mission.patrol.spacing_m=100")
+    line = "--set: mission.patrol.spacing_m: 100 m leaves no two places of the plan linked"
+    assert refusal("scenario", "check", "tutorial_arena", *changes) == line

@@ -218,7 +218,11 @@ def test_user_mistake_has_a_traceback_only_on_request(capsys):
 
 
 @pytest.mark.slow
-def test_terminated_run_leaves_a_readable_bag_or_nothing(tmp_path):
+@pytest.mark.parametrize(
+    ("number", "status", "words"),
+    [(signal.SIGTERM, 143, "terminated"), (signal.SIGHUP, 129, "terminated, because the terminal was closed")],
+)
+def test_terminated_run_leaves_a_readable_bag_or_nothing(tmp_path, number, status, words):
     out, bag = tmp_path / "o" / "out", tmp_path / "b" / "m.bag"
     command = [*LINES, "run", "garage_sar", "--out", str(out), "--bag", str(bag), "--quiet"]
     active = bag.with_name("m.bag.active")
@@ -226,9 +230,9 @@ def test_terminated_run_leaves_a_readable_bag_or_nothing(tmp_path):
     with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
         while not (active.exists() and active.stat().st_size > 300_000):
             assert process.poll() is None
-        process.send_signal(signal.SIGTERM)
+        process.send_signal(number)
         _, error = process.communicate(timeout=60)
-    assert (process.returncode, error) == (143, "robotteamsim: terminated\n")
+    assert (process.returncode, error) == (status, f"robotteamsim: {words}\n")
     assert main(["analyse", str(bag)]) == 0
     assert [path.name for path in sorted(tmp_path.rglob("*"))] == ["b", "m.bag"]
 

@@ -134,7 +134,7 @@ def test_plan_without_room_for_two_places_is_rejected(hall_scenario):
     closet = FloorPlan(name="closet", bounds=Bounds(max=(2.0, 2.0)))
     robots = (PlacedRobot(start_pose=(1.0, 1.0, 0.0)),)
     scenario = hall_scenario(plan=closet, robots=robots, mission=Mission(), control=SEBS)
-    with pytest.raises(ScenarioError, match=r"hall: mission.patrol.spacing_m: 6 m leaves no two places of the plan"):
+    with pytest.raises(ScenarioError, match=r"^mission.patrol.spacing_m: 6 m leaves no two places of the plan"):
         make_controller(0, resolve(scenario))
 
 

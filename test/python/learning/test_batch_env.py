@@ -112,6 +112,11 @@ def test_is_a_vector_env_of_single_robots(act):
     assert env.observation_space.contains(observations)
 
 
+@pytest.fixture(scope="module")
+def batch_of_three() -> BatchEnv:
+    return BatchEnv("garage_sar", 3)
+
+
 @pytest.mark.parametrize(
     ("do", "message"),
     [
@@ -128,6 +133,18 @@ def test_is_a_vector_env_of_single_robots(act):
             "garage_sar: observe: Box(-1.0, 1.0, (114,), float32); expected that of garage_sar, "
             "Box(-1.0, 1.0, (204,), float32)",
         ),
+        (
+            lambda: BatchEnv("garage_sar", 2, teammates=10**9),
+            "teammates: 1000000000; expected a whole number from 0 to 2999",
+        ),
+        (
+            lambda: BatchEnv("garage_sar", 2, said=10**9, teammates=0),
+            "said: 1000000000; expected a whole number from 0 to 1000000",
+        ),
+        (  # 181 beams, 13 numbers, and 100 teammates with 5 + 100,000
+            lambda: BatchEnv("garage_sar", 2, said=10**5, teammates=100),
+            "observation: 10000694 numbers; expected at most 10000000",
+        ),
         (lambda: BatchEnv("garage_sar", 2).step(np.zeros((2, 3, 2))), "the mission has not begun; call reset first"),
         (lambda: BatchEnv("garage_sar", 2).reset(-1), "seed: -1; expected a whole number from 0 to 9007199254740991"),
     ],
@@ -136,6 +153,24 @@ def test_wrong_use_is_one_line(do, message):
     with pytest.raises((LearningError, ScenarioError)) as raised:
         do()
     assert str(raised.value) == message
+
+
+@pytest.mark.parametrize(
+    "which",
+    [None, [True], [0, 1, 0], [0.0, 1.0, 0.0], [-1], [np.nan] * 3, "yes", ["0"] * 3, [[True] * 3], [], range(3)],
+    ids=repr,
+)
+def test_missions_to_begin_are_bool_in_the_shape_of_the_batch(batch_of_three, which):
+    batch = batch_of_three
+    batch.reset(seed=1)
+    with pytest.raises(LearningError, match=r"^which: .*, shape \(.*\); expected bool, shape \(3,\)$"):
+        batch.begin(which)
+    batch.begin([False] * 3)
+    assert [episode.setup.scenario.run.seed for episode in batch.episodes] == [1, 2, 3]
+    batch.begin(np.array([False, True, False]))
+    first, second, third = (episode.setup.scenario.run.seed for episode in batch.episodes)
+    assert (first, third) == (1, 3)
+    assert second != 2
 
 
 def test_reward_of_a_vector_env_is_that_of_the_robots_that_acted():

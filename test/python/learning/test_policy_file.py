@@ -243,6 +243,11 @@ def test_file_that_is_not_a_network_is_one_line(torch, tmp_path, capfd):
             "robotteamsim.json: Expected `int` >= 1 - at `$.every`; expected a policy of",
         ),
         (
+            {"teammates": 10**9},
+            [],
+            "robotteamsim.json: Expected `int` <= 2999 - at `$.teammates`; expected a policy of",
+        ),
+        (
             {"else": 0},
             [],
             "robotteamsim.json: Object contains unknown field `else`; expected a policy of",

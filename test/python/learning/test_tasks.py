@@ -341,7 +341,7 @@ def test_graphs_of_patrolling_sim_are_patrolled():
         ),
         (
             lambda: gym_env(**task("patrol", "tutorial_arena", ["mission.patrol.spacing_m=100"])),
-            "tutorial_arena: mission.patrol.spacing_m: 100 m leaves no two places of the plan linked",
+            "--set: mission.patrol.spacing_m: 100 m leaves no two places of the plan linked",
         ),
         (lambda: gym_env(**task("rescue", "garage_sar")), "garage_sar.yaml: fire: none; expected one"),
         (

@@ -54,6 +54,7 @@ class Course:
             "sim_time_ns": self.sim_time_ns,
             "positions_m": np.array((list(positions) + [FAR_M] * 2)[:2]),
             "voices": (list(voices) + [SILENCE] * 2)[:2],
+            "speaker": lambda place_m: "ann",
             "network": network_of(2, endangered, lost, self.sim_time_ns),
             "decisions": [Decision(excluded=i in excluded) for i in range(2)],
             "present": np.array(present),

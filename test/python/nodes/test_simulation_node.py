@@ -110,3 +110,10 @@ def test_robots_here_feel_fire_though_others_are_elsewhere():
                 for robot_id in sensed:
                     sensed[robot_id] += "heat" in simulation._last.readings[robot_id].sensors
     assert sensed[0] > 0
+
+
+def test_refusal_of_a_service_is_one_printable_line():
+    with stepped(load("garage_sar")) as (_, node):
+        answer = node.services["~set_door"](SimpleNamespace(name="a\nb\x1b[31m\x7f\u202e", closed=True))
+    line = r"unknown door 'a\nb\x1b[31m\x7f\u202e'; known: plant_door, stair_door"
+    assert answer == {"success": False, "message": line}

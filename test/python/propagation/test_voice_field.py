@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from robotteamsim.propagation import VoiceField, VoiceSource, farthest_m
+from robotteamsim.propagation import VoiceField, VoiceSource
 from robotteamsim.scenario.floor_plan import Door, Wall
 from robotteamsim.scenario.plan import occupancy_grid
 from robotteamsim.scenario.sections import Voice
@@ -27,12 +27,6 @@ def test_voice_is_heard_up_to_its_detection_radius(make_plan, constant_db, expon
     source = VoiceSource((0.0, 0.0), float(constant_db), float(exponent))
     assert field.level_db(source, (radius_m - 0.05, 0.0)) > noise_db
     assert field.level_db(source, (radius_m + 0.05, 0.0)) < noise_db
-
-
-@pytest.mark.parametrize(("level_db", "distance_m"), [(10.0, 22.9), (30.0, 9.1), (50.0, 3.63), (108.0, 0.316)])
-def test_farthest_voice_with_a_level_is_the_loudest_one_in_the_open(level_db, distance_m):
-    cell_m = 0.25  # 108 dB: 30 dB above l_c, at 10^(-30 / (10 * 6)) m
-    assert farthest_m(Voice(), level_db) == pytest.approx(distance_m + cell_m, abs=0.05)
 
 
 def test_level_falls_by_6_db_per_doubling_of_distance_in_free_field(make_plan):

@@ -16,6 +16,17 @@ from ezdxf import units
 from robotteamsim.cli import main
 from robotteamsim.scenario import load_floor_plan, solids
 
+LITTLE_MEMORY = """
+import resource, sys
+import ezdxf
+from robotteamsim.cli import command_line, main
+with open("/proc/self/statm") as file:
+    used = int(file.read().split()[0]) * resource.getpagesize()
+resource.setrlimit(resource.RLIMIT_AS, (used + 60 * 2**20,) * 2)
+sys.exit(main(["plan", "import", sys.argv[1], "--layer", "WALLS"]))
+"""
+"""Leaves 60 MiB for a drawing."""
+
 ROOM_MM = [(0, 0), (6000, 0), (6000, 4000), (0, 4000)]
 
 
@@ -183,3 +194,25 @@ def test_a_damaged_configuration_of_ezdxf_is_one_line(tmp_path):
         "robotteamsim: ezdxf: its configuration is damaged: File contains no section headers."
     )
     assert done.stderr.count("\n") == 1
+
+
+def test_a_file_that_would_fill_the_memory_is_not_read(tmp_path, capsys):
+    large = tmp_path / "large.dxf"
+    with large.open("wb") as file:
+        file.truncate(64 * 2**20 + 1)  # without data on the disk
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ezdxf, "readfile", lambda _: pytest.fail("it was read"))
+        line = failed(capsys, str(large), "--layer", "WALLS")
+    assert line == f"robotteamsim: {large}: larger than 64 MiB; expected a drawing of one floor"
+
+
+@pytest.mark.slow
+def test_a_lack_of_memory_is_named(tmp_path):
+    large = tmp_path / "large.dxf"
+    line = "0\nLINE\n8\nWALLS\n10\n0\n20\n0\n11\n1\n21\n1\n"
+    large.write_text(f"0\nSECTION\n2\nENTITIES\n{line * 500_000}0\nENDSEC\n0\nEOF\n")
+    done = subprocess.run([sys.executable, "-c", LITTLE_MEMORY, large], capture_output=True, text=True)
+    assert (done.returncode, done.stderr) == (
+        2,
+        f"robotteamsim: {large}: cannot be read as DXF: out of memory\n",
+    )

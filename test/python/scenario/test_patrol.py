@@ -9,6 +9,7 @@ import pytest
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario import load
 from robotteamsim.scenario.patrol import PatrolGraph, read_patrol_graph
+from robotteamsim.scenario.problems import checked
 
 THREE = Path(__file__).parents[2] / "data" / "patrol" / "three.graph"
 
@@ -55,19 +56,33 @@ def test_error_in_a_graph_file_names_its_line(old, new, line, tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [
-        ("1\nE", "5\nE", "mission.patrol.graph.vertices.0.neighbours.0: 5 is not another vertex; expected 0 to 2"),
-        ("1\nE", "0\nE", "mission.patrol.graph.vertices.0.neighbours.0: 0 is not another vertex; expected 0 to 2"),
-        ("E\n60", "E\n0", "mission.patrol.graph.vertices.0.lengths_m.0: 0 is not above 0"),
-        (
-            "1\n1\nE\n60\n",
-            "0\n",
-            "mission.patrol.graph.vertices.0.neighbours: a robot could never leave a vertex without neighbours",
-        ),
+        ("1\nE", "5\nE", "12: 5 is not another vertex; expected 0 to 2"),
+        ("1\nE", "0\nE", "12: 0 is not another vertex; expected 0 to 2"),
+        ("E\n60", "E\n0", "14: an edge of 0 m; expected a cost above 0"),
+        ("E\n60", "E\n1e-323", "14: an edge of 0 m; expected a cost above 0"),
+        ("1\n1\nE\n60\n", "0\n", "11: degree 0; a robot could never leave vertex 0"),
+        ("1\n1\nE\n60\n", "-1\n", "11: degree -1; a robot could never leave vertex 0"),
     ],
 )
-def test_graph_that_cannot_be_patrolled_is_rejected(old, new, line, tmp_path):
+def test_graph_that_cannot_be_patrolled_is_rejected_with_file_and_line(old, new, line, tmp_path):
     path = tmp_path / "x.graph"
     path.write_text(THREE.read_text().replace(old, new, 1))
     with pytest.raises(ScenarioError) as raised:
         load("garage_sar", [f"mission.patrol.graph={path}"])
-    assert str(raised.value) == f"--set: {line}"
+    assert str(raised.value) == f"{path}:{line}"
+
+
+@pytest.mark.parametrize(
+    ("vertices", "line"),
+    [
+        ([([5], [1.0])], "neighbours.0: 5 is not another vertex; expected 0 to 1"),
+        ([([1], [0.0])], "lengths_m.0: 0 is not above 0"),
+        ([([], [])], "neighbours: a robot could never leave a vertex without neighbours"),
+    ],
+)
+def test_graph_in_a_scenario_that_cannot_be_patrolled_is_rejected(vertices, line):
+    edges = [*vertices, ([0], [1.0])]
+    given = [{"position": [i, 0.0], "neighbours": to, "lengths_m": m} for i, (to, m) in enumerate(edges)]
+    with pytest.raises(ScenarioError) as raised:
+        checked(PatrolGraph, {"vertices": given}, ScenarioError)
+    assert str(raised.value) == f"vertices.0.{line}"

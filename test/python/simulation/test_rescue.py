@@ -119,13 +119,32 @@ def test_loud_voice_locates_only_the_victim_whose_voice_it_is(near, located):
     assert [voice.local_best_level_db > 50.0 for voice in first.voices[:2]] == [True, True]
     records = [first, *(simulation.step() for _ in range(10))]
     assert events(records, "victim_located") == located
-    # In ROS, a voice can be one step old: its victim is silent by now.
+    # In a voice that is one step old, its victim is silent by now.
     late = MissionInput(
         sim_time_ns=records[-1].sim_time_ns + 100_000_000,
+        speaker=lambda place_m: near["name"],
         positions_m=np.array([(reading.true_pose.x_m, reading.true_pose.y_m) for reading in first.readings]),
         **{name: getattr(first, name) for name in ("voices", "network", "decisions", "present", "doors", "people")},
     )
     assert "victim_located" not in [event.kind for event in simulation.mission.step(late)]
+
+
+def test_voice_through_a_wall_does_not_locate_who_is_nearer_than_the_one_who_is_heard():
+    callers = [{"name": "near", "position": [15.5, 2.0]}, {"name": "loud", "position": [5.0, 2.0]}]
+    voice = {"constant_db": [-78.0, -78.0], "exponent": [2.0, 2.0], "wall_loss_db": 30.0}
+    mission = {"victims": callers, "rescue": {"sight_m": 0.0}}
+    robots = {"count": 1, "start": [13.0, 2.0, 0.0]}
+    simulation = started(rescue(robots=robots, firefighters={"count": 1}, mission=mission, voice=voice))
+    record = simulation.step()
+    # Eq. (7) at the loudest cell: 78 - 20 log10(6.626 m) from the west, 78 - 20 log10(3.877 m) - 30 through the wall.
+    heard, field = record.voices[0], simulation.hearing.sensor
+    assert heard.local_best_m == (11.625, 1.875)
+    assert heard.local_best_level_db == pytest.approx(61.57, abs=0.01)
+    assert field.speaker(heard.local_best_m) == "loud"
+    assert events([record], "victim_located", "victim_heard") == [("victim_heard", "loud"), ("victim_located", "loud")]
+    field.set_silenced(["loud"])
+    assert field.map().value_at(*heard.local_best_m) == pytest.approx(36.23, abs=0.01)
+    assert field.speaker(heard.local_best_m) == "near"
 
 
 @pytest.mark.slow

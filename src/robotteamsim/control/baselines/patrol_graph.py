@@ -38,9 +38,9 @@ def patrol_graph(setup: Setup, robot_radius_m: float | None = None) -> Graph:
     radius_m = setup.smallest_reach_m if robot_radius_m is None else robot_radius_m
     graph = reachable_lattice(setup, radius_m, patrol.spacing_m, patrol.longest_edge)
     if not graph.places:
-        raise ScenarioError(
-            f"{scenario.name}: mission.patrol.spacing_m: {patrol.spacing_m:g} m leaves no two places of the plan linked"
-        )
+        key = "mission.patrol.spacing_m"
+        text = f"{key}: {patrol.spacing_m:g} m leaves no two places of the plan linked"
+        raise ScenarioError(scenario.origin.line(text, key))
     return graph
 
 

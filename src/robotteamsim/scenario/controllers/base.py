@@ -35,7 +35,8 @@ class Control(Model):
     )
     localisation: Literal["ground_truth", "odometry", "tf"] = Field(
         default="ground_truth",
-        description="source of the robot's pose; tf: transform map -> robot_<id>/base_link, only in ROS",
+        description="source of the robot's pose; odometry: not corrected, so robots get lost in minutes; "
+        "tf: transform map -> robot_<id>/base_link, only in ROS",
     )
     tf_timeout_s: float = Field(
         default=0.3,
