@@ -116,7 +116,7 @@ def _names(kind: Any) -> list[str]:
 
 def _bag_head() -> Row:
     network = [f"network_{name}" for name in _names(NetworkTotals)]
-    last = ("trajectory_hash", "missing_steps")
+    last = ("trajectory_hash", "missing_steps", "controllers_failed", "controller_failed")
     return ("bag", "duration_s", *_names(MissionTotals), "distance_m", "collisions", *network, *last)
 
 
@@ -125,7 +125,7 @@ def _bag_row(totals: RunTotals) -> Row:
     network = dataclasses.astuple(totals.network) if totals.network else (None,) * len(_names(NetworkTotals))
     own = (totals.distance_m, totals.collisions)
     missing = sum(gap.missing for gap in totals.gaps)
-    last = (totals.trajectory_hash, missing)
+    last = (totals.trajectory_hash, missing, totals.controllers_failed, totals.controller_failed)
     return (totals.bag, totals.duration_s, *mission, *own, *network, *last)
 
 

@@ -9,6 +9,7 @@ from robotteamsim.analysis.runs.reading import TRUTH
 from robotteamsim.analysis.runs.recorded_run import Flags, RecordedContext, RecordedNetwork, RecordedRobot, RecordedRun
 from robotteamsim.interface import SwarmContext
 from robotteamsim.mission.egress import Egress
+from robotteamsim.mission.events import failure_of
 from robotteamsim.network import newly_endangered
 from robotteamsim.simulation.trial import TrajectoryHash
 
@@ -86,6 +87,7 @@ class RunTotals:
                      at the same stamps, and at every step.
     egress:          how people left; None without fire and without exits.
     omitted:         what could not be computed, and the missing topic.
+    controllers_failed: number of times that a controller was stopped.  controller_failed: the first one and its reason.
     gaps:            topics that lack steps, and the totals that are computed without them.
     """
 
@@ -97,6 +99,8 @@ class RunTotals:
     trajectory_hash: str | None
     omitted: tuple[str, ...]
     egress: Egress | None = None
+    controllers_failed: int = 0
+    controller_failed: str = ""
     gaps: tuple[Gap, ...] = ()
 
     def lacks_steps(self, total: str, robot: str | None = None) -> bool:
@@ -127,6 +131,7 @@ class RunTotals:
 def run_totals(run: RecordedRun) -> RunTotals:
     """Return the totals of a run."""
     first_ns = min((robot.track.stamps_ns[0] for robot in run.robots), default=run.start_ns)
+    failed = [event for _, event in run.events if event.kind == "controller_failed"]
     return RunTotals(
         bag=run.name,
         duration_s=float(run.end_ns - min(first_ns, run.start_ns)) / 1e9,
@@ -136,6 +141,8 @@ def run_totals(run: RecordedRun) -> RunTotals:
         trajectory_hash=_trajectory_hash(run),
         omitted=_omitted(run),
         egress=run.egress,
+        controllers_failed=len(failed),
+        controller_failed=failure_of(failed[0]) if failed else "",
         gaps=run.gaps,
     )
 
