@@ -15,7 +15,7 @@ from pathlib import Path
 from rosbags.rosbag1 import Reader
 from rosbags.rosbag1.reader import ReaderError
 from running import ROSLAUNCH, Program, running
-from sessions import MISSION
+from sessions import MISSION, RECORDER
 from watching import Outcome, Processes
 
 ROSBAG = (sys.executable, "-c", "import rosbag; rosbag.rosbagmain()")
@@ -34,7 +34,9 @@ def kill_and_see_the_end(
     team, lockstep, starting = (generator.random() < share for share in (0.3, 0.5, 0.3))
     moment_s = generator.uniform(0.0, LATEST_S)
     arguments = (f"controllers:={'team' if team else 'nodes'}", f"lockstep:={lockstep}".lower())
-    with running((*ROSLAUNCH, MISSION, *arguments, "record:=true", "bag:=run.bag"), folder, port) as program:
+    recorder = "rosbag" if node == RECORDER else "simulation"
+    recording = ("record:=true", "bag:=run.bag", f"recorder:={recorder}")
+    with running((*ROSLAUNCH, MISSION, *arguments, *recording), folder, port) as program:
         pid = Processes(program).wait_for([node])[node]
         if not starting:
             program.wait_for(lambda line: "mission starts" in line, "the start of the mission")

@@ -21,11 +21,10 @@ from pathlib import Path
 from ending import kill_and_see_the_end
 from rejoining import Rejoining
 from running import ROSLAUNCH, running
-from sessions import CONTROLLERS, NODES, REJOINING, TEAM, master
+from sessions import CONTROLLERS, NODES, RECORDER, REJOINING, TEAM, master
 from watching import Outcome
 
 SIGNALS = (signal.SIGKILL, signal.SIGTERM)
-RECORDER = "/recorder"
 ALL_NODES = (*NODES, *CONTROLLERS, TEAM, RECORDER)
 SCENARIO = "garage_sar"
 

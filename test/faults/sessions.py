@@ -19,6 +19,8 @@ NODES = ("/simulation", "/scene")
 CONTROLLERS = ("/robot_0/controller", "/robot_1/controller")
 """Controllers that roslaunch starts itself, in rejoin.launch."""
 TEAM = "/controllers"
+RECORDER = "/recorder"
+"""`rosbag record`, with recorder:=rosbag."""
 
 
 @contextmanager

@@ -15,6 +15,7 @@ import rostest
 from geometry_msgs.msg import Twist, Vector3
 from listening import Topic, speed_mps
 from nav_msgs.msg import Odometry
+from robotteamsim.msg import MissionEvent
 from rosgraph_msgs.msg import Log
 
 
@@ -34,6 +35,7 @@ class DrivingTest(unittest.TestCase):
         cls.command = rospy.Publisher("/robot_0/cmd_vel", Twist, queue_size=0)
         cls.truths = [Topic(f"/robot_{robot_id}/base_pose_ground_truth", Odometry) for robot_id in range(3)]
         cls.log = Topic("/rosout", Log)
+        cls.events = Topic("/mission/events", MissionEvent)
         for truth in cls.truths[1:]:
             truth.wait_for_after(0, moves, "a robot that moves")
 
@@ -52,7 +54,7 @@ class DrivingTest(unittest.TestCase):
     def test_robot_whose_controller_is_silent_is_reported_and_stopped_until_it_speaks_again(self) -> None:
         controller = ServerProxy(self.master.lookupNode("/robot_1/controller"))
         _, _, pid = controller.getPid("/driving_test")
-        begin = len(self.log.messages)
+        begin, first = len(self.log.messages), len(self.events.messages)
         os.kill(pid, signal.SIGSTOP)
         try:
             report = self.log.wait_for_after(
@@ -61,6 +63,10 @@ class DrivingTest(unittest.TestCase):
                 "a report",
             )
             self.assertIn("silent", report.msg)
+            failed = self.events.wait_for_after(
+                first, lambda event: (event.kind, event.robot_id) == ("controller_failed", 1), "an event"
+            )
+            self.assertRegex(failed.detail, "^robot 1 is stopped: .*/robot_1/cmd_vel_stamped.*: silent for 1 s$")
             self.truths[1].wait_for(stands, "a robot that stands")
             index = len(self.truths[1].messages)
             self.truths[2].wait_for(moves, "a robot that moves")

@@ -41,7 +41,6 @@ def test_rescue_in_lockstep_has_the_bits_events_and_topics_of_the_headless_missi
     assert [tuple(event.values()) for event in found["events"]] == shown(events.events)
     assert any(event.kind == "victim_reported" for event in events.events)
     with Reader(tmp_path / "run.bag") as recorded, Reader(tmp_path / "headless.bag") as written:
-        # Headless bags have every topic; no message is sent without doors.
-        expected = {c.topic for c in written.connections if c.msgcount}
-        assert {c.topic for c in recorded.connections} - {"/tf_static"} == expected
-        assert "/world/people" in expected
+        counts = [{c.topic: c.msgcount for c in bag.connections} for bag in (recorded, written)]
+    assert counts[0] == counts[1]
+    assert counts[0]["/world/people"] > 0

@@ -126,7 +126,7 @@ def test_recording_is_that_of_a_run_without_ros_to_the_byte(tmp_path, peer, name
     command = (*MISSION, "garage_sar", "--seed", "7", "--set", overrides[1], "--lockstep", "--speed", "0")
     with running((*command, "--ros-args", "-p", f"record:={name}"), tmp_path) as mission:
         assert mission.wait() == 0, mission.output
-    Simulation(load("garage_sar", overrides)).run([writer(tmp_path / f"headless_{name}")])
+    Simulation(load("garage_sar", overrides)).run([writer(tmp_path / f"headless_{name}", localized=True)])
     recorded = messages(tmp_path / name)
     assert len(recorded) > 1000
     assert recorded == messages(tmp_path / f"headless_{name}")

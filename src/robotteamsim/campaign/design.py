@@ -10,11 +10,12 @@ from typing import Any
 
 from robotteamsim import rng, scenario
 from robotteamsim.campaign.factors import MAX_TRIALS, Factor
-from robotteamsim.control import foreign_code, make_controller
+from robotteamsim.control import foreign_code
 from robotteamsim.errors import CampaignError, RobotTeamSimError, ScenarioError
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.yaml_text import shown
 from robotteamsim.setup import check_headless, resolve
+from robotteamsim.simulation.controllers import TeamControllers, check_constructed
 
 NOISE_KEY = "voice.noise_db"
 
@@ -176,20 +177,16 @@ def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:
 
 
 def _check_algorithm(of: Scenario, settings: Sequence[Factor], allow_code: bool) -> None:
-    """Raise CampaignError if the controller does not exist, because every trial would fail."""
+    """Raise CampaignError if a controller does not exist or cannot be constructed: no trial would be of any use."""
     matching = [s for s in settings if s.key in foreign_code.KEYS]
     if not allow_code:
         place = matching[-1].place if matching else of.origin.place
         foreign_code.check_foreign(of.control.algorithm, place, "--allow-code")
     try:
-        make_controller(0, resolve(of))
+        check_constructed(TeamControllers(resolve(of)), of)
     except RobotTeamSimError as error:
         message = str(error).removeprefix(f"{of.name}: ").removeprefix(f"{of.origin.place}: ")
         raise CampaignError(f"{matching[-1].place if matching else of.name}: {message}") from None
-    except KeyboardInterrupt:
-        raise
-    except BaseException:
-        return  # In a mission, a class that fails stops its robot, which is an event.
 
 
 def _value_at(data: Any, key: str, default: Any) -> Any:

@@ -33,8 +33,8 @@ CSV_NAME = "trials.csv"
 _LOCK_NAME = ".lock"
 _OUR_FILES = {STORE_NAME, f"{STORE_NAME}-wal", f"{STORE_NAME}-shm", CSV_NAME, _LOCK_NAME}
 
-_FORMAT = 3
-_LACKS = {"1": "the robots' paths", "2": "the discoveries delivered to a base"}
+_FORMAT = 4
+_LACKS = {"1": "the robots' paths", "2": "the discoveries delivered to a base", "3": "the controllers that failed"}
 _APPLICATION_ID = 0x52545343  # "RTSC" identifies our databases.
 _COLUMNS = tuple(field.name for field in dataclasses.fields(Outcome))
 _OF_ENDED = (
@@ -51,7 +51,8 @@ CREATE TABLE trial (
   cell INTEGER, number INTEGER, seed INTEGER, "end" TEXT, time_s REAL, areas_explored INTEGER, num_areas INTEGER,
   victims_saved INTEGER, num_victims INTEGER, endangered_links INTEGER, discoveries_delivered INTEGER,
   mean_delivery_delay_s REAL, max_delivery_delay_s REAL, distance_m REAL, contact_s REAL, steps INTEGER,
-  trajectory_hash TEXT, details TEXT, paths BLOB, error TEXT NOT NULL, traceback TEXT NOT NULL, wall_s REAL NOT NULL,
+  trajectory_hash TEXT, details TEXT, paths BLOB, controller_failed TEXT NOT NULL, error TEXT NOT NULL,
+  traceback TEXT NOT NULL, wall_s REAL NOT NULL,
   PRIMARY KEY (cell, number)
 );
 """

@@ -13,7 +13,7 @@ from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.paths import PathLog
 from robotteamsim.errors import CampaignError
 from robotteamsim.mission.egress import Egress
-from robotteamsim.mission.events import VictimLocated
+from robotteamsim.mission.events import VictimLocated, failure_of
 from robotteamsim.mission.status import VictimState
 from robotteamsim.recording.idleness import Idleness
 from robotteamsim.recording.measures import Measures
@@ -70,6 +70,8 @@ class Outcome:
              `mission.coverage` also `coverage`, the share of the floor; with fire
              or exits also `egress`, as `mission.egress.Egress`.
     paths:   of the robots, for `decode_paths`.
+    controller_failed: the first controller that was stopped, with its reason, such as "3.2 s: robot 1 is stopped:
+             ValueError: .. (mine.py:7)"; "" if all worked to the end.
     wall_s:  computing time, the only value that differs between equal trials.
     """
 
@@ -92,6 +94,7 @@ class Outcome:
     trajectory_hash: str | None = None
     details: str | None = None
     paths: bytes | None = field(default=None, repr=False)
+    controller_failed: str = ""
     error: str = ""
     traceback: str = ""
     wall_s: Amount = 0.0
@@ -155,14 +158,16 @@ def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
         contact_s=sum(robot.contact_s for robot in result.robots),
         details=times.details(result, network.values() | measures.values()),
         paths=paths.encoded(),
+        controller_failed=times.controller_failed,
         wall_s=time.perf_counter() - start_s,
     )
 
 
 class _EventTimes(Observer):
-    """Records when each area was explored, and each victim reached each state after waiting."""
+    """Records when each area was explored, each victim reached each state after waiting, and a controller failed."""
 
     def begin(self, setup: Setup) -> None:
+        self.controller_failed = ""
         self._casualties: list[dict[str, Any]] = []
         self._areas: dict[str, float | None] = {area.name: None for area in setup.scenario.mission.areas}
         self._victims: dict[str, dict[str, float | int | None]] = {
@@ -183,6 +188,8 @@ class _EventTimes(Observer):
                     if isinstance(event.what, VictimLocated):
                         error_m = round(event.what.error_m, 2)
                         times |= {"located_by": event.robot_id, "position_error_m": error_m}
+            elif event.kind == "controller_failed":
+                self.controller_failed = self.controller_failed or failure_of(event)
             elif event.kind in _CASUALTIES:
                 self._casualties.append({"id": event.robot_id, "kind": event.kind, "time_s": event.time_s})
 

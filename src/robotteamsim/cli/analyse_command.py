@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -17,6 +18,7 @@ from robotteamsim import scenario
 from robotteamsim.cli.output import OutputConsole, add_png_option, check_outputs
 from robotteamsim.cli.parser import UsageError, path_of, positive_number
 from robotteamsim.recording.files import write_atomically
+from robotteamsim.wording import counted, printable
 
 if TYPE_CHECKING:
     import numpy as np
@@ -80,8 +82,8 @@ def add_to(commands: Any) -> None:
     parser.set_defaults(command=analyse)
 
 
-def analyse(options: argparse.Namespace) -> None:
-    """Read all bags, then write the requested files and print a table."""
+def analyse(options: argparse.Namespace) -> int:
+    """Read all bags, then write the requested files and print a table. Returns: 0, or 1 if a controller failed."""
     # Imported late, because rosbags slows down commands that read no bag.
     from robotteamsim.analysis.runs.files import table_files
     from robotteamsim.analysis.runs.reading import read_run
@@ -116,6 +118,11 @@ def analyse(options: argparse.Namespace) -> None:
             print_runs(OutputConsole(), all_totals)
         for file in written:
             print(file)
+    if failed := [totals for totals in all_totals if totals.controller_failed]:
+        first = f"{failed[0].bag}: {failed[0].controller_failed}"
+        text = f"a controller failed in {len(failed)} of {counted(len(all_totals), 'bag')}; the first: {first}"
+        print(f"robotteamsim: {printable(text)}", file=sys.stderr)
+    return 1 if failed else 0
 
 
 def _check(options: argparse.Namespace) -> None:

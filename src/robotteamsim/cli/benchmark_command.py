@@ -111,7 +111,7 @@ def add_to(commands: Any) -> None:
 
 
 def run_search(options: argparse.Namespace) -> int:
-    """Run a search benchmark. Returns: 0, or 1 if missions failed or were given up."""
+    """Run a search benchmark. Returns: 0, or 1 if missions failed or were given up, or a controller failed in one."""
     base = protocols.full_search() if options.full else protocols.quick_search()
     for policy in options.policy:
         if ":" not in policy and not is_policy_file(policy):
@@ -158,7 +158,7 @@ def run_search(options: argparse.Namespace) -> int:
 
 
 def run_patrol(options: argparse.Namespace) -> int:
-    """Run a patrol benchmark. Returns: 0, or 1 if missions failed or were given up."""
+    """Run a patrol benchmark. Returns: 0, or 1 if missions failed or were given up, or a controller failed in one."""
     graph = None if options.graph is None else str(options.graph.absolute())
     make = protocols.full_patrol if options.full else protocols.quick_patrol
     given = _given(
@@ -214,7 +214,9 @@ def _run(
     path = made.write(options.out)
     if options.json:
         rows = {t.name: [dict(zip(t.head, row, strict=True)) for row in t.texts] for t in made.tables}
-        print(json.dumps({"report": str(path), "notes": made.notes, "tables": rows}, ensure_ascii=False))
+        failed = sum(bool(outcome.controller_failed) for outcome in ran.outcomes)
+        document = {"report": str(path), "notes": made.notes, "controller_failed": failed, "tables": rows}
+        print(json.dumps(document, ensure_ascii=False))
     elif not options.quiet:
         _print_report(made)
         print(f"\nwritten {path}")

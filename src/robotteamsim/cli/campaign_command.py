@@ -18,10 +18,18 @@ from robotteamsim.campaign import Design, Outcome, Store, check_folder, make_des
 from robotteamsim.campaign.design import NOISE_KEY, Trial
 from robotteamsim.campaign.factors import DesignFile, Factor, parse_override, parse_sweep, read_design_file
 from robotteamsim.campaign.runner import local_workers, run_trials, scheduler_at
-from robotteamsim.campaign.summary import UNLIMITED, copies_note, exclusion_note, summarise, summary_table
+from robotteamsim.campaign.summary import (
+    UNLIMITED,
+    controllers_note,
+    copies_note,
+    exclusion_note,
+    summarise,
+    summary_table,
+)
 from robotteamsim.cli.parser import SCENARIO_HELP, address, number, path_of, positive_whole_number, whole_number
 from robotteamsim.cli.progress import CampaignProgress
 from robotteamsim.cli.run_command import add_code_option, add_set_option
+from robotteamsim.wording import printable
 
 DEFAULT_TRIALS = 30
 DEFAULT_SEED = 1
@@ -91,7 +99,7 @@ def add_worker_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> int:
-    """Run the campaign. Returns: 0, or 1 if trials failed or were given up."""
+    """Run the campaign. Returns: 0, or 1 if trials failed or were given up, or a controller failed in one."""
     design = _design(options)
     named = {
         "--noise": [f"{noise_db:g}" for noise_db in options.noise or ()],
@@ -111,6 +119,11 @@ def run(options: argparse.Namespace) -> int:
             "trials": design.trials,
             "cells": [asdict(summary) for summary in summarise(design, ran.outcomes)],
             "failed": [{"cell": o.cell, "trial": o.number, "seed": o.seed, "error": o.error} for o in ran.failed],
+            "controller_failed": [
+                {"cell": o.cell, "trial": o.number, "seed": o.seed, "reason": o.controller_failed}
+                for o in ran.outcomes
+                if o.controller_failed
+            ],
             "given_up": given_up,
             "folder": str(options.out),
             "csv": str(ran.csv_path),
@@ -138,11 +151,11 @@ class StoredRun:
 
     @property
     def status(self) -> int:
-        """The exit status: 0, or 1 if trials failed or were given up."""
-        return EXIT_INCOMPLETE if self.failed or self.given_up else 0
+        """The exit status: 0, or 1 if trials failed or were given up, or a controller failed in one."""
+        return EXIT_INCOMPLETE if self.failed or self.given_up or controllers_note(self.outcomes) else 0
 
     def warn(self) -> None:
-        """Print one line for each trial that failed or was given up, up to a limit."""
+        """Print one line for each trial that failed or was given up, up to a limit, and one for failed controllers."""
         for outcome in self.failed[:_MAX_LISTED_FAILURES]:
             error = textwrap.shorten(outcome.error, 200, placeholder=" ...")
             _warn(f"trial {outcome.number} of cell {outcome.cell} (seed {outcome.seed}) failed: {error}")
@@ -150,6 +163,8 @@ class StoredRun:
             _warn(f"{len(self.failed) - _MAX_LISTED_FAILURES} more trials failed; {self.csv_path} lists them")
         for trial in self.given_up:
             _warn(f"trial {trial.number} of cell {trial.cell} (seed {trial.seed}) killed its workers; not stored")
+        if note := controllers_note(self.outcomes):
+            _warn(printable(note))
 
 
 def run_stored(options: argparse.Namespace, design: Design, command: str, name: str) -> StoredRun:

@@ -66,8 +66,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
     With --debug anywhere among the arguments, an error also prints its traceback, and warnings of libraries are shown.
 
-    Returns: 0; 1 for a campaign with failed trials, or an error that is not the user's; 2 for a user's mistake; 129 if
-        the terminal was closed; 130 if interrupted; 141 for a broken pipe; 143 if terminated.
+    Returns: 0; 1 for failed trials, missions in which a controller failed, or an error that is not the user's; 2 for a
+        user's mistake; 129 if the terminal was closed; 130 if interrupted; 141 for a broken pipe; 143 if terminated.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     open_streams()

@@ -55,8 +55,8 @@ def add_to(commands: Any) -> None:
     parser.set_defaults(command=run)
 
 
-def run(options: argparse.Namespace) -> None:
-    """Make the report and print how the settings compare."""
+def run(options: argparse.Namespace) -> int:
+    """Make the report and print how the settings compare. Returns: 0, or 1 if a controller failed in a mission."""
     if len(options.folders) > 1 and options.out is None:
         raise CampaignError("--out: missing; expected a folder for the report of several campaigns")
     stored = [read_store(folder) for folder in options.folders]
@@ -67,13 +67,15 @@ def run(options: argparse.Namespace) -> None:
         path = report.write(out)
     finally:
         remove_empty(created)
+    failed = sum(bool(outcome.controller_failed) for one in stored for outcome in one.outcomes)
     if options.json:
-        document = {"report": str(path), "opening": report.opening, "notes": report.notes}
+        document = {"report": str(path), "opening": report.opening, "notes": report.notes, "controller_failed": failed}
         print(json.dumps(document, ensure_ascii=False))
     else:
         for paragraph in (*report.opening, *report.notes):
             print(textwrap.fill(paragraph, 100))
         print(f"written {path}")
+    return 1 if failed else 0
 
 
 def _report(stored: Sequence[StoredCampaign], options: argparse.Namespace) -> Report:

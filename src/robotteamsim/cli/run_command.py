@@ -2,6 +2,7 @@
 
 import argparse
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +16,14 @@ from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, number, path_of, 
 from robotteamsim.cli.progress import ProgressBar, preparing
 from robotteamsim.control import foreign_code
 from robotteamsim.errors import ScenarioError
+from robotteamsim.mission.events import failure_of
 from robotteamsim.recording import BagWriter, McapWriter, ResultWriter, TumWriter, result_summary
 from robotteamsim.recording.measures import Measures
 from robotteamsim.recording.results import FILE_NAME, EventList
 from robotteamsim.simulation import Observer, Simulation
+from robotteamsim.simulation.controllers import check_constructed
 from robotteamsim.view.html import PageWriter
+from robotteamsim.wording import counted, printable
 
 ALLOW_CODE = "--allow-code"
 TRAJECTORIES = "trajectories"
@@ -94,8 +98,8 @@ def check_code(options: argparse.Namespace, loaded: scenario.Scenario) -> None:
         foreign_code.check_scenario(loaded, ALLOW_CODE)
 
 
-def run(options: argparse.Namespace) -> None:
-    """Run the mission."""
+def run(options: argparse.Namespace) -> int:
+    """Run the mission. Returns: 0, or 1 if a controller failed."""
     if (Path(options.scenario) / FILE_NAME).is_file() and options.scenario not in scenario.scenario_names():
         raise UsageError(f"{options.scenario}: is a folder of `run --out`; `robotteamsim view` shows its mission")
     loaded = load_scenario(options, options.scenario)
@@ -104,7 +108,7 @@ def run(options: argparse.Namespace) -> None:
     console = Console(stderr=True, quiet=options.quiet)
     with preparing(console, loaded.name):
         simulation = Simulation(loaded)
-    _check_controllers(simulation)
+    check_constructed(simulation.controllers, loaded)
     events, measures = EventList(), Measures()
     observers: list[Observer] = [events, measures, *_recorders(options)]
     if options.html:
@@ -113,11 +117,17 @@ def run(options: argparse.Namespace) -> None:
         observers.append(ProgressBar(console))
     observers.append(InterruptBetweenSteps())
     result = simulation.run(observers)
+    failed = [event for event in events.events if event.kind == "controller_failed"]
+    reason = failure_of(failed[0]) if failed else ""
     if options.json:
-        print(json.dumps(result_summary(result) | measures.values()))
+        print(json.dumps(result_summary(result) | measures.values() | {"controller_failed": reason}))
     elif not options.quiet:
         written = [options.out, options.bag, options.mcap, options.html]
         print_result(OutputConsole(), result, events.events, written, measures.measured)
+    if failed:
+        text = printable(f"{counted(len(failed), 'controller')} failed; the first: {reason}")
+        print(f"robotteamsim: {text}", file=sys.stderr)
+    return 1 if failed else 0
 
 
 def _check_files(options: argparse.Namespace, loaded: scenario.Scenario) -> None:
@@ -132,16 +142,6 @@ def _check_files(options: argparse.Namespace, loaded: scenario.Scenario) -> None
         if options.out and path and (options.out / TRAJECTORIES).resolve() in path.resolve().parents:
             raise UsageError(f"{option} {path}: would be among the files of --out; choose another folder")
     check_outputs({"--out": result, **files}, loaded.origin.files, new_folders=["--out"])
-
-
-def _check_controllers(simulation: Simulation) -> None:
-    """Raises: ScenarioError: a controller could not be constructed, so that its robot would stand still."""
-    for robot_id, fault in enumerate(simulation.controllers.faults):
-        if fault:
-            raise ScenarioError(
-                f"{simulation.scenario.name}: control.algorithm: '{simulation.scenario.control.algorithm}' cannot be "
-                f"constructed for robot {robot_id}: {fault}"
-            )
 
 
 def load_scenario(options: argparse.Namespace, name: str) -> scenario.Scenario:

@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from robotteamsim.view.recorder import Recording
     from robotteamsim.view.server import ViewServer
 
-MAX_SPEED = 1000.0
-"""Most simulated over wall time of a live mission."""
-
 _DESCRIPTION = """\
 Show a mission in the browser. A scenario runs live: pause it, open doors, move victims, change the
 noise. A bag, an MCAP file, or the folder of `run --out`, is played back. With --html, the mission is
@@ -77,10 +74,12 @@ def view(options: argparse.Namespace) -> None:
 
 def _check(options: argparse.Namespace, targets: list[str]) -> None:
     """Raises: UsageError: an option is out of range, or would have no effect."""
+    from robotteamsim.view.shown import LEAST_SPEED, MOST_SPEED
+
     if not 0 <= options.port <= 65535:
         raise UsageError(f"--port {options.port} is outside 0 to 65535")
-    if options.speed > MAX_SPEED:
-        raise UsageError(f"--speed {options.speed:g} is above {MAX_SPEED:g}")
+    if not LEAST_SPEED <= options.speed <= MOST_SPEED:
+        raise UsageError(f"--speed {options.speed:g} is outside {LEAST_SPEED:g} to {MOST_SPEED:g}")
     if options.scenario and not any(map(_is_bag, targets)):
         raise UsageError(f"--scenario {options.scenario}: only allowed for bags; got {', '.join(targets)}")
     given = {"--seed": options.seed, "--noise": options.noise, "--robots": options.robots}
@@ -123,7 +122,7 @@ def _show_live(options: argparse.Namespace) -> None:
 
 
 def _serve(options: argparse.Namespace, make: Any) -> None:
-    """Serve until Ctrl-C. Raises: UsageError: the port is in use."""
+    """Serve until Ctrl-C. Raises: UsageError: the port is in use. KeyboardInterrupt: the end."""
     try:
         server: ViewServer = make()
     except OSError as error:
@@ -132,10 +131,7 @@ def _serve(options: argparse.Namespace, make: Any) -> None:
         print(f"{server.url}  (Ctrl-C ends it)", flush=True)
         if not options.no_browser and not webbrowser.open(server.url):
             print("No browser was found: open this address yourself.", flush=True)
-        try:
-            server.serve_forever(poll_interval=0.1)
-        except KeyboardInterrupt:
-            return
+        server.serve_forever(poll_interval=0.1)
 
 
 def _page(options: argparse.Namespace, targets: list[str]) -> str:

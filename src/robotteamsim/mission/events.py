@@ -106,6 +106,11 @@ class Event(msgspec.Struct, frozen=True):
         return dict(zip(("time_s", "kind", "subject", "robot_id", "detail"), values, strict=True))
 
 
+def failure_of(event: AnyEvent) -> str:
+    """Return when which controller failed, and why. Args: event: of the kind `controller_failed`."""
+    return f"{event.time_s:.1f} s: {event.detail}"
+
+
 class MissionStarted(Happening, frozen=True, tag="start"):
     """The mission starts."""
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from typing import Any
 
@@ -167,6 +167,9 @@ class ControllersByTopic:
         missing = self._waiting | self._silent
         status = robot.status if (robot_id, STATUS) not in missing else Decision()
         twist = robot.twist if (robot_id, STAMPED_COMMAND) not in missing else STOP
+        if silent := _names(answer for answer in self._silent if answer[0] == robot_id):
+            too_slow = f"{', '.join(silent)}: silent for {self._settings.silence_limit_s:g} s"
+            status = msgspec.structs.replace(status, fault=status.fault or too_slow)
         return msgspec.structs.replace(status, twist=twist, outbox=outbox)
 
     def _forget(self, robot_id: int) -> Decision:
@@ -243,5 +246,5 @@ class ControllersInside:
         return decisions
 
 
-def _names(answers: set[Answer]) -> list[str]:
+def _names(answers: Iterable[Answer]) -> list[str]:
     return sorted(f"/{robot_name(robot_id)}/{topic.name}" for robot_id, topic in answers)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, NamedTuple
 
@@ -26,7 +25,7 @@ from robotteamsim.recording.topics.mission import MISSION_TOPICS
 from robotteamsim.recording.topics.radio import RADIO_MAP_TOPICS, VOICE_MAP_TOPICS
 from robotteamsim.recording.topics.robots import BODY_TOPICS, ODOM, TF
 from robotteamsim.recording.topics.world import DOORS, ROBOTS, WORLD_TOPICS
-from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings
+from robotteamsim.sensing.readings import OdometryReading, TeamReadings
 from robotteamsim.simulation import Simulation, StepRecord, TeamInputs
 from robotteamsim.world.contract import AnyWorld
 
@@ -128,7 +127,7 @@ class TeamOutputs(RobotOutputs):
                 for name, message in sensor.messages(self._make, step.sim_time_ns, i, measured[sensor.name]).items():
                     outputs[name].publish(message)
         if self._localized:
-            self._origins = [_origin(reading) for reading in readings]
+            self._origins = [robots.odometry_origin(reading) for reading in readings]
         self._publish_tf(step.sim_time_ns, readings.state.odometry, step.present)
 
     def publish_motion(self, time_ns: int, odometry: OdometryState, present: np.ndarray) -> None:
@@ -148,13 +147,6 @@ class TeamOutputs(RobotOutputs):
         links = robots.robot_transforms(make, time_ns, robot_id, self._models[robot_id], odometry)
         origin = [robots.localization(make, time_ns, robot_id, self._origins[robot_id])] if self._localized else []
         return [*origin, *links]
-
-
-def _origin(reading: RobotReading) -> PoseReading:
-    """Return the origin of a robot's odometry in `map`."""
-    if math.isnan(reading.ground_truth.x_m):
-        return ORIGIN.pose  # of a robot that is not present; it is not published
-    return PoseReading.from_pose(reading.ground_truth.pose @ reading.odometry.pose.pose.inverse())
 
 
 class RadioMapOutputs:

@@ -88,7 +88,8 @@ class SteppedSimulation:
         self._simulation = self._make_simulation()
         self._last: StepRecord | None = None
         self._commands = CommandsByTopic(node, settings, settings.setup.robots)
-        self._team_outputs = team_outputs(node, settings, localized=_is_localized(node))
+        self._localized = _is_localized(node)
+        self._team_outputs = team_outputs(node, settings, localized=self._localized)
         heard = range(settings.num_robots if settings.mission else 0)
         self._heard_outputs = RobotOutputs(node, itertools.product(heard, HEARD_TOPICS), settings)
         self._radio_maps = RadioMapOutputs(node, settings, heard)
@@ -267,7 +268,8 @@ class SteppedSimulation:
             # mission.json is written last: if it exists, the rest is complete.
             recorders = [TumWriter(self._folder / "trajectories"), ResultWriter(self._folder)]
         if self._recording is not None:
-            recorders.insert(0, getattr(recording, RECORDERS[self._recording.suffix])(self._recording))
+            writer = getattr(recording, RECORDERS[self._recording.suffix])
+            recorders.insert(0, writer(self._recording, localized=self._localized))
         simulation = self._simulation
         self._trial = Trial(simulation.setup, recorders)
         self._last = None

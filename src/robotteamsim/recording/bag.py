@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from robotteamsim.errors import RecordingError
 from robotteamsim.message_parts import Make, robot_name
 from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS, Changes, Source
+from robotteamsim.recording.topics.robots import TF, odometry_origin
 from robotteamsim.recording.topics.world import CLOCK, clock
 from robotteamsim.scenario.map_image import check_published_map
 from robotteamsim.setup import Setup
@@ -38,13 +39,17 @@ def check_size(path: Path, setup: Setup) -> None:
 class BagMessages:
     """The messages of a trial, step by step."""
 
-    def __init__(self, setup: Setup, make: Make) -> None:
-        """Prepare the messages. Raises: ScenarioError: /map would have too many cells."""
+    def __init__(self, setup: Setup, make: Make, *, localized: bool = False) -> None:
+        """Prepare the messages. Args: localized: whether /tf also has map -> odom of each robot, without error.
+
+        Raises: ScenarioError: /map would have too many cells.
+        """
         check_published_map(setup.scenario)
         self._scenario, self._robots = setup.scenario, setup.robots
         self._step_ns = round(setup.scenario.run.step_s * 1e9)
         self._source = Source(setup)
         self._make = make
+        self._localized = localized
         self._changes = Changes()
         self._team = [topic for topic in _OF_TEAM if topic.is_in(setup.scenario)]
         self._names = [f"/{robot_name(robot_id)}/" for robot_id in range(len(setup.robots))]
@@ -69,7 +74,10 @@ class BagMessages:
         for topic in self._team:
             if not self._changes.note(topic, record):
                 continue
-            for message in topic.messages(make, time_ns, topic.values(self._source, record)):
+            values = topic.values(self._source, record)
+            if topic is TF and self._localized:
+                values = (*(values or ()), [odometry_origin(reading) for reading in record.readings])
+            for message in topic.messages(make, time_ns, values):
                 yield time_ns, topic.name, message
         for robot_id, prefix in enumerate(self._names):
             if record.is_there(robot_id):

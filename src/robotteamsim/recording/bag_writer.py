@@ -67,8 +67,9 @@ class BagWriter:
     kill or a full disk, the .active file contains all complete chunks; `rosbag reindex` makes it readable.
     """
 
-    def __init__(self, path: Path) -> None:
-        self._path = path
+    def __init__(self, path: Path, *, localized: bool = False) -> None:
+        """Args: localized: whether /tf also has map -> odom of each robot, as with `localization:=ground_truth`."""
+        self._path, self._localized = path, localized
         self._active = path.parent / f"{path.name}.active"
         self._writer: _Writer | None = None
         self._created: list[Path] = []
@@ -79,7 +80,7 @@ class BagWriter:
         """Open the bag. Raises: RecordingError: it cannot be written. ScenarioError: /map would be too large."""
         self._steps, self._within_step = 0, False
         self._make = BagTypes()
-        self._contents = BagMessages(setup, self._make)
+        self._contents = BagMessages(setup, self._make, localized=self._localized)
         try:
             check_size(self._path, setup)
             check_replaceable(self._path)

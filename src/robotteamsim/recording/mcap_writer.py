@@ -41,8 +41,9 @@ class McapWriter:
     kill or a full disk, the folder stays, for `mcap recover`.
     """
 
-    def __init__(self, path: Path) -> None:
-        self._path = path
+    def __init__(self, path: Path, *, localized: bool = False) -> None:
+        """Args: localized: whether /tf also has map -> odom of each robot, as with `localization:=ground_truth`."""
+        self._path, self._localized = path, localized
         self._folder = path.parent / f"{path.name}.active"
         self._active = self._folder / f"{self._folder.name}{SUFFIX}"
         self._writer: Writer | None = None
@@ -52,7 +53,7 @@ class McapWriter:
     def begin(self, setup: Setup) -> None:
         """Open the file. Raises: RecordingError: it cannot be written. ScenarioError: /map would be too large."""
         self._make = Ros2Types()
-        self._contents = BagMessages(setup, self._make)
+        self._contents = BagMessages(setup, self._make, localized=self._localized)
         self._steps = 0
         try:
             check_size(self._path, setup)

@@ -10,8 +10,10 @@ import msgspec
 import numpy as np
 
 from robotteamsim.control import Guard, make_controller
+from robotteamsim.errors import ScenarioError
 from robotteamsim.interface import Controller, Decision, Observation, Task
 from robotteamsim.network.messages import Message
+from robotteamsim.scenario import Scenario
 from robotteamsim.sensing.readings import TeamReadings, VoiceReading
 from robotteamsim.setup import Setup
 
@@ -56,6 +58,16 @@ def decisions_of(controllers: Sequence[Controller], inputs: TeamInputs) -> tuple
         controller.step(observation, inbox, inputs.task) if is_present else Decision()
         for controller, observation, inbox, is_present in team
     )
+
+
+def check_constructed(controllers: Controllers, scenario: Scenario) -> None:
+    """Raises: ScenarioError: a controller could not be constructed, so that its robot would stand still."""
+    for robot_id, fault in enumerate(controllers.faults):
+        if fault:
+            raise ScenarioError(
+                f"{scenario.name}: control.algorithm: '{scenario.control.algorithm}' cannot be constructed for robot "
+                f"{robot_id}: {fault}"
+            )
 
 
 class TeamControllers:

@@ -305,6 +305,8 @@ class Simulation:
 
 
 def _check_victim(scenario: Scenario, name: str, position_m: tuple[float, float]) -> None:
+    if not name.strip():
+        raise ValueError("set_victim: name: is empty")
     try:
         victim = checked(Victim, {"name": name, "position": position_m}, ValueError)
         check_mission(scenario.plan, MissionSection(victims=(victim,)))

@@ -13,7 +13,8 @@ import msgspec
 
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Simulation
-from robotteamsim.view.shown import ShownMission
+from robotteamsim.view.shown import LEAST_SPEED, MOST_SPEED, ShownMission
+from robotteamsim.wording import described
 
 logger = logging.getLogger(__name__)
 
@@ -45,7 +46,7 @@ class Step(Command, tag="step"):
 class SetSpeed(Command, tag="set_speed"):
     """Set the simulated time per wall time."""
 
-    speed: Annotated[float, msgspec.Meta(gt=0.0, le=1000.0)]
+    speed: Annotated[float, msgspec.Meta(ge=LEAST_SPEED, le=MOST_SPEED)]
 
 
 class Restart(Command, tag="restart"):
@@ -90,10 +91,16 @@ class LiveMission(ShownMission):
     def __init__(self, load: Callable[[int | None], Scenario], *, speed: float, playing: bool) -> None:
         """Args: load: returns the scenario, with another seed unless it is None.  speed: simulated over wall time.
 
-        Raises: RobotTeamSimError: the scenario cannot be simulated.
+        Raises: RobotTeamSimError: the scenario cannot be simulated.  ValueError: the speed is out of range.
         """
+        if not LEAST_SPEED <= speed <= MOST_SPEED:
+            raise ValueError(f"speed: {speed:g}; expected {LEAST_SPEED:g} to {MOST_SPEED:g}")
         super().__init__(speed=speed, playing=playing)
         self._load = load
+        self._due_s = 0.0
+        """When the next step is due [s, wall]."""
+        self._ended = ""
+        """Why the thread has ended without being told to; "" while it runs."""
         # The OpenGL context of a camera belongs to the thread that drew its first image.
         self._stepper = ThreadPoolExecutor(1, "steps")
         with self._changed:
@@ -116,6 +123,8 @@ class LiveMission(ShownMission):
     def execute(self, command: AnyCommand) -> None:
         """Execute a command between two steps. Raises: RobotTeamSimError, ValueError: it is not possible."""
         with self._changed:
+            if self._ended:
+                raise ValueError(self._ended)
             self._execute(command)
             self._publish()
 
@@ -130,27 +139,39 @@ class LiveMission(ShownMission):
         return self._playing and self._num_viewers > 0 and self._record.mission.state != "ended"
 
     def _run(self) -> None:
-        due_s = frame_s = time.perf_counter()
+        try:
+            self._make_steps()
+        except BaseException as error:  # SystemExit of a library would end this thread, and nobody would know why
+            logger.debug("the thread of the mission has ended", exc_info=True)
+            with self._changed:
+                again = "start `robotteamsim view` again"
+                self._playing, self._ended = False, f"the mission has ended unexpectedly: {described(error)}; {again}"
+                self._error = self._ended
+                self._version += 1
+                self._changed.notify_all()
+
+    def _make_steps(self) -> None:
+        self._due_s = frame_s = time.perf_counter()
         with self._changed:
             while not self.is_closed:
                 if not self._is_running():
                     self._changed.wait()
-                    due_s = time.perf_counter()
+                    self._due_s = time.perf_counter()
                     continue
-                wanted_s = max(due_s, frame_s)
+                wanted_s = max(self._due_s, frame_s)
                 self._changed.wait(max(wanted_s - time.perf_counter(), _BREAK_S))
                 begin_s = time.perf_counter()
                 if begin_s < wanted_s:  # a command was executed
                     continue
                 frame_s = begin_s + _FRAME_WALL_S
-                while self._is_running() and due_s <= time.perf_counter() < frame_s:
-                    due_s += self._simulation.scenario.run.step_s / self._speed
+                while self._is_running() and self._due_s <= time.perf_counter() < frame_s:
+                    self._due_s += self._simulation.scenario.run.step_s / self._speed
                     try:
                         self._step()
                     except Exception as error:  # its viewers see one line, the log has all
                         logger.debug("the mission is paused", exc_info=True)
                         self._playing, self._error = False, f"{type(error).__name__}: {error}"
-                due_s = max(due_s, begin_s)  # a machine that is too slow does not catch up
+                self._due_s = max(self._due_s, begin_s)  # a machine that is too slow does not catch up
                 self._publish()
 
     def _execute(self, command: AnyCommand) -> None:
@@ -165,6 +186,8 @@ class LiveMission(ShownMission):
                 self._step()
             case SetSpeed(speed):
                 self._speed = speed
+                # The next step of a slow mission may be minutes away.
+                self._due_s = min(self._due_s, time.perf_counter() + simulation.scenario.run.step_s / speed)
             case SetNoise(noise_db):
                 simulation.set_noise_db(noise_db)
             case SetDoor(name, closed):

@@ -18,6 +18,9 @@ from robotteamsim.view.scene import scene_of
 _RADIO_SIM_S = 1.0
 """Simulated time between maps of the radio coverage [s]."""
 
+LEAST_SPEED, MOST_SPEED = 0.001, 1000.0
+"""Of a mission that is watched: simulated over wall time."""
+
 FIRST_LAYERS = frozenset(("fire", "smoke"))
 """Those that a new viewer shows."""
 

@@ -75,10 +75,10 @@ def test_csv_has_a_line_per_trial_by_cell_then_number(short_design, outcome_of, 
     assert lines == [
         "control.algorithm,voice.noise_db,trial,seed,end,time_s,areas_explored,num_areas,victims_saved,num_victims,"
         "endangered_links,discoveries_delivered,mean_delivery_delay_s,max_delivery_delay_s,distance_m,contact_s,steps,"
-        "trajectory_hash,error,split_s,endangered_s,breaks,messages_lost,base_areas,base_victims",
-        f"rdpso,10.0,1,{trials[0].seed},areas_explored,100.0,4,4,1,1,0,,,,20.0,0.0,1001,{0:032x}{trials[0].seed:032x},,"
+        "trajectory_hash,controller_failed,error,split_s,endangered_s,breaks,messages_lost,base_areas,base_victims",
+        f"rdpso,10.0,1,{trials[0].seed},areas_explored,100.0,4,4,1,1,0,,,,20.0,0.0,1001,{0:032x}{trials[0].seed:032x},,,"
         "1.5,2.5,3,4,,",
-        f"random_walk,10.0,2,{trials[3].seed},,,,,,,,,,,,,,,KeyError: 7,,,,,,",
+        f"random_walk,10.0,2,{trials[3].seed},,,,,,,,,,,,,,,,KeyError: 7,,,,,,",
     ]
 
 
@@ -173,7 +173,7 @@ def test_other_databases_and_files_under_the_stores_name_are_rejected(short_desi
             "trial 1 of cell 0: Expected `array`, got `int` - at `$.egress.people`",
         ),
         ("UPDATE trial SET details = '[]'", "trial 1 of cell 0: Expected `object`, got `array`"),
-        ("UPDATE campaign SET value = 'x' WHERE name = 'format'", "has format x; expected 3: choose another folder"),
+        ("UPDATE campaign SET value = 'x' WHERE name = 'format'", "has format x; expected 4: choose another folder"),
         ("UPDATE campaign SET value = '{}' WHERE name = 'versions'", "versions: robotteamsim is missing"),
         ("UPDATE campaign SET value = '[3]' WHERE name = 'settings'", "settings: Expected `object`, got `array`"),
         (
@@ -182,7 +182,7 @@ def test_other_databases_and_files_under_the_stores_name_are_rejected(short_desi
         ),
         ("DELETE FROM campaign WHERE name = 'settings'", "campaign: Object missing required field `settings`"),
         ("DROP TABLE trial", "has no table trial"),
-        ("ALTER TABLE trial ADD COLUMN more", "trial: 23 columns; expected 22"),
+        ("ALTER TABLE trial ADD COLUMN more", "trial: 24 columns; expected 23"),
         (
             "DROP TABLE campaign; CREATE VIEW campaign AS WITH RECURSIVE r(name) AS (SELECT 1 UNION ALL "
             "SELECT name + 1 FROM r) SELECT name, name AS value FROM r",
@@ -223,14 +223,21 @@ def test_checking_a_folder_leaves_nothing(short_design, tmp_path):
     assert os.listdir(tmp_path) == []
 
 
-@pytest.mark.parametrize(("number", "lack"), [(1, "the robots' paths"), (2, "the discoveries delivered to a base")])
+@pytest.mark.parametrize(
+    ("number", "lack"),
+    [
+        (1, "the robots' paths"),
+        (2, "the discoveries delivered to a base"),
+        (3, "the controllers that failed"),
+    ],
+)
 def test_store_of_an_older_format_is_rejected_with_the_missing_data(short_design, tmp_path, number, lack):
     path = tmp_path / "campaign.sqlite"
     with open_store(tmp_path, short_design(SWEEP)):
         pass
     with contextlib.closing(sqlite3.connect(path)) as database, database:
         database.execute("UPDATE campaign SET value = ? WHERE name = 'format'", (str(number),))
-    wanted = f"{path}: has format {number}, which lacks {lack}; expected 3: choose another folder"
+    wanted = f"{path}: has format {number}, which lacks {lack}; expected 4: choose another folder"
     assert refusal(tmp_path, short_design(SWEEP)) == wanted
     with pytest.raises(CampaignError, match=f"which lacks {lack}"):
         read_store(tmp_path)

@@ -87,6 +87,7 @@ def test_csv_goes_into_a_folder_that_is_made(capsys, bags, tmp_path):
         "contexts.csv",
         "events.csv",
         "exits.csv",
+        "gaps.csv",
         "network.csv",
         "paths.csv",
         "people.csv",

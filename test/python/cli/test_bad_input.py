@@ -97,7 +97,8 @@ def test_faulty_controller_is_an_event_and_the_mission_goes_on(tmp_path, monkeyp
     monkeypatch.syspath_prepend(tmp_path)
     out, bag = tmp_path / "out", tmp_path / "m.bag"
     chosen = ("--set", f"control.algorithm=faulty_ones_of_test:{name}")
-    assert main(["run", "garage_sar", *SHORT, *chosen, "--out", str(out), "--bag", str(bag), "--quiet"]) == 0
+    status = main(["run", "garage_sar", *SHORT, *chosen, "--out", str(out), "--bag", str(bag), "--quiet"])
+    assert status == (kind == "controller_failed")
     document = json.loads((out / "mission.json").read_text())
     (event,) = [event for event in document["events"] if event["kind"] not in ("start", "end")]
     assert (event["kind"], event["robot_id"]) == (kind, 1)

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -45,7 +48,9 @@ def test_folder_of_a_run_is_shown_and_one_of_another_version_is_rejected(
         (["garage_sar", "--noise", "x"], "'x' is not a number"),
         (["garage_sar", "--port", "70000"], "--port 70000 is outside 0 to 65535"),
         (["garage_sar", "--speed", "0"], "not above 0"),
-        (["garage_sar", "--speed", "2000"], "--speed 2000 is above 1000"),
+        (["garage_sar", "--speed", "2000"], "--speed 2000 is outside 0.001 to 1000"),
+        (["garage_sar", "--speed", "1e-300"], "--speed 1e-300 is outside 0.001 to 1000"),
+        (["garage_sar", "--speed", "0.0009"], "--speed 0.0009 is outside 0.001 to 1000"),
         (
             ["garage_sar", "--scenario", "office_manet"],
             "--scenario office_manet: only allowed for bags; got garage_sar",
@@ -78,3 +83,18 @@ def test_damaged_mission_is_one_line_with_the_key(capsys, tmp_path):
     (tmp_path / "mission.json").write_text('{"scenario": {}, "result": {"trajectory_hash": 3}}')
     assert main(["view", str(tmp_path), "--html", str(tmp_path / "o.html")]) == 2
     assert capsys.readouterr().err.endswith("Expected `str`, got `int` - at `$.result.trajectory_hash`\n")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("number", "status", "said"), [(signal.SIGTERM, 143, "terminated"), (signal.SIGINT, 130, "interrupted")]
+)
+def test_live_viewer_ends_with_the_status_of_its_signal(number, status, said):
+    words = (sys.executable, "-c", "import sys; from robotteamsim.cli import main; sys.exit(main())", "view")
+    command = (*words, "tutorial_arena", "--no-browser")
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as viewer:
+        assert viewer.stdout is not None
+        assert viewer.stdout.readline().startswith("http://127.0.0.1:")
+        viewer.send_signal(number)
+        _, error = viewer.communicate(timeout=60.0)
+    assert (viewer.returncode, error) == (status, f"robotteamsim: {said}\n")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import time
 from collections.abc import Callable, Iterator
 
 import pytest
@@ -14,7 +15,7 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors import Camera
 from robotteamsim.simulation import Simulation
-from robotteamsim.view.live import LiveMission, Pause, Play, Restart, SetLayers, SetNoise, SetVictim, Step
+from robotteamsim.view.live import LiveMission, Pause, Play, Restart, SetLayers, SetNoise, SetSpeed, SetVictim, Step
 from robotteamsim.view.server import ViewServer
 
 _WAIT_S = 60.0
@@ -139,6 +140,43 @@ def test_error_of_a_step_is_gone_after_a_new_start(
         pass
 
 
+def test_thread_that_ends_unexpectedly_says_so_and_refuses_further_commands(
+    mission: LiveMission, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    viewer = mission.subscribe()
+
+    def leave(_: Simulation) -> None:
+        raise SystemExit("a library has enough")
+
+    monkeypatch.setattr(Simulation, "step", leave)
+    mission.execute(Play())
+    while (update := taken(mission, viewer)).status["error"] == "":
+        pass
+    said = "the mission has ended unexpectedly: SystemExit: a library has enough; start `robotteamsim view` again"
+    assert (update.status["error"], update.status["playing"]) == (said, False)
+    with pytest.raises(ValueError, match=r"^the mission has ended unexpectedly: SystemExit: a library has enough; "):
+        mission.execute(Play())
+
+
+def test_step_after_the_slowest_speed_does_not_wait_for_that_speed(mission: LiveMission) -> None:
+    viewer = mission.subscribe()
+    mission.execute(SetSpeed(0.001))
+    mission.execute(Play())
+    while taken(mission, viewer).frames[-1].time_s < 0.05:  # the next one is due 100 s later
+        pass
+    begin_s = time.monotonic()
+    mission.execute(SetSpeed(1000.0))
+    while taken(mission, viewer).frames[-1].time_s < 0.5:
+        pass
+    assert time.monotonic() - begin_s < 50.0
+
+
+@pytest.mark.parametrize("speed", [1e-300, 0.0009, 1000.5, float("nan")])
+def test_mission_of_a_speed_out_of_range_is_refused(hall_scenario: Callable[..., Scenario], speed: float) -> None:
+    with pytest.raises(ValueError, match=r"^speed: .*; expected 0\.001 to 1000$"):
+        LiveMission(lambda _: hall_scenario(), speed=speed, playing=False)
+
+
 def test_a_restart_that_fails_leaves_the_mission_as_it_is(
     mission: LiveMission, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -175,7 +213,10 @@ def test_changes_of_a_paused_mission_are_shown_before_the_next_step(mission: Liv
         ('{"command": "set_noise", "noise_db": NaN}', "malformed"),
         ('{"command": "set_door", "name": "none", "closed": true}', "unknown door 'none'"),
         ('{"command": "set_victim", "name": "eve", "position_m": [1e300, 0]}', "<= 1000000.0"),
-        ('{"command": "set_speed", "speed": 0}', "> 0.0"),
+        ('{"command": "set_victim", "name": "", "position_m": [3, 4]}', "set_victim: name: is empty"),
+        ('{"command": "set_speed", "speed": 0}', ">= 0.001"),
+        ('{"command": "set_speed", "speed": 1e-300}', ">= 0.001"),
+        ('{"command": "set_speed", "speed": 1000.5}', "<= 1000.0"),
         ('{"command": "watched"}', "Invalid value"),
         ('{"command": "fly"}', "Invalid value"),
         ('{"command": "play", "more": 1}', "unknown field"),

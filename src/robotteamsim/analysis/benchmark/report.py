@@ -25,7 +25,7 @@ from robotteamsim.analysis.report.page import FOLDER, Report, render
 from robotteamsim.analysis.report.pictures import Picture, picture
 from robotteamsim.analysis.report.tables import Table, difference_table, network_table
 from robotteamsim.campaign import Design, Outcome
-from robotteamsim.campaign.summary import copies_note, summarise
+from robotteamsim.campaign.summary import controllers_note, copies_note, summarise
 from robotteamsim.errors import CampaignError
 from robotteamsim.wording import counted
 
@@ -145,6 +145,8 @@ def _notes(design: Design, outcomes: Sequence[Outcome]) -> tuple[str, ...]:
         notes.append(f"This benchmark is unfinished: {len(outcomes)} of {total} missions are done.")
     if failed:
         notes.append(f"Omitted: {counted(failed, 'failed mission')}; the store contains the tracebacks.")
+    if controllers := controllers_note(outcomes):
+        notes.append(controllers)
     if copies := copies_note((cell.name, cell.trials, cell.different) for cell in summarise(design, outcomes)):
         notes.append(copies)
     return tuple(notes)

@@ -25,7 +25,7 @@ from robotteamsim.analysis.report.statistics import TABLES
 from robotteamsim.analysis.report.tables import Table, campaign_tables
 from robotteamsim.analysis.report.wording import difference_text, listed, p_text
 from robotteamsim.campaign import StoredCampaign
-from robotteamsim.campaign.summary import copies_note
+from robotteamsim.campaign.summary import controllers_note, copies_note
 from robotteamsim.recording.files import atomically, prepare_folder
 from robotteamsim.wording import counted
 
@@ -134,6 +134,8 @@ def make_report(
     tables += tuple(table for table in (egress_table(panels), exit_table(panels)) if table.rows)
     pictures = tuple(campaign_pictures(campaign, panels))
     opening, notes = compared_settings(between), campaign_notes(campaign, missions)
+    if controllers := controllers_note([outcome for one in stored for outcome in one.outcomes]):
+        notes = (controllers, *notes)
     if not each_pair and (count := len(compared_pairs(campaign))) > MAX_PAIRS:
         notes += (f"Settings are not compared: they are {count} pairs; `report --each-pair` compares them.",)
     comparison = tables[:1] if between else ()

@@ -8,6 +8,7 @@ from typing import Any, get_args
 
 from msgspec.structs import astuple
 
+from robotteamsim.analysis.runs.gaps import Gap
 from robotteamsim.analysis.runs.recorded_run import RecordedEvent, RecordedRun
 from robotteamsim.analysis.runs.totals import (
     MissionTotals,
@@ -29,7 +30,7 @@ Row = Sequence[Any]
 
 _VICTIM_STATES = tuple(state for state in get_args(VictimState) if state != "waiting")
 
-TABLES = ("bags", "robots", "contexts", "events", "victims", "people", "exits", "progress", "network", "paths")
+TABLES = ("bags", "gaps", "robots", "contexts", "events", "victims", "people", "exits", "progress", "network", "paths")
 """Names of the tables that `write_tables` writes."""
 
 _COUNTS = ("areas_explored", "victims_heard", "victims_saved", "endangered_links")
@@ -55,6 +56,10 @@ def write_tables(folder: Path, runs: Sequence[RecordedRun], all_totals: Sequence
     prepare_folder(folder)
     contents: dict[str, tuple[Row, Iterable[Row]]] = {
         "bags": (_bag_head(), map(_bag_row, all_totals)),
+        "gaps": (
+            ("bag", *_names(Gap)),
+            ((totals.bag, *_gap_row(gap)) for totals in all_totals for gap in totals.gaps),
+        ),
         "robots": (("bag", *_robot_names()), (row for totals in all_totals for row in _robot_rows(totals))),
         "contexts": (
             ("bag", "robot", "time_s", *SwarmContext.__struct_fields__),
@@ -111,14 +116,21 @@ def _names(kind: Any) -> list[str]:
 
 def _bag_head() -> Row:
     network = [f"network_{name}" for name in _names(NetworkTotals)]
-    return ("bag", "duration_s", *_names(MissionTotals), "distance_m", "collisions", *network, "trajectory_hash")
+    last = ("trajectory_hash", "missing_steps", "controllers_failed", "controller_failed")
+    return ("bag", "duration_s", *_names(MissionTotals), "distance_m", "collisions", *network, *last)
 
 
 def _bag_row(totals: RunTotals) -> Row:
     mission = dataclasses.astuple(totals.mission) if totals.mission else (None,) * len(_names(MissionTotals))
     network = dataclasses.astuple(totals.network) if totals.network else (None,) * len(_names(NetworkTotals))
     own = (totals.distance_m, totals.collisions)
-    return (totals.bag, totals.duration_s, *mission, *own, *network, totals.trajectory_hash)
+    missing = sum(gap.missing for gap in totals.gaps)
+    last = (totals.trajectory_hash, missing, totals.controllers_failed, totals.controller_failed)
+    return (totals.bag, totals.duration_s, *mission, *own, *network, *last)
+
+
+def _gap_row(gap: Gap) -> Row:
+    return (gap.topic, gap.robot, gap.missing, gap.expected, " ".join(gap.totals))
 
 
 def _robot_rows(totals: RunTotals) -> Iterator[Row]:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from robotteamsim.analysis.runs import tracks
+from robotteamsim.analysis.runs.gaps import Gap, missing_steps
 from robotteamsim.analysis.runs.recorded_run import (
     Flags,
     RecordedArea,
@@ -53,6 +54,19 @@ _ROBOT_TYPES = {
     "contact": "robotteamsim/Contact",
     "controller/status": "robotteamsim/ControllerStatus",
 }
+_PATH_TOTALS = ("distance_m", "mean_speed_mps", "max_speed_mps")
+_TOTALS_OF_ROBOT = {
+    TRUTH: (*_PATH_TOTALS, "trajectory_hash"),
+    ODOM: _PATH_TOTALS,
+    "contact": ("collisions", "contact_s"),
+    "controller/status": ("excluded_s", "context"),
+}
+_NETWORK_TOTALS = (
+    *("mean_links", "max_hops", "mean_fiedler_value", "min_fiedler_value", "split_s", "endangered_links"),
+    "endangered_s",
+)
+_TOTALS_OF_TEAM = {"/mission/status": (), STATE: _NETWORK_TOTALS, LINKS: _NETWORK_TOTALS}
+"""Topics with one message per step, and the totals that depend on all of them."""
 _TF_TYPES = {"/tf": "tf2_msgs/TFMessage", "/tf_static": "tf2_msgs/TFMessage"}
 
 _LEAVES_OR_COMES = ("robot_removed", "robot_failed_by_heat", "firefighter_collapsed", "robot_spawned")
@@ -167,7 +181,8 @@ def _run(
     samples = {topic: _in_order(topic, of_topic) for topic, of_topic in samples.items() if of_topic}
     samples = _until_end(samples)
     namespaces = _namespaces(dict.fromkeys(samples, _ROBOT_TYPES[ODOM]))
-    robots = tuple(filter(None, (_robot(namespace, samples, transforms) for namespace in namespaces)))
+    by_namespace = {namespace: _robot(namespace, samples, transforms) for namespace in namespaces}
+    robots = tuple(filter(None, by_namespace.values()))
     mission = tuple(status for _, status in samples.get("/mission/status", []))
     network = next((_network(topic, samples[topic]) for topic in (STATE, LINKS) if topic in samples), None)
     stamps = [robot.track.stamps_ns[[0, -1]] for robot in robots]
@@ -195,7 +210,24 @@ def _run(
         egress=_last(samples, EGRESS.name),
         fire=_last(samples, FIRE.name),
         smoke=_last(samples, SMOKE.name),
+        gaps=_gaps(samples, by_namespace, next((each.stamp_ns for each in mission if each.state == "ended"), None)),
     )
+
+
+def _gaps(samples: Samples, by_namespace: Mapping[str, RecordedRobot | None], end_ns: int | None) -> tuple[Gap, ...]:
+    """Return the gaps of all topics with one message per step. Args: end_ns: stamp of the mission's end, if any."""
+    topics: list[tuple[str, str, tuple[str, ...], tuple[Absence, ...]]]
+    topics = [(topic, "", totals, ()) for topic, totals in _TOTALS_OF_TEAM.items()]
+    for namespace, robot in by_namespace.items():
+        if robot is not None:
+            of_robot = _TOTALS_OF_ROBOT.items()
+            topics += [(f"{namespace}/{kind}", robot.name, totals, robot.track.absences) for kind, totals in of_robot]
+    found = []
+    for topic, name, totals, absences in topics:
+        stamps_ns = np.unique([stamp_ns for stamp_ns, _ in samples.get(topic, [])])
+        if missing := missing_steps(stamps_ns, absences, end_ns):
+            found.append(Gap(topic, name, missing, len(stamps_ns) + missing, totals))
+    return tuple(found)
 
 
 def _last(samples: Samples, topic: str) -> Any:

@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from robotteamsim.analysis.runs.gaps import Gap
 from robotteamsim.analysis.runs.tracks import Track
 from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.status import SAVED, DeliveredDiscoveries
@@ -146,6 +147,7 @@ class RecordedRun:
     end_ns:    stamp of the last message of the run.
     unread:    topics whose type, or version of the type, is unknown.
     egress, fire, smoke: the last ones; None if the bag lacks them. Grids as in /fire/grid and /smoke/grid.
+    gaps:      topics with one message per step that lack some.
     """
 
     name: str
@@ -162,6 +164,7 @@ class RecordedRun:
     egress: Egress | None = None
     fire: OccupancyGrid | None = None
     smoke: OccupancyGrid | None = None
+    gaps: tuple[Gap, ...] = ()
 
     def time_s(self, stamps_ns: np.ndarray) -> np.ndarray:
         """Return the times of stamps, counted from the start [s]."""

@@ -18,7 +18,7 @@ from robotteamsim.wording import column_groups, counted, printable
 
 if TYPE_CHECKING:
     from robotteamsim.analysis.runs.recorded_run import RecordedRun
-    from robotteamsim.analysis.runs.totals import MissionTotals, NetworkTotals, RobotTotals, RunTotals
+    from robotteamsim.analysis.runs.totals import MissionTotals, RobotTotals, RunTotals
     from robotteamsim.mission.egress import Egress
     from robotteamsim.mission.events import AnyEvent
     from robotteamsim.recording.measures import Measured
@@ -26,6 +26,9 @@ if TYPE_CHECKING:
 
 MAX_EVENTS = 60
 """Above this number of events, endangered links are only counted; mission.json lists them."""
+
+MAX_GAPS = 12
+"""Most topics with missing steps that are listed; JSON and tables list all."""
 
 MAX_PEOPLE = 40
 """Most people in the table of doses."""
@@ -57,6 +60,8 @@ _STYLES = {
     "end": "bold",
 }
 _UNKNOWN = "-"
+_MARK = "*"
+"""After totals that are computed from topics with missing steps."""
 _RUN_COLUMNS = (
     *("bag", "end", "areas", "victims", "time\n[s]", "endan-\ngered", "driven\n[m]", "colli-\nsions", "Fied-\nler"),
     "split\n[s]",
@@ -122,7 +127,7 @@ def _event_table(title: str, events: Sequence[AnyEvent]) -> Table:
 
 
 def print_run(console: Console, run: RecordedRun, totals: RunTotals) -> None:
-    """Print the events of one run, its totals, those of its robots, and a line for everything omitted."""
+    """Print the events of one run, its totals, those of its robots, and lines for everything omitted or incomplete."""
     if run.events:
         console.print(_event_table(totals.title, [event for _, event in run.events]))
     else:
@@ -130,23 +135,23 @@ def print_run(console: Console, run: RecordedRun, totals: RunTotals) -> None:
     rows = [("recorded", f"{totals.duration_s:.1f} s")]
     rows += _mission_rows(totals.mission) if totals.mission else []
     rows += egress_rows(totals.egress)
-    rows += _network_rows(totals.network, totals.mission is None) if totals.network else []
+    rows += _network_rows(totals) if totals.network else []
     console.print(_totals_table(rows))
     if totals.egress is not None and totals.egress.ignition_s is not None:
         console.print(_people_table(totals.egress))
     if totals.robots:
-        cells = [_robot_cells(robot) for robot in totals.robots]
+        cells = [_robot_cells(robot, totals) for robot in totals.robots]
         for table in _fitting_tables(_ROBOT_COLUMNS, cells, None, console.width):
             console.print(table)
     if any(robot.context for robot in totals.robots):
-        console.print(_context_table(totals.robots))
+        console.print(_context_table(totals))
     if totals.trajectory_hash:
         console.print(_text(f"  trajectories {totals.trajectory_hash}"), soft_wrap=True)
     _print_omitted(console, totals, "")
 
 
 def print_runs(console: Console, all_totals: Sequence[RunTotals]) -> None:
-    """Print one line per run, the means of all runs, and a line for everything omitted."""
+    """Print one line per run, the means of all runs, and lines for everything omitted or incomplete."""
     rows = [_cells(totals) for totals in all_totals]
     for table in _fitting_tables(_RUN_COLUMNS, rows, _mean_cells(all_totals), console.width):
         console.print(table)
@@ -176,44 +181,47 @@ def _fitting_tables(
         yield table
 
 
-def _network_rows(network: NetworkTotals, with_endangered: bool) -> list[tuple[str, str]]:
+def _network_rows(totals: RunTotals) -> list[tuple[str, str]]:
+    network = totals.network
+    assert network is not None
+    mark = _mark(totals, "mean_links")
     all_links = network.num_robots * (network.num_robots - 1) // 2
     hops = counted(network.max_hops, "hop")
-    rows = [("endangered links", str(network.endangered_links))] if with_endangered else []
+    rows = [("endangered links", f"{network.endangered_links}{mark}")] if totals.mission is None else []
+    fiedler = f"{network.mean_fiedler_value:.3f}{mark} on average, at least {network.min_fiedler_value:.3f}{mark}"
     return [
         *rows,
-        ("links endangered for", f"{network.endangered_s:.1f} s"),
+        ("links endangered for", f"{network.endangered_s:.1f}{mark} s"),
         (
             "links",
-            f"{network.mean_links:.2f} of {all_links} on average, shortest paths of at most {hops}",
+            f"{network.mean_links:.2f}{mark} of {all_links} on average, shortest paths of at most {hops}{mark}",
         ),
-        ("Fiedler value", f"{network.mean_fiedler_value:.3f} on average, at least {network.min_fiedler_value:.3f}"),
-        ("team split for", f"{network.split_s:.1f} s"),
+        ("Fiedler value", fiedler),
+        ("team split for", f"{network.split_s:.1f}{mark} s"),
     ]
 
 
-def _robot_cells(robot: RobotTotals) -> list[str]:
-    return [
-        robot.name,
-        _number(robot.distance_m, ".1f"),
-        _number(robot.mean_speed_mps, ".2f"),
-        _number(robot.max_speed_mps, ".2f"),
-        _number(robot.collisions, "d"),
-        _number(robot.contact_s, ".1f"),
-        _number(robot.excluded_s, ".1f"),
-        robot.source,
-    ]
+def _robot_cells(robot: RobotTotals, totals: RunTotals) -> list[str]:
+    forms = {"distance_m": ".1f", "mean_speed_mps": ".2f", "max_speed_mps": ".2f", "collisions": "d"}
+    forms |= {"contact_s": ".1f", "excluded_s": ".1f"}
+    numbers = [_number(getattr(robot, name), form, _mark(totals, name, robot.name)) for name, form in forms.items()]
+    return [robot.name, *numbers, robot.source]
 
 
-def _context_table(robots: Sequence[RobotTotals]) -> Table:
+def _mark(totals: RunTotals, name: str, robot: str | None = None) -> str:
+    return _MARK if totals.lacks_steps(name, robot) else ""
+
+
+def _context_table(totals: RunTotals) -> Table:
     """Return the means of the metrics and coefficients of the robots that adapt."""
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
     table.add_column("robot")
     for name in ("A_s", "S_n", "O_n", "P_n", "C_s", "alpha", "c1", "c2", "c3", "c4"):
         table.add_column(name, justify="right")
-    for robot in robots:
+    for robot in totals.robots:
         if robot.context:
-            table.add_row(_text(robot.name), *(f"{value:.2f}" for value in robot.context.values()))
+            mark = _mark(totals, "context", robot.name)
+            table.add_row(_text(robot.name), *(f"{value:.2f}{mark}" for value in robot.context.values()))
     return table
 
 
@@ -226,11 +234,11 @@ def _cells(totals: RunTotals) -> list[str]:
         f"{mission.areas_explored}/{mission.num_areas}" if mission else _UNKNOWN,
         f"{mission.victims_saved}/{mission.num_victims}" if mission else _UNKNOWN,
         _number(mission.time_s if mission else None, ".1f"),
-        _number(endangered, "d"),
-        _number(totals.distance_m, ".0f"),
-        _number(totals.collisions, "d"),
-        _number(network.mean_fiedler_value if network else None, ".2f"),
-        _number(network.split_s if network else None, ".1f"),
+        _number(endangered, "d", "" if mission else _mark(totals, "endangered_links")),
+        _number(totals.distance_m, ".0f", _mark(totals, "distance_m")),
+        _number(totals.collisions, "d", _mark(totals, "collisions")),
+        _number(network.mean_fiedler_value if network else None, ".2f", _mark(totals, "mean_fiedler_value")),
+        _number(network.split_s if network else None, ".1f", _mark(totals, "split_s")),
     ]
 
 
@@ -240,6 +248,10 @@ def _mean_cells(all_totals: Sequence[RunTotals]) -> list[str]:
     networks = [totals.network for totals in all_totals if totals.network]
     distances_m = [totals.distance_m for totals in all_totals if totals.distance_m is not None]
     collisions = [totals.collisions for totals in all_totals if totals.collisions is not None]
+
+    def marked(name: str) -> str:
+        return max((_mark(totals, name) for totals in all_totals), default="")
+
     return [
         "mean",
         "",
@@ -247,24 +259,30 @@ def _mean_cells(all_totals: Sequence[RunTotals]) -> list[str]:
         _mean([mission.victims_saved for mission in missions], ".2f"),
         _mean([mission.time_s for mission in missions], ".1f"),
         _mean([mission.endangered_links for mission in missions], ".2f"),
-        _mean(distances_m, ".0f"),
-        _mean(collisions, ".2f"),
-        _mean([network.mean_fiedler_value for network in networks], ".2f"),
-        _mean([network.split_s for network in networks], ".1f"),
+        _mean(distances_m, ".0f", marked("distance_m")),
+        _mean(collisions, ".2f", marked("collisions")),
+        _mean([network.mean_fiedler_value for network in networks], ".2f", marked("mean_fiedler_value")),
+        _mean([network.split_s for network in networks], ".1f", marked("split_s")),
     ]
 
 
-def _mean(values: Sequence[float], form: str) -> str:
-    return _number(statistics.fmean(values) if values else None, form)
+def _mean(values: Sequence[float], form: str, mark: str = "") -> str:
+    return _number(statistics.fmean(values) if values else None, form, mark)
 
 
-def _number(value: float | None, form: str) -> str:
-    return _UNKNOWN if value is None else f"{value:{form}}"
+def _number(value: float | None, form: str, mark: str = "") -> str:
+    return _UNKNOWN if value is None else f"{value:{form}}{mark}"
 
 
 def _print_omitted(console: Console, totals: RunTotals, prefix: str) -> None:
-    for line in totals.omitted:
-        console.print(_text(f"  {prefix}omitted: {line}", "yellow"), soft_wrap=True)
+    lines = [f"omitted: {line}" for line in totals.omitted]
+    lines += [f"{gap.topic}: {gap.missing} of {gap.expected} steps missing" for gap in totals.gaps[:MAX_GAPS]]
+    if len(totals.gaps) > MAX_GAPS:
+        lines.append(f"and {counted(len(totals.gaps) - MAX_GAPS, 'more topic')} with missing steps")
+    if any(gap.totals for gap in totals.gaps):
+        lines.append(f"totals marked {_MARK} are computed without the missing steps")
+    for line in lines:
+        console.print(_text(f"  {prefix}{line}", "yellow"), soft_wrap=True)
 
 
 def _result_rows(result: Result) -> list[tuple[str, str]]:

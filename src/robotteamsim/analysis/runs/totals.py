@@ -4,10 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from robotteamsim.analysis.runs.gaps import Gap
 from robotteamsim.analysis.runs.reading import TRUTH
 from robotteamsim.analysis.runs.recorded_run import Flags, RecordedContext, RecordedNetwork, RecordedRobot, RecordedRun
 from robotteamsim.interface import SwarmContext
 from robotteamsim.mission.egress import Egress
+from robotteamsim.mission.events import failure_of
 from robotteamsim.network import newly_endangered
 from robotteamsim.simulation.trial import TrajectoryHash
 
@@ -82,9 +84,11 @@ class RunTotals:
 
     duration_s:      from the first message of the run to the last.
     trajectory_hash: hash of the true poses, equal to that of `Result`; only for missions in which all robots have poses
-                     at the same stamps.
+                     at the same stamps, and at every step.
     egress:          how people left; None without fire and without exits.
     omitted:         what could not be computed, and the missing topic.
+    controllers_failed: number of times that a controller was stopped.  controller_failed: the first one and its reason.
+    gaps:            topics that lack steps, and the totals that are computed without them.
     """
 
     bag: str
@@ -95,6 +99,13 @@ class RunTotals:
     trajectory_hash: str | None
     omitted: tuple[str, ...]
     egress: Egress | None = None
+    controllers_failed: int = 0
+    controller_failed: str = ""
+    gaps: tuple[Gap, ...] = ()
+
+    def lacks_steps(self, total: str, robot: str | None = None) -> bool:
+        """Whether a total is computed from a topic with gaps. Args: robot: its name; None: of any robot or the team."""
+        return any(total in gap.totals and robot in (None, gap.robot) for gap in self.gaps)
 
     @property
     def title(self) -> str:
@@ -120,6 +131,7 @@ class RunTotals:
 def run_totals(run: RecordedRun) -> RunTotals:
     """Return the totals of a run."""
     first_ns = min((robot.track.stamps_ns[0] for robot in run.robots), default=run.start_ns)
+    failed = [event for _, event in run.events if event.kind == "controller_failed"]
     return RunTotals(
         bag=run.name,
         duration_s=float(run.end_ns - min(first_ns, run.start_ns)) / 1e9,
@@ -129,6 +141,9 @@ def run_totals(run: RecordedRun) -> RunTotals:
         trajectory_hash=_trajectory_hash(run),
         omitted=_omitted(run),
         egress=run.egress,
+        controllers_failed=len(failed),
+        controller_failed=failure_of(failed[0]) if failed else "",
+        gaps=run.gaps,
     )
 
 
@@ -239,6 +254,8 @@ def _time_s(stamps_ns: np.ndarray, values: np.ndarray) -> float:
 def _trajectory_hash(run: RecordedRun) -> str | None:
     tracks = [robot.track for robot in run.robots]
     if not (run.statuses and tracks and all(track.source == "truth" for track in tracks)):
+        return None
+    if any("trajectory_hash" in gap.totals for gap in run.gaps):
         return None
     stamps_ns = tracks[0].stamps_ns
     if not all(np.array_equal(track.stamps_ns, stamps_ns) for track in tracks[1:]):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -130,17 +131,30 @@ def read_contact(message: Any) -> ContactReading:
     return ContactReading(bool(message.in_contact), tuple(message.angles_rad))
 
 
-def transforms(make: Make, time_ns: int, robots: Sequence[Robot], odometry: Iterable[OdometryReading | None]) -> Any:
-    """tf2_msgs/TFMessage: the `robot_transforms` of all robots, in id order; None for an absent robot."""
-    return make(
-        "tf2_msgs/TFMessage",
-        transforms=[
-            transform
-            for robot_id, (robot, reading) in enumerate(zip(robots, odometry, strict=True))
-            if reading is not None
-            for transform in robot_transforms(make, time_ns, robot_id, robot, reading)
-        ],
-    )
+def transforms(
+    make: Make,
+    time_ns: int,
+    robots: Sequence[Robot],
+    odometry: Iterable[OdometryReading | None],
+    origins: Sequence[PoseReading] = (),
+) -> Any:
+    """tf2_msgs/TFMessage: the `robot_transforms` of all robots, in id order; None for an absent robot.
+
+    Args: origins: of each odometry in `map`, for the `localization` of each robot; empty: without.
+    """
+    links = []
+    for robot_id, (robot, reading) in enumerate(zip(robots, odometry, strict=True)):
+        if reading is not None:
+            links += [localization(make, time_ns, robot_id, origins[robot_id])] if origins else []
+            links += robot_transforms(make, time_ns, robot_id, robot, reading)
+    return make("tf2_msgs/TFMessage", transforms=links)
+
+
+def odometry_origin(reading: RobotReading) -> PoseReading:
+    """Return the origin of a robot's odometry in `map`."""
+    if math.isnan(reading.ground_truth.x_m):
+        return _IDENTITY  # of a robot that is not present; it is not published
+    return PoseReading.from_pose(reading.ground_truth.pose @ reading.odometry.pose.pose.inverse())
 
 
 def robot_transforms(make: Make, time_ns: int, robot_id: int, robot: Robot, odometry: OdometryReading) -> list[Any]:
