@@ -1,4 +1,5 @@
 // _core.hazards: fire, smoke and heat.
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/vector.h>
 
 #include <cstdint>
@@ -28,8 +29,8 @@ struct type_caster<hazards::DoorModel>
                   &hazards::DoorModel::closed_share, &hazards::DoorModel::endures_s> {};
 
 template <>
-struct type_caster<hazards::Fuel>
-    : TupleCaster<hazards::Fuel, &hazards::Fuel::load_kj, &hazards::Fuel::peak_kw, &hazards::Fuel::growth_kw_s2> {};
+struct type_caster<hazards::Fuel> : TupleCaster<hazards::Fuel, &hazards::Fuel::load_kj, &hazards::Fuel::peak_kw,
+                                                &hazards::Fuel::growth_kw_s2, &hazards::Fuel::curve> {};
 
 }  // namespace nanobind::detail
 
