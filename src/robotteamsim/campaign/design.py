@@ -182,7 +182,9 @@ def _check_algorithm(of: Scenario, settings: Sequence[Factor], allow_code: bool)
         place = matching[-1].place if matching else of.origin.place
         foreign_code.check_foreign(of.control.algorithm, place, "--allow-code")
     try:
-        make_controller(0, resolve(of))
+        setup = resolve(of)
+        if setup.robots:
+            make_controller(0, setup)
     except RobotTeamSimError as error:
         message = str(error).removeprefix(f"{of.name}: ")
         raise CampaignError(f"{matching[-1].place if matching else of.name}: {message}") from None
