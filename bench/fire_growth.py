@@ -1,4 +1,5 @@
-"""Heat release rate of fires on grids of several sizes, over that of their class: in an open hall and in garage_rescue.
+"""Heat release rate of fires on grids of several sizes: in a hall, in the open, next to a wall and in a corner, and in
+garage_rescue.
 
 `python bench/fire_growth.py > bench/results/fire_growth.csv`
 """
@@ -17,6 +18,7 @@ from robotteamsim.scenario.scenario import Scenario
 ULTRA_FAST_KW_S2 = 0.1876
 SEEDS = range(9000, 9020)
 HALL: dict[str, object] = {"name": "hall", "bounds": {"max": [40, 40]}}
+PLACES = {"hall": [20.1, 20.1], "wall": [20.1, 0.1], "corner": [0.1, 0.1]}
 CARPET = {
     "name": "carpet",
     "polygon": [[0, 0], [40, 0], [40, 40], [0, 40]],
@@ -44,9 +46,9 @@ def heat_mw(scenario: Scenario, times_s: list[int]) -> list[float]:
     return found
 
 
-def in_hall(cell_m: float, growth_sd: float, seed: int) -> Scenario:
-    """Return a hall of 40 x 40 m with one fuel and a fire in the middle."""
-    fire = {"fuel": [CARPET], "ignitions": [{"position": [20.1, 20.1]}], "cell_m": cell_m, "growth_sd": growth_sd}
+def in_hall(place: str, cell_m: float, growth_sd: float, seed: int) -> Scenario:
+    """Return a hall of 40 x 40 m with one fuel and a fire in one of PLACES."""
+    fire = {"fuel": [CARPET], "ignitions": [{"position": PLACES[place]}], "cell_m": cell_m, "growth_sd": growth_sd}
     run = {"seed": seed, "step_s": 1.0, "physics_substeps": 20}
     robots = [{"start_pose": [1.0, 1.0, 0.0]}]
     return from_mapping({"name": "hall", "plan": HALL, "robots": robots, "fire": fire, "run": run}, "hall")
@@ -60,8 +62,10 @@ def main() -> None:
     for cell_m in (0.25, 0.5, 1.0):
         for growth_sd, seeds in ((0.0, SEEDS[:1]), (0.2, SEEDS)):
             for seed in seeds:
-                for time_s, megawatts in zip(times_s, heat_mw(in_hall(cell_m, growth_sd, seed), times_s), strict=True):
-                    rows.writerow(["hall", cell_m, growth_sd, seed, time_s, f"{megawatts:.3f}"])
+                for place in PLACES:
+                    found_mw = heat_mw(in_hall(place, cell_m, growth_sd, seed), times_s)
+                    for time_s, megawatts in zip(times_s, found_mw, strict=True):
+                        rows.writerow([place, cell_m, growth_sd, seed, time_s, f"{megawatts:.3f}"])
                 garage = load("garage_rescue", [f"fire.{k}" for k in (f"cell_m={cell_m}", f"growth_sd={growth_sd}")])
                 garage = garage.model_copy(update={"run": garage.run.model_copy(update={"seed": seed})})
                 rows.writerow(["garage_rescue", cell_m, growth_sd, seed, 300, f"{heat_mw(garage, [300])[0]:.3f}"])

@@ -26,8 +26,8 @@ struct type_caster<hazards::DoorModel>
                   &hazards::DoorModel::closed_share, &hazards::DoorModel::endures_s> {};
 
 template <>
-struct type_caster<hazards::Fuel>
-    : TupleCaster<hazards::Fuel, &hazards::Fuel::load_kj, &hazards::Fuel::peak_kw, &hazards::Fuel::growth_kw_s2> {};
+struct type_caster<hazards::Fuel> : TupleCaster<hazards::Fuel, &hazards::Fuel::load_kj, &hazards::Fuel::peak_kw,
+                                                &hazards::Fuel::growth_kw_s2, &hazards::Fuel::curve> {};
 
 }  // namespace nanobind::detail
 

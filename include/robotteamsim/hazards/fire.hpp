@@ -3,8 +3,10 @@
 #include <cstdint>
 #include <functional>
 #include <queue>
+#include <utility>
 #include <vector>
 
+#include "robotteamsim/hazards/front.hpp"
 #include "robotteamsim/hazards/links.hpp"
 
 namespace robotteamsim::hazards {
@@ -14,6 +16,9 @@ struct Fuel {
   double load_kj = 0.0;       ///< heat of all of it
   double peak_kw = 0.0;       ///< highest heat release rate
   double growth_kw_s2 = 0.0;  ///< of the t-squared fire
+  /// Heat release rate of all of it, over the time since it began to burn [s, kW]; then its load does not matter, and
+  /// its growth only for how fast fire crosses to other fuel. Empty: a t-squared fire.
+  std::vector<std::pair<double, double>> curve;
 };
 
 enum class Burning : std::uint8_t { kNot, kBurns, kBurntOut };
@@ -32,8 +37,14 @@ struct Release {
 /// corner in the direction of each kind of step. The area of this polygon replaces pi, so that the heat release rate on
 /// uniform fuel is growth * t^2 on a grid of any size.
 ///
-/// A cell burns from when the front reaches its edge, and its heat release rate rises to the peak until the front has
-/// left it; where a fire begins, it is growth * t^2 up to the peak. Each burns until its load is spent.
+/// Walls and the end of fuel cut the circle, but not the heat release: the n-th cell that a fire reaches begins to burn
+/// when the n-th cell of a front that nothing hinders would. So the rest of the front is faster. Through doors, over
+/// gaps and to a fuel with a curve of its own, the front moves at its own speed, and a new fire begins there, unless
+/// something burns in the same region, whose fire the cell then joins.
+///
+/// A cell burns from when the front reaches its edge, and its heat release rate rises to the peak in the time that the
+/// front needs to cross it; where a fire begins, it is growth * t^2 up to the peak. Each burns until its load is spent.
+/// A fuel with a curve burns in as many cells as the highest rate so far needs, which share the rate equally.
 class Fire {
  public:
   /// Args: fuels: kinds of fuel.  fuel_of_cell: per cell, the kind; -1 for none.  gap: the width of ground without fuel
@@ -65,6 +76,7 @@ class Fire {
     double since_s = 0.0;
     bool begins = false;       ///< a fire begins here
     double released_kj = 0.0;  ///< heat
+    int front = 0;             ///< the fire to which the cell belongs
   };
 
   /// A step between the centres of two cells.
@@ -77,7 +89,7 @@ class Fire {
     bool is_common = false;     ///< over fuel
   };
 
-  /// The front reaches the edge of a cell, or its centre, from where it moves on.
+  /// Fire reaches a cell from another region, or the centre of a cell, from where it moves on to other regions.
   struct Event {
     double at_s = 0.0;
     int padded = 0;
@@ -87,24 +99,42 @@ class Fire {
 
   static std::vector<Step> StepsFor(double gap);
   const Fuel& FuelOf(const Cell& cell) const { return fuels_[fuel_of_[cell.padded]]; }
+  const HeatCurve& CurveOf(const Front& front) const { return curves_[front.fuel]; }
   double CrossingTime(int padded) const { return crossing_s_[fuel_of_[padded]]; }
   double CentreTime(const Cell& cell) const;
   double HeatOf(const Cell& cell) const;
   double RateOf(const Cell& cell) const;
-  void Begin(int padded, double at_s, bool begins);
+  double PassageTime(int from, int to, const Step& step) const;
+  std::pair<double, int> NextFront();  ///< when the next cell of a front begins to burn, and of which
+  const Front::Next* Peek(int front);
+  void Handle(const Links& links);  ///< the next event
+  void GiveOff();
+  void Begin(int padded, double at_s);
+  void Arrive(int padded, double at_s);
+  void Take(int index, int padded, double at, bool begins);
   int Target(const Links& links, int from, const Step& step) const;
   void MoveOn(const Links& links, int from, double at_s, const Step& step);
   bool CanMove(const Links& links, int from, const Step& step) const;
-  bool IsFree(const Links& links, int from, const Step& step, bool backwards) const;
+  bool IsInner(int from, const Step& step) const;  ///< whether the step stays in one region
+  template <typename Allowed>
+  bool IsFree(const Links& links, int from, const Step& step, const Allowed& allowed) const;
+  template <typename Allowed>
+  bool IsFreeOneWay(const Links& links, int from, const Step& step, const Allowed& allowed, bool backwards) const;
 
   std::vector<Fuel> fuels_;
-  std::vector<double> crossing_s_;  ///< of each fuel: time in which the front crosses a cell
+  std::vector<HeatCurve> curves_;  ///< of each fuel
+  Links still_;                    ///< with all doors closed
+  FreeArrivals free_;
+  std::vector<Front> fronts_;
+  std::vector<int> region_of_;        ///< with a border
+  std::vector<int> front_of_region_;  ///< the first fire there; -1: none
+  std::vector<double> crossing_s_;    ///< of each fuel: time in which the front crosses a cell
   std::vector<Step> steps_;
   int rows_;
   int cols_;
   double time_s_ = 0.0;
   std::vector<int> fuel_of_;     ///< with a border
-  std::vector<double> due_s_;    ///< with a border: when the front reaches the edge
+  std::vector<double> due_s_;    ///< with a border: when fire from another region arrives
   std::vector<int> from_;        ///< with a border: the cell from which it does
   std::vector<Burning> states_;  ///< with a border
   std::vector<Cell> burning_;

@@ -27,7 +27,7 @@ class PathLog(Observer):
     def begin(self, setup: Setup) -> None:
         """Clear the log."""
         self._every = max(round(PERIOD_S / setup.scenario.run.step_s), 1)
-        self._starts_m = np.array([robot.start_pose[:2] for robot in setup.robots])
+        self._starts_m = np.array([robot.start_pose[:2] for robot in setup.robots]).reshape(-1, 2)
         self._positions_m: list[np.ndarray] = []
 
     def step(self, record: StepRecord) -> None:
@@ -57,7 +57,7 @@ def decode_paths(data: bytes) -> np.ndarray:
     try:
         samples, robots = _HEADER.unpack_from(data)
         size = samples * robots * 8
-        if not 0 < size <= _MOST_DEFLATED * len(data):
+        if not samples or size > _MOST_DEFLATED * len(data):
             raise ValueError(f"{len(data)} bytes cannot have {samples} positions of {robots} robots")
         inflating = zlib.decompressobj()
         inflated = inflating.decompress(data[_HEADER.size :], size + 1)

@@ -48,7 +48,8 @@ def _soot_of(fire: Fire) -> dict[str, Callable[[np.ndarray], np.ndarray]]:
 class FdsHazards:
     """Fire and smoke of a run of FDS, in cells of the plan: each has the values of the point nearest to its centre.
 
-    Between two times of the results, values are interpolated linearly; after the last one they stay.
+    Its clock, and with it the fire, begins at `fire.fds_ignition_s`; until then the field is as at its time 0. Between
+    two times of the results, values are interpolated linearly; after the last one they stay.
     """
 
     def __init__(self, scenario: Scenario, building: Building) -> None:
@@ -57,6 +58,7 @@ class FdsHazards:
         assert fire is not None
         assert fire.fds is not None
         self._fire, self._step_ns = fire, scenario.run.step_ns
+        self._ignition_ns = round(fire.fds_ignition_s * 1e9)
         self._ambient = ambient_field(fire, building)
         self._temperature, self._smoke, smoke = building.shared(_samples, fire)
         self._soot_of = _soot_of(fire)[smoke]
@@ -66,7 +68,7 @@ class FdsHazards:
         self.updated = False
         """Whether the last step was an update."""
         self.ignited: tuple[Ignited, ...] = ()
-        """The place that burns first."""
+        """The place that burns first, once the clock of FDS has begun."""
 
     def step(self, sim_time_ns: int, doors: ClosedDoors) -> bool:
         """Advance to the step with this stamp [ns]; return whether this was an update. Doors change nothing."""
@@ -75,10 +77,8 @@ class FdsHazards:
             return False
         self.field = self._at((sim_time_ns - self._step_ns) / 1e9)
         self.version += 1
-        if not self.ignited and (self.field.states == BURNING).any():
-            row, col = np.unravel_index(np.argmax(self.field.temperatures_c), self.field.states.shape)
-            (x, y), cell_m = self.field.origin_m, self.field.resolution_m
-            self.ignited = (Ignited("", (x + cell_m * (float(col) + 0.5), y + cell_m * (float(row) + 0.5))),)
+        if not self.ignited and sim_time_ns - self._step_ns >= self._ignition_ns:
+            self.ignited = (Ignited("", self._hottest_m()),)
         return True
 
     def ignite(self, position_m: Point) -> None:
@@ -89,7 +89,17 @@ class FdsHazards:
         """Return no doors."""
         return ()
 
+    def _hottest_m(self) -> Point:
+        """Return the centre of the cell that is hottest at the first time with flames; without flames, of all times."""
+        peaks_c = self._temperature.values.max(axis=(1, 2))
+        flames = np.flatnonzero(peaks_c >= self._fire.heat.flame_c)
+        hottest = self._temperature.values[flames[0] if len(flames) else peaks_c.argmax()]
+        row, col = np.unravel_index(hottest.argmax(), hottest.shape)
+        (x, y), cell_m = self._ambient.origin_m, self._ambient.resolution_m
+        return x + cell_m * (float(col) + 0.5), y + cell_m * (float(row) + 0.5)
+
     def _at(self, time_s: float) -> HazardField:
+        time_s = max(time_s - self._ignition_ns / 1e9, 0.0)
         temperatures_c = self._temperature.at(time_s).astype(np.float32)
         states = np.where(temperatures_c >= self._fire.heat.flame_c, BURNING, 0).astype(np.uint8)
         soot_g_m3 = self._soot_of(self._smoke.at(time_s)).astype(np.float32)

@@ -19,6 +19,7 @@ from robotteamsim.scenario.fire import Fire, updates
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.scenario import Scenario
 
+_Curve = tuple[tuple[float, float], ...]
 _AIR_KJ_M3_K = 1.204 * 1.005
 """Heat capacity of a cubic metre of air at 20 degC [kJ/(m^3 K)]."""
 
@@ -194,14 +195,14 @@ def _door(door: Door, doorway: Doorway, fire: Fire) -> tuple[bool, float, float,
     return door.closed, doorway.open_share, doorway.closed_share(fire.soot.door_leakage), fire.heat.door_endures_s
 
 
-def _fuels(fire: Fire, random: np.random.Generator) -> list[tuple[float, float, float]]:
-    """Return load [kJ] and peak [kW] of one cell, and growth [kW/s^2], of each place of fuel.
+def _fuels(fire: Fire, random: np.random.Generator) -> list[tuple[float, float, float, _Curve]]:
+    """Return load [kJ] and peak [kW] of one cell, growth [kW/s^2], and own curve [s, kW], of each place of fuel.
 
     A place's growth is that of its class times a number of a uniform distribution of mean 1: over many trials, the mean
     heat release rate at a time is that of the class.
     """
     area_m2, most = fire.cell_m**2, math.sqrt(3.0) * fire.growth_sd
     return [
-        (fuel.load_mj_m2 * 1e3 * area_m2, fuel.peak_kw_m2 * area_m2, fuel.growth_kw_s2 * share)
+        (fuel.load_mj_m2 * 1e3 * area_m2, fuel.peak_kw_m2 * area_m2, fuel.growth_kw_s2 * share, fuel.hrr or ())
         for fuel, share in zip(fire.fuel, random.uniform(1.0 - most, 1.0 + most, len(fire.fuel)), strict=True)
     ]

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import msgspec
-import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.hazards import HazardField
@@ -15,10 +14,11 @@ from robotteamsim.mission.area_order import AreaOrder
 from robotteamsim.mission.base_station import BaseStation
 from robotteamsim.mission.egress import Egress, EgressMonitor
 from robotteamsim.mission.events import Event
+from robotteamsim.mission.exits import Exits
 from robotteamsim.mission.input import MissionInput
 from robotteamsim.mission.monitors import LinkMonitor, TeamMonitor, WorldMonitor
 from robotteamsim.mission.rescue import Rescue, VictimNews
-from robotteamsim.mission.status import OUT_OF_DANGER, SAVED, MissionEnd, MissionState, MissionStatus
+from robotteamsim.mission.status import IN_CARE, OUT_OF_DANGER, SAVED, MissionEnd, MissionState, MissionStatus
 from robotteamsim.mission.victims import Casualties, Victims
 from robotteamsim.network.messages import Message, Refusal, Traffic
 from robotteamsim.scenario.base import Point
@@ -33,7 +33,8 @@ class Mission:
     the end. All events of a step have its time, see `StepRecord`. When a robot hears a voice, the victim who
     is the loudest at the loudest place near the robot counts as heard. If there is a base, `scenario.base`, a
     mission whose areas are all explored continues until all discoveries have been delivered to the base. If
-    firefighters save the victims, `Rescue` judges them, and the mission ends when all of them are safe or dead.
+    firefighters save the victims, `Rescue` judges them, and the mission ends when all of them are safe or dead; so does
+    one without areas but with exits. Whoever is in an exit is safe. While somebody flees, the mission goes on.
     """
 
     def __init__(self, setup: Setup) -> None:
@@ -49,6 +50,9 @@ class Mission:
         self._victims = Victims(scenario.mission.victims)
         self._rescue = Rescue(setup) if scenario.mission.saved_by == "firefighter" else None
         """None if robots save the victims."""
+        self._exits = Exits(scenario.mission.exits)
+        self._ends_in_safety = self._rescue is not None or bool(scenario.mission.exits and not self._areas)
+        self._has_team = scenario.team_size > 0
         self._casualties = None if scenario.fire is None else Casualties(scenario.fire)
         """None if nothing can burn."""
         self._egress = EgressMonitor(scenario) if scenario.has_egress else None
@@ -170,7 +174,7 @@ class Mission:
 
     def _judge(self, now: MissionInput) -> None:
         self._judge_voices(now)
-        self._judge_places(now.positions_m)
+        self._judge_places(now)
         passed = self._order.passed_over(now.decisions, now.present)
         if passed is not None:
             self._epoch += 1
@@ -178,6 +182,8 @@ class Mission:
         if self._rescue is not None:
             for news in self._rescue.judge(self._elapsed_ns / 1e9, now, self._victims):
                 self._note_victim(news)
+        for news in self._exits.left(self._victims):
+            self._note_victim(news)
         if self._casualties is not None and now.harms and now.smoke is not None:
             self._judge_harm(self._casualties, now.smoke)
         if self._base.undelivered:
@@ -199,7 +205,7 @@ class Mission:
             if self._rescue is not None:
                 self._rescue.harm(index, event.victim, state)
             # Those whom a firefighter has reached stay in their care until they die.
-            in_care = self._rescue is not None and self._victims.states[index] in ("reached", "carried")
+            in_care = self._victims.states[index] in IN_CARE
             if not (in_care and state == "collapsed"):
                 self._victims.change(index, state)
             self._heard_places_m.clear()
@@ -214,14 +220,19 @@ class Mission:
                 self._heard_places_m.add(voice.local_best_m)
                 self._hear(robot_id, now.speaker(voice.local_best_m), voice.local_best_level_db)
 
-    def _judge_places(self, positions_m: np.ndarray) -> None:
+    def _judge_places(self, now: MissionInput) -> None:
         num_victims = len(self._saved_on_reach)
         area = num_victims + self._order.target if self._order.target >= 0 else -1
-        for place, robot_id in self._places.reached(positions_m):
+        for place, robot_id in self._places.reached(now.positions_m):
             if place == area:
                 self._explore(robot_id)
-            elif place < num_victims and self._victims.states[place] not in OUT_OF_DANGER:
+            elif place < num_victims and self._needs_robot(place, now):
                 self._save(place, robot_id)
+
+    def _needs_robot(self, index: int, now: MissionInput) -> bool:
+        """Whether a robot saves a victim by reaching them: not those who flee, unless they are enclosed or collapse."""
+        victim, state = self.victims[index], self._victims.states[index]
+        return state not in OUT_OF_DANGER and (not victim.flees or state == "collapsed" or victim.name in now.enclosed)
 
     def _save(self, index: int, robot_id: int) -> None:
         victim = self.victims[index]
@@ -280,20 +291,29 @@ class Mission:
                 self._add(events.MessageTooLarge(refusal.num_bytes, refusal.limit_bytes, robot_id=refusal.sender))
 
     def _judge_end(self) -> None:
-        if self._rescue is not None and self.victims and all(s in OUT_OF_DANGER for s in self._victims.states):
+        goes_on = self._rescue is not None or self._somebody_flees
+        if self._ends_in_safety and self.victims and all(s in OUT_OF_DANGER for s in self._victims.states):
             self._finish("victims_safe")
-        elif self._areas and self._order.target < 0 and not (self._rescue or self._base.undelivered):
+        elif self._areas and self._order.target < 0 and not (goes_on or self._base.undelivered):
             self._finish("areas_explored")
         elif self._elapsed_ns >= self._time_limit_ns:
             self._finish("time_limit")
-        elif self._world.is_empty:
+        elif self._world.is_empty and self._has_team and not self._somebody_flees:
             self._finish("none_left")
-        elif self._rescue is not None:
+        elif goes_on:
             return  # firefighters and people go on without robots
         elif self._team.all_excluded:
             self._finish("all_excluded")
         elif self._team.done and not self._base.undelivered:
             self._finish("search_over", self._team.done)
+
+    @property
+    def _somebody_flees(self) -> bool:
+        """Whether somebody may still reach an exit by themselves."""
+        return any(
+            victim.flees and state in ("waiting", "heard")
+            for victim, state in zip(self.victims, self._victims.states, strict=True)
+        )
 
     def _finish(self, end: MissionEnd, why: str = "") -> None:
         self._state, self._end = "ended", end

@@ -13,7 +13,6 @@ from robotteamsim.control.people.messages import parse_firefighter_update
 from robotteamsim.interface.task import Assistance
 from robotteamsim.mission.egress import AT_CENTRE
 from robotteamsim.mission.events import (
-    NOBODY,
     Happening,
     VictimCarried,
     VictimLeft,
@@ -56,8 +55,8 @@ class Rescue:
 
     A victim is located by whoever sees them, or hears them as loudly as `mission.rescue.located_voice_db`, and then
     calls no more, unless a firefighter reports that they were not found. A firefighter within `mission.save_distance_m`
-    reaches a victim, helps nobody else meanwhile, and leaves with the victim after `pick_up_s`. Victims are safe near
-    the command centre, and in exits.
+    reaches a victim, helps nobody else meanwhile, and leaves with the victim after `pick_up_s`. Those who are carried
+    or led are safe near the command centre, and in exits; `Exits` judges all others.
     """
 
     def __init__(self, setup: Setup) -> None:
@@ -216,15 +215,12 @@ class Rescue:
 
     def _safe(self, victims: Victims) -> Iterator[VictimNews]:
         for index, victim in enumerate(victims.all):
-            state = victims.states[index]
-            is_moved = state == "carried" or (victim.flees and state in _WAITING)
-            if not is_moved:
+            if victims.states[index] != "carried":
                 continue
             reached = (name for name, place, within in self._safe_places if math.dist(victim.position, place) <= within)
             if (way_out := next(reached, None)) is not None:
-                assistance = self._helps.pop(index, None)
-                robot_id = NOBODY if assistance is None else assistance.robot_id
-                yield VictimNews(index, "safe", VictimSafe(victim.name, way_out, robot_id=robot_id))
+                helper = self._helps.pop(index)
+                yield VictimNews(index, "safe", VictimSafe(victim.name, way_out, robot_id=helper.robot_id))
 
     def _needs_help(self, victim: Victim, enclosed: frozenset[str]) -> bool:
         return not victim.flees or victim.name in enclosed or victim.name in self._collapsed

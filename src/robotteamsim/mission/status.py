@@ -16,7 +16,7 @@ MissionEnd = Literal[
 VictimState = Literal[
     "waiting", "heard", "saved", "located", "reported", "reached", "carried", "safe", "collapsed", "dead"
 ]
-"""waiting, heard, saved if robots save; with firefighters, heard is followed by located to safe."""
+"""waiting, heard, saved if robots save; with firefighters, heard is followed by located to safe; safe also in exits."""
 
 CALLING: frozenset[VictimState] = frozenset(("waiting", "heard"))
 SILENT: frozenset[VictimState] = frozenset(get_args(VictimState)) - CALLING
@@ -24,6 +24,8 @@ SILENT: frozenset[VictimState] = frozenset(get_args(VictimState)) - CALLING
 SAVED: frozenset[VictimState] = frozenset(("saved", "safe"))
 OUT_OF_DANGER: frozenset[VictimState] = SAVED | {"dead"}
 """States that do not change any more."""
+IN_CARE: frozenset[VictimState] = frozenset(("reached", "carried"))
+"""States of victims whom a firefighter has reached."""
 
 COMPLETED: frozenset[MissionEnd] = frozenset(("areas_explored", "victims_safe", "search_over"))
 """Ends of missions that were not cut short."""

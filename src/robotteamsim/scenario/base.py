@@ -41,6 +41,9 @@ Yaw = Annotated[float, Field(ge=-math.tau, le=math.tau), BeforeValidator(_in_rad
 PlanarPose = Annotated[tuple[float, float, Yaw], _form("[x, y, yaw]", 3)]
 """[x, y, yaw] in the map frame [m, m, rad]."""
 
+HeatPoint = Annotated[tuple[float, float], _form("[t_s, kw]", 2)]
+"""[t_s, kw] of a heat release rate: a time since the ignition [s] and the rate then [kW]."""
+
 Item = TypeVar("Item")
 
 Interval = Annotated[tuple[Item, Item], _form("[low, high]", 2)]

@@ -2,20 +2,40 @@
 
 from __future__ import annotations
 
-from typing import Literal
+import itertools
+from typing import Annotated, Any, Literal
 
 import shapely
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from robotteamsim.scenario.base import SMALLEST, Many, Model, Name, Point, by_index, check_names, wrong
+from robotteamsim.scenario.base import SMALLEST, HeatPoint, Many, Model, Name, Point, by_index, check_names, wrong
 from robotteamsim.scenario.floor_plan import Door
+from robotteamsim.scenario.yaml_text import shown
 
-Growth = Literal["slow", "medium", "fast", "ultra_fast"]
+GrowthClass = Literal["slow", "medium", "fast", "ultra_fast"]
 
-GROWTH_KW_PER_S2: dict[Growth, float] = {"slow": 0.00293, "medium": 0.01172, "fast": 0.0469, "ultra_fast": 0.1876}
+GROWTH_KW_PER_S2: dict[GrowthClass, float] = {"slow": 0.00293, "medium": 0.01172, "fast": 0.0469, "ultra_fast": 0.1876}
 """Growth coefficients of t-squared fires [nfpa204]: 1055 kW after 600, 300, 150 and 75 s."""
 
 MAX_CELLS = 4_000_000
+
+_MAX_KW = 1e7
+_LEAST_KW, _SHORTEST_GROWTH_S = 1.0, 1.0
+"""Of the t-squared fire to which an own curve is compared."""
+
+
+def _check_growth(value: Any) -> Any:
+    if isinstance(value, bool) or not isinstance(value, (int, float, str)):
+        raise wrong("", f"{shown(value)} is neither a class, such as fast, nor a number [kW/s^2]")
+    return value
+
+
+Growth = Annotated[
+    Annotated[GrowthClass, Tag("<class>")] | Annotated[float, Field(ge=1e-6, le=1000.0), Tag("<number>")],
+    Discriminator(lambda value: "<class>" if isinstance(value, str) else "<number>"),
+    BeforeValidator(_check_growth),
+]
+"""A class of t-squared fires, or a growth coefficient [kW/s^2]."""
 
 BLOCK_M = 1.0
 """Hot places count in blocks of this size, so that a fire that spreads changes maps only now and then."""
@@ -41,7 +61,16 @@ class Fuel(Model):
     center: Point | None = Field(default=None, description="[x, y] of a disc in the map frame [m]")
     radius_m: float | None = Field(default=None, ge=SMALLEST, le=1000.0, description="of the disc [m]")
     load_mj_m2: float = Field(default=400.0, ge=1.0, le=40_000.0, description="heat of all that burns [MJ/m^2]")
-    growth: Growth = Field(default="medium", description="class of the t-squared fire")
+    growth: Growth = Field(
+        default="medium", description="of the t-squared fire: slow, medium, fast, ultra_fast, or a number [kW/s^2]"
+    )
+    hrr: Many[HeatPoint] | None = Field(
+        default=None,
+        min_length=1,
+        max_length=10_000,
+        description="heat release rate of the whole place, instead of load_mj_m2 and growth: [[t_s, kw], ...] since it "
+        "began to burn, linear between, 0 before the first time, constant after the last [s, kW]",
+    )
     peak_kw_m2: float = Field(default=250.0, ge=1.0, le=10_000.0, description="highest heat release rate [kW/m^2]")
 
     @model_validator(mode="after")
@@ -55,12 +84,31 @@ class Fuel(Model):
             raise wrong(missing, f"missing; expected together with {other}")
         if self.polygon is not None and not shapely.Polygon(self.polygon).is_valid:
             raise wrong("polygon", "crosses itself")
+        self._check_hrr()
         return self
+
+    def _check_hrr(self) -> None:
+        if self.hrr is None:
+            return
+        for key in ("load_mj_m2", "growth"):
+            if getattr(self, key) != type(self).model_fields[key].default:
+                raise wrong(key, "not allowed together with hrr")
+        for index, (time_s, kw) in enumerate(self.hrr):
+            if not 0.0 <= time_s <= 1e6:
+                raise wrong(f"hrr.{index}", f"the time {time_s:g} is not within 0 to 1e+06 s")
+            if not 0.0 <= kw <= _MAX_KW:
+                raise wrong(f"hrr.{index}", f"the rate {kw:g} is not within 0 to {_MAX_KW:g} kW")
+        for index, ((before_s, _), (time_s, _)) in enumerate(itertools.pairwise(self.hrr), start=1):
+            if time_s <= before_s:
+                raise wrong(f"hrr.{index}", f"the time {time_s:g} is not after the one before, {before_s:g}")
 
     @property
     def growth_kw_s2(self) -> float:
-        """Growth coefficient of the t-squared fire [kW/s^2]."""
-        return GROWTH_KW_PER_S2[self.growth]
+        """Growth coefficient of the t-squared fire; with `hrr`, of the one that is as strong at its highest rate."""
+        if self.hrr is not None:
+            most_kw, first_s = max((kw, -time_s) for time_s, kw in self.hrr)
+            return max(most_kw, _LEAST_KW) / max(-first_s, _SHORTEST_GROWTH_S) ** 2
+        return self.growth if isinstance(self.growth, float) else GROWTH_KW_PER_S2[self.growth]
 
 
 class Ignition(Model):
@@ -174,6 +222,9 @@ class Fire(Model):
         default=None,
         description="folder with the results of FDS, instead of fuel and ignitions; relative to the current folder",
     )
+    fds_ignition_s: float = Field(
+        default=0.0, ge=0.0, le=1e6, description="when the clock of FDS, which begins with the fire, begins [s]"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Fire:
@@ -182,6 +233,8 @@ class Fire(Model):
             for key in ("fuel", "ignitions"):
                 if getattr(self, key):
                     raise wrong(key, "not allowed together with fds, whose fire is already computed")
+        elif self.fds_ignition_s:
+            raise wrong("fds_ignition_s", f"{self.fds_ignition_s:g} is only allowed together with fds")
         return self
 
     @property

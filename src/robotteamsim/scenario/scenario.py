@@ -47,7 +47,9 @@ class Scenario(Model):
 
     name: Name = Field(description="shown in tables and results")
     plan: FloorPlan = Field(description="floor plan file, or map_server yaml, relative to this file")
-    robots: Robots = Field(description="a team of equal robots, or a list")
+    robots: Robots = Field(
+        default=Team(count=0), description="a team of equal robots, or a list; default: none, to study how people leave"
+    )
     command_centre: CommandCentre | None = Field(
         default=None, description="id of a robot that stands still, or [x, y]: receives reports and sends orders"
     )
@@ -100,7 +102,7 @@ class Scenario(Model):
         self._check_roles()
         self.control.check_number(self.num_robots)
         check_names(by_index("objects", self.objects))
-        if not any(self.present_at_start):
+        if self.team_size and not any(self.present_at_start):
             raise wrong("robots", "none of them is present at the start")
         doors = [door.name for door in self.plan.doors]
         lights = [light.name for light in self.run.mujoco.lights]
@@ -162,7 +164,7 @@ class Scenario(Model):
         """Raise the error of robots, firefighters, command centre and victims that do not fit together."""
         robots, mission, centre = self.num_robots, self.mission, self.command_centre
         if robots == 0 and self.firefighters is None:
-            raise wrong("robots.count", "0 is below 1")
+            self._check_without_team()
         if isinstance(centre, int) and centre >= robots:
             raise wrong("command_centre", f"there is no robot {centre}; expected 0 to {robots - 1}, or [x, y]")
         if centre is not None and mission.base is not None:
@@ -178,6 +180,23 @@ class Scenario(Model):
         if self.relays.count > robots:
             raise wrong("relays.count", f"{self.relays.count} is above the number of robots, {robots}")
         self._check_people()
+
+    def _check_without_team(self) -> None:
+        """Raise the error of a scenario without robots and firefighters that is no study of how people leave."""
+        if not self.mission.exits:
+            if "robots" in self.model_fields_set:
+                raise wrong("robots.count", "0 is below 1")
+            raise wrong("robots", "missing; expected a team of equal robots, or a list")
+        needed = {
+            "command_centre": self.command_centre is not None,
+            "mission.base": self.mission.base is not None,
+            "mission.areas": self.mission.areas,
+            "mission.random_victims": self.mission.random_victims,
+            "mission.coverage": self.mission.coverage,
+        }
+        for key, used in needed.items():
+            if used:
+                raise wrong(key, "needs robots or firefighters; there are none")
 
     def _check_people(self) -> None:
         """Raise the error of people who have nowhere to flee to, or the name of another."""

@@ -167,7 +167,7 @@ class PlacedRobot(Robot):
 class Team(Robot):
     """A team of equal robots: `count` of them from a formation around `start`, or from `start_poses`."""
 
-    count: int = Field(default=3, ge=0, le=3000, description="number of robots; 0 only with firefighters")
+    count: int = Field(default=3, ge=0, le=3000, description="number of robots; 0 only with firefighters or exits")
     reserve: int = Field(
         default=0,
         ge=0,
@@ -185,7 +185,7 @@ class Team(Robot):
 
     @model_validator(mode="after")
     def _check(self) -> Team:
-        if self.start is None and not self.start_poses:
+        if self.count and self.start is None and not self.start_poses:
             raise wrong("start", "missing; expected [x, y, yaw], or start_poses instead")
         if self.reserve and self.reserve >= self.count:
             raise wrong("reserve", f"{self.reserve} leaves none of {self.count} robots at the start")

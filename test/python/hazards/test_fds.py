@@ -27,8 +27,8 @@ def soot_kg_m3(x: np.ndarray, y: np.ndarray, time_s: float) -> np.ndarray:
     return 1e-5 * time_s * (1.0 + x) + 0.0 * y
 
 
-def fds_hazards(folder: str) -> FdsHazards:
-    burning = scenario(PLAN, {"fds": folder})
+def fds_hazards(folder: str, **keys: object) -> FdsHazards:
+    burning = scenario(PLAN, {"fds": folder, **keys})
     return FdsHazards(burning, Building(burning.plan))
 
 
@@ -67,6 +67,32 @@ def test_visibility_and_extinction_become_the_same_soot(tmp_path):
         found.append(hazards.field.soot_g_m3)
     assert found[1] == pytest.approx(found[0], rel=1e-5)
     assert found[2] == pytest.approx(found[0], rel=1e-5)
+
+
+def test_clock_of_fds_begins_at_its_ignition(tmp_path):
+    hazards = fds_hazards(write_run(tmp_path, [HEAT, SOOT]), fds_ignition_s=7.0)
+    place = np.array([[0.75, 1.25]])
+    for begin_s in range(1, 13):
+        hazards.step((begin_s + 1) * STEP_NS, Doors())
+        fds_s = max(begin_s - 7.0, 0.0)
+        assert hazards.field.temperature_c(place) == pytest.approx(temperature_c(0.5, 1.0, fds_s), abs=1e-3)
+        assert len(hazards.ignited) == (begin_s >= 7)
+    # The hottest corner, without flames.
+    assert hazards.ignited[0].position_m == (3.75, 2.75)
+
+
+def test_egress_times_count_from_the_ignition_of_fds(tmp_path):
+    folder = write_run(tmp_path, [HEAT, SOOT])
+    simulation = Simulation(scenario(PLAN, {"fds": folder, "fds_ignition_s": 7.0}))
+    for _ in range(12):
+        simulation.step()
+    # The clock of the mission begins with the first step, which is at 1 s of the world.
+    assert simulation.mission.egress.ignition_s == 7.0
+
+
+def test_ignition_of_fds_without_fds_is_one_line():
+    with pytest.raises(ScenarioError, match=r"fire\.fds_ignition_s: 7 is only allowed together with fds"):
+        scenario(PLAN, {"fds_ignition_s": 7.0})
 
 
 def test_mission_runs_in_a_fire_of_fds(tmp_path):

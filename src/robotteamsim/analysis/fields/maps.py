@@ -8,7 +8,7 @@ import numpy as np
 
 from robotteamsim import palette
 from robotteamsim.analysis.fields.picture import FieldStyle, Level, Panel, Spot
-from robotteamsim.errors import RecordingError
+from robotteamsim.errors import RecordingError, ScenarioError
 from robotteamsim.propagation import RadioField, VoiceField, VoiceSource
 from robotteamsim.scenario import FloorPlan, Scenario
 from robotteamsim.scenario.sections import Victim
@@ -44,8 +44,11 @@ def default_resolution_m(plan: FloorPlan) -> float:
 def radio_panel(scenario: Scenario, at_m: Sequence[Point], resolution_m: float, loss: bool) -> Panel:
     """Return the strongest signal of all transmitters in each cell [dBm], or the smallest path loss [dB].
 
-    Args: at_m: transmitters in `map` [m]; if empty, robot 0 at its start.
+    Args:   at_m: transmitters in `map` [m]; if empty, robot 0 at its start.
+    Raises: ScenarioError: there is neither a transmitter nor a robot.
     """
+    if not at_m and not scenario.team_size:
+        raise ScenarioError(f"{scenario.name}: has no robots; expected --at x,y, the place of a transmitter")
     places = list(at_m) or [resolve(scenario).start_m(0)]
     model = RadioField(scenario.plan, scenario.radio)
     field = model.best_rssi_map_dbm(places, resolution_m)

@@ -34,8 +34,8 @@ _PAGE_INCHES = 10.5
 
 
 def drawable(cells: Sequence[Cell]) -> list[Cell]:
-    """Return the cells whose paths can be drawn on their floor plan."""
-    return [cell for cell in cells if cell.scenario is not None and cell.paths_m]
+    """Return the cells whose paths can be drawn on their floor plan: they have one, and robots."""
+    return [cell for cell in cells if cell.scenario is not None and cell.scenario.team_size and cell.paths_m]
 
 
 @styled

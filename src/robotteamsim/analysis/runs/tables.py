@@ -135,7 +135,7 @@ def print_run(console: Console, run: RecordedRun, totals: RunTotals) -> None:
     rows = [("recorded", f"{totals.duration_s:.1f} s")]
     rows += _mission_rows(totals.mission) if totals.mission else []
     rows += egress_rows(totals.egress)
-    rows += _network_rows(totals) if totals.network else []
+    rows += _network_rows(totals) if totals.network and totals.network.num_robots else []
     console.print(_totals_table(rows))
     if totals.egress is not None and totals.egress.ignition_s is not None:
         console.print(_people_table(totals.egress))
@@ -290,7 +290,7 @@ def _result_rows(result: Result) -> list[tuple[str, str]]:
     more = " .." if len(result.robots) > 10 else ""
     return [
         *_mission_rows(result),
-        ("driven", f"{distances}{more} m"),
+        *([("driven", f"{distances}{more} m")] if result.robots else []),
         ("speed", f"{result.speed:.0f} x real time ({result.wall_s:.1f} s)"),
     ]
 

@@ -276,7 +276,7 @@ def _omitted(run: RecordedRun) -> tuple[str, ...]:
         lines.append("events: no /mission/events")
     if run.network is None:
         lines.append("network: no /network/state")
-    if not run.robots:
+    if not run.robots and (run.network is None or run.network.adjacency.shape[1]):
         lines.append(f"paths, distances, speeds: no {TRUTH} and no odom of any robot")
     if lost := [robot.track.frame for robot in run.robots if not robot.track.is_on_map]:
         lines.append(f"paths on the floor plan: no transform from map to {', '.join(lost)} on /tf")
