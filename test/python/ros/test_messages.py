@@ -143,7 +143,7 @@ def test_decision_keeps_all_but_command_and_outbox(make, goal_m):
     assert message.context[0].c4 == adapted.context.c4
 
 
-@pytest.mark.parametrize("task", [Task(True, 4, (18.0, 0.1), 2.0), Task()])
+@pytest.mark.parametrize("task", [Task(True, 4, (18.0, 0.1), 2.0), Task(), Task(explored_by=(-1, 2))])
 def test_mission_status_keeps_its_task(make, task):
     status = Status("running", "", 0.1 + 0.2, (True, False), ("waiting", "saved"), 1, 5, task)
     message = sent(mission.mission_status(make, TIME_NS, "garage", status, 10.0))

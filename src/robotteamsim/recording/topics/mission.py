@@ -41,6 +41,7 @@ def mission_status(make: Make, time_ns: int, scenario_name: str, status: Mission
         has_area=task.area_center_m is not None,
         area_center=point(make, task.area_center_m or (0.0, 0.0)),
         area_radius_m=float(task.area_radius_m),
+        explored_by=np.array(task.explored_by, dtype=np.int32),
         has_base=status.delivered is not None,
         discoveries_delivered=delivered.count,
         mean_delivery_delay_s=delivered.mean_delay_s,
@@ -80,6 +81,7 @@ def read_task(message: Any, num_robots: int) -> Task:
             for find in message.undelivered
         ),
         assistance=tuple(Assistance(one.robot_id, one.victim, one.moving, one.collapsed) for one in message.assistance),
+        explored_by=tuple(map(int, message.explored_by)),
     )
 
 
