@@ -4,18 +4,20 @@
 
 from __future__ import annotations
 
+import math
 from io import BytesIO
 from typing import Any
 
 import rostest
-from compared import STEP_NS, ComparedMission
+from compared import STEP_NS, ComparedMission, Log
 from listening import Topic, pause, place_m
 from nav_msgs.msg import Odometry
+from robotteamsim.msg import SensorWorld
 from robotteamsim.srv import ResetSeed
 from sensor_msgs.msg import LaserScan
 
 from robotteamsim.scenario import load
-from robotteamsim.simulation import Result, Simulation
+from robotteamsim.simulation import Result, Simulation, StepRecord
 
 SEED, OTHER_SEED = 7, 8
 STEPS = 300
@@ -48,12 +50,27 @@ def headless(seed: int) -> Result:
     return Simulation(load("garage_sar", ["mission.time_limit_s=30", f"run.seed={seed}"])).run()
 
 
+def sensor_world_of(record: StepRecord) -> list[tuple[Any, ...]]:
+    center_m = record.mission.task.area_center_m
+    assert center_m is not None
+    return [
+        (
+            decision.local_best_m or (0.0, 0.0),
+            decision.local_best,
+            [round(math.dist((pose.x_m, pose.y_m), victim.position), 9) for victim in record.victims],
+            round(math.dist((pose.x_m, pose.y_m), center_m), 9),
+        )
+        for decision, pose in zip(record.decisions, (one.ground_truth for one in record.readings), strict=True)
+    ]
+
+
 class LockstepTest(ComparedMission):
     @classmethod
     def setUpClass(cls) -> None:
         super().setUpClass()
         cls.odometry = [Topic(f"/robot_{i}/odom", Odometry) for i in ROBOTS]
         cls.scans = [Topic(f"/robot_{i}/base_scan", LaserScan) for i in ROBOTS]
+        cls.worlds = Topic("/sensor_world", SensorWorld)
         cls.first = cls.document_at_end()["result"]
         cls.again = cls.document_after("/simulation/reset")["result"]
         cls.other = cls.document_after("/simulation/reset_seed", ResetSeed, seed=OTHER_SEED)["result"]
@@ -67,6 +84,22 @@ class LockstepTest(ComparedMission):
         self.assertEqual(
             [robot["distance_m"] for robot in self.first["robots"]], [r.distance_m for r in expected.robots]
         )
+
+    def test_sensor_world_of_every_step_is_that_without_ros(self) -> None:
+        found = {
+            stamp_ns(world): [
+                (
+                    (robot.local_best.x, robot.local_best.y),
+                    robot.value,
+                    [round(away_m, 9) for away_m in robot.victim_distances_m],
+                    round(robot.area_distance_m, 9),
+                )
+                for robot in world.robots
+            ]
+            for world in runs_of(self.worlds)[1]
+        }
+        expected = Log("garage_sar", self.settings, worlds=sensor_world_of).kept["worlds"]
+        self.assert_values(found, expected, STEPS)
 
     def test_reset_begins_the_same_run_again(self) -> None:
         self.assertEqual(self.again["trajectory_hash"], self.first["trajectory_hash"])

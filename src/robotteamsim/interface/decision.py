@@ -38,10 +38,12 @@ class Decision(msgspec.Struct, frozen=True):
     excluded:     whether the robot is socially excluded.
     goal_m:       position it drives to, in `map` [m]; None if it has no goal.
     local_best:   value of its local best (larger is better), for display.
+    local_best_m: place of its local best, in `map` [m], for display; None if it has none.
     search_counter: SC of its swarm, for display.
     swarm:        number of its swarm; OUTSIDE if excluded, 0 if there are no swarms.
     context:      its measured context and adapted coefficients; None without adaptation.
     fault:        one line: why its controller was stopped; "" if it is running. A stopped robot stands still.
+    area:         index of the area that it has chosen, with `mission.area_order`; -1: the area of the mission.
     done:         one line: why the robot has nothing left to do; "" while it has. The mission ends when all are done.
     belief:       for display, where it expects victims: per cell 0 to 100 % of what it expected at first; None in most
                   steps, and from controllers without a belief.
@@ -58,3 +60,5 @@ class Decision(msgspec.Struct, frozen=True):
     context: SwarmContext | None = None
     done: str = ""
     belief: FieldMap | None = None
+    local_best_m: tuple[float, float] | None = None
+    area: int = -1

@@ -29,6 +29,11 @@ class Task(msgspec.Struct, frozen=True):
     area_radius_m: its radius [m].
     undelivered:   discoveries that have not been delivered to the base or command centre; empty without one. A robot
                    learns of its own discoveries here, and of deliveries from the base's messages.
+    explored_by:   with another `mission.area_order` than given: per area the id of the robot that explored it, -1 if
+                   none has. A robot learns of its own areas here, and of others from the messages of its team.
+    areas_left:    with such an order: indices of the areas that the robot believes to be left, in the order in which it
+                   plans to explore them; None: areas are explored in the given order.
+    rivals:        with such an order: ids of the teammates that have announced the same area as their next one.
     assistance:    the firefighters who help somebody; each learns of their own victim here.
     """
 
@@ -38,3 +43,6 @@ class Task(msgspec.Struct, frozen=True):
     area_radius_m: float = 0.0
     undelivered: tuple[Discovery, ...] = ()
     assistance: tuple[Assistance, ...] = ()
+    explored_by: tuple[int, ...] = ()
+    areas_left: tuple[int, ...] | None = None
+    rivals: tuple[int, ...] = ()

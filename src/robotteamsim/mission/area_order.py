@@ -1,4 +1,4 @@
-"""The order in which the mission names its areas."""
+"""Which areas are left, and which one is explored next."""
 
 from __future__ import annotations
 
@@ -16,14 +16,19 @@ from robotteamsim.scenario.sections import Area
 class AreaOrder:
     """The areas that are still to be explored.
 
-    They are named in the scenario's order. An area to which all robots report that they know no path is passed over:
-    its turn comes again after the others. Base, firefighters, relays, and robots whose controllers were stopped do not
-    report. A report counts until the robot sends a message without it.
+    With `mission.area_order: given` they are named in the scenario's order. An area to which all robots report that
+    they know no path is passed over: its turn comes again after the others. Base, firefighters, relays, and robots
+    whose controllers were stopped do not report. A report counts until the robot sends a message without it.
+
+    With another order each robot chooses its own areas, so the mission names none, and all that are left count.
     """
 
     def __init__(self, scenario: Scenario) -> None:
         self._areas = scenario.mission.areas
         self._left = list(range(len(self._areas)))
+        self._is_given = scenario.mission.area_order == "given"
+        self.explored_by = () if self._is_given else (-1,) * len(self._areas)
+        """The id of the robot that explored each area, -1 if none has; empty in the given order."""
         self._tried: set[int] = set()
         """The areas that were passed over since the last one was explored."""
         num_searchers = scenario.num_robots - scenario.relays.count
@@ -33,8 +38,13 @@ class AreaOrder:
 
     @property
     def target(self) -> int:
-        """Index of the area to explore; -1 if none is left."""
-        return self._left[0] if self._left else -1
+        """Index of the area to explore; -1 if none is left, or if each robot chooses its own."""
+        return self._left[0] if self._left and self._is_given else -1
+
+    @property
+    def first_left(self) -> Area | None:
+        """The first area that is left; None if none is."""
+        return self._areas[self._left[0]] if self._left else None
 
     @property
     def explored(self) -> tuple[bool, ...]:
@@ -46,10 +56,18 @@ class AreaOrder:
         """Number of explored areas."""
         return len(self._areas) - len(self._left)
 
-    def explore(self) -> Area:
-        """Note that the target is explored, and return it."""
+    @property
+    def can_be_explored(self) -> tuple[int, ...]:
+        """Indices of the areas that count as explored once a robot is inside."""
+        return tuple(self._left[:1] if self._is_given else self._left)
+
+    def explore(self, index: int, robot_id: int) -> Area:
+        """Note that a robot has explored an area, and return it."""
         self._tried.clear()
-        return self._areas[self._left.pop(0)]
+        self._left.remove(index)
+        if not self._is_given:
+            self.explored_by = (*self.explored_by[:index], robot_id, *self.explored_by[index + 1 :])
+        return self._areas[index]
 
     def passed_over(self, decisions: Sequence[Decision], present: np.ndarray) -> Area | None:
         """Note the reports of a step; return the target if it is passed over now: the target is another one then."""
@@ -57,7 +75,7 @@ class AreaOrder:
             outbox = decisions[robot_id].outbox
             if outbox:
                 self._closed[robot_id] = next(filter(None, (closed_area_in(m.payload) for m in outbox)), None)
-        if not self._left:
+        if not (self._left and self._is_given):
             return None
         asked = [i for i in self._reporters if present[i] and not decisions[i].fault]
         center = self._areas[self.target].center

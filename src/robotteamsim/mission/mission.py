@@ -1,4 +1,4 @@
-"""The rules of a mission: areas explored in order, victims heard and saved, events, and its end [5.3]."""
+"""The rules of a mission: areas explored, victims heard and saved, events, and its end [5.3]."""
 
 from __future__ import annotations
 
@@ -222,10 +222,10 @@ class Mission:
 
     def _judge_places(self, now: MissionInput) -> None:
         num_victims = len(self._saved_on_reach)
-        area = num_victims + self._order.target if self._order.target >= 0 else -1
+        areas = self._order.can_be_explored
         for place, robot_id in self._places.reached(now.positions_m):
-            if place == area:
-                self._explore(robot_id)
+            if place - num_victims in areas:
+                self._explore(place - num_victims, robot_id)
             elif place < num_victims and self._needs_robot(place, now):
                 self._save(place, robot_id)
 
@@ -249,9 +249,9 @@ class Mission:
             self._victims.change(index, "heard")
             self._add(events.VictimHeard(self.victims[index].name, level_db, robot_id=robot_id))
 
-    def _explore(self, robot_id: int) -> None:
-        area = self._order.explore()
-        self._epoch += 1
+    def _explore(self, index: int, robot_id: int) -> None:
+        area = self._order.explore(index, robot_id)
+        self._epoch += not self._order.explored_by  # robots that choose their areas have another target later
         self._add(events.AreaExplored(area.name, self._order.num_explored, len(self._areas), robot_id=robot_id))
         self._base.add(Discovery("area", area.name, robot_id, area.center, self._elapsed_ns / 1e9))
 
@@ -294,7 +294,7 @@ class Mission:
         goes_on = self._rescue is not None or self._somebody_flees
         if self._ends_in_safety and self.victims and all(s in OUT_OF_DANGER for s in self._victims.states):
             self._finish("victims_safe")
-        elif self._areas and self._order.target < 0 and not (goes_on or self._base.undelivered):
+        elif self._areas and self._order.first_left is None and not (goes_on or self._base.undelivered):
             self._finish("areas_explored")
         elif self._elapsed_ns >= self._time_limit_ns:
             self._finish("time_limit")
@@ -353,7 +353,7 @@ class Mission:
 
     def _make_task(self) -> Task:
         """Return the task of the team, and store it."""
-        area = self._areas[self._order.target] if self._order.target >= 0 else None
+        area = self._order.first_left
         self.task = Task(
             running=self._state == "running",
             epoch=self._epoch,
@@ -361,5 +361,6 @@ class Mission:
             area_radius_m=area.radius_m if area else 0.0,
             undelivered=self._base.undelivered,
             assistance=() if self._rescue is None else self._rescue.assistance,
+            explored_by=self._order.explored_by,
         )
         return self.task

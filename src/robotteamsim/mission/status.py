@@ -64,7 +64,7 @@ class MissionStatus(msgspec.Struct, frozen=True):
     """The mission after a step; time_s counts from its start.
 
     victims: state of each, in the scenario's order.  explored: whether each area is, in the scenario's order.
-    target_area: index of the area to explore; -1 if none is left.
+    target_area: index of the area to explore; -1 if none is left, or if each robot chooses its own.
     endangered_links: how often a link fell below the endangered threshold so far, lost or not.
     delivered: the discoveries delivered to the base; None if there is no base.
     """

@@ -101,6 +101,9 @@ class Scenario(Model):
         self._check_third_dimension()
         self._check_roles()
         self.control.check_number(self.num_robots)
+        if self.mission.area_order == "search" and not self.control.values_areas:
+            text = f"'search' needs control.algorithm search, which values areas, not {self.control.algorithm}"
+            raise wrong("mission.area_order", text)
         check_names(by_index("objects", self.objects))
         if self.team_size and not any(self.present_at_start):
             raise wrong("robots", "none of them is present at the start")

@@ -264,7 +264,15 @@ class Coverage(Model):
 class Mission(Model):
     """What the team has to do and when the mission ends [dissertation, 5.3]."""
 
-    areas: Many[Area] = Field(default=(), description="explored in this order; those that no robot can reach come last")
+    areas: Many[Area] = Field(
+        default=(), description="explored in this order, unless area_order; those that no robot can reach come last"
+    )
+    area_order: Literal["given", "nearest", "sebs", "search"] = Field(
+        default="given",
+        description="given: in the order of the list; else each robot chooses its next area and shares it over the "
+        "network: nearest, by its path; sebs, by the posterior of SEBS; search, where it expects most victims for the "
+        "time, only with control.algorithm search",
+    )
     victims: Many[Victim] = Field(default=(), description="victims")
     random_victims: int = Field(
         default=0,

@@ -92,6 +92,8 @@ def test_decisions_of_a_sound_controller_pass_unchanged():
         (None, "step returned None; expected a Decision"),
         (Decision(goal_m={1.0}), "step returned the goal {1.0}; expected finite (x, y), or None"),
         (Decision(goal_m=(math.nan, 0.0)), "step returned the goal (nan, 0.0); expected finite (x, y), or None"),
+        (Decision(local_best_m=(math.inf, 0.0)), "step returned the local best (inf, 0.0); expected finite (x, y)"),
+        (Decision(area=-2), "step returned area = -2; expected the index of an area, or -1 for none"),
         (Decision(outbox=("hello",)), "step returned 'hello' to send; expected a Message with text"),
         (
             Decision(outbox=(Message(0, EVERYBODY, ""),)),

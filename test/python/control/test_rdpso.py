@@ -98,7 +98,7 @@ def test_local_best_without_a_voice_is_the_free_cell_around_nearest_to_the_area(
     best = sent(decision).local_best
     assert math.dist(best.position, (4.5, 5.0)) < 0.15
     assert best.value == pytest.approx(-math.dist(best.position, AREA), abs=0.1)
-    assert decision.local_best == best.value
+    assert (decision.local_best, decision.local_best_m) == (best.value, best.position)
 
 
 def test_voice_is_better_than_any_distance(robot):

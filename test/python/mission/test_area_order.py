@@ -1,4 +1,4 @@
-"""Areas to which no robot knows a path."""
+"""Areas that come later because no robot knows a path, and areas that robots choose themselves."""
 
 from __future__ import annotations
 
@@ -71,3 +71,21 @@ def test_all_who_are_there_must_report_the_area(course, first, second, passed):
 @pytest.mark.parametrize("payload", ["", '{"closed_area"', '{"closed_area": [1]}', '{"closed_area": [1, "a"]}'])
 def test_other_messages_report_no_area(payload):
     assert closed_area_in(payload) is None
+
+
+def test_areas_that_robots_choose_count_in_any_order(hall_scenario):
+    scenario = hall_scenario()
+    chosen = scenario.mission.model_copy(update={"area_order": "nearest"})
+    course = Course(Mission(resolve(scenario.model_copy(update={"mission": chosen}))))
+    course.step()
+    assert (course.mission.status.target_area, course.mission.task.explored_by) == (-1, (-1, -1))
+    assert course.mission.task.area_center_m == EAST_M  # for those who do not choose
+    assert course.kinds(decisions=[report(0, EAST_M), report(1, EAST_M)]) == []  # each robot has its own areas
+    assert course.kinds(positions=[FAR_M, WEST_M]) == ["area_explored"]
+    task = course.mission.task
+    # The robots learn of it over the network, so it changes nothing for them.
+    assert (task.explored_by, task.epoch, task.area_center_m) == ((-1, 1), 0, EAST_M)
+    assert course.mission.status.explored == (False, True)
+    assert course.kinds(positions=[FAR_M, WEST_M]) == []
+    assert course.kinds(positions=[EAST_M]) == ["area_explored", "end"]
+    assert (course.mission.task.explored_by, course.mission.status.end) == ((0, 1), "areas_explored")

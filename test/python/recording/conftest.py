@@ -56,7 +56,14 @@ class Trial:
             network=self.network(),
             inboxes=((), (message,)),
             decisions=(
-                Decision(Twist(0.5, 0.0, 0.1), outbox=(message,), goal_m=(16.0, 5.0), local_best=2.5, search_counter=3),
+                Decision(
+                    Twist(0.5, 0.0, 0.1),
+                    outbox=(message,),
+                    goal_m=(16.0, 5.0),
+                    local_best=2.5,
+                    local_best_m=(3.5, 4.5),
+                    search_counter=3,
+                ),
                 Decision(excluded=True, context=SwarmContext(*(0.1 * i for i in range(10)))),
             ),
             mission=status,

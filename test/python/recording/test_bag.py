@@ -11,6 +11,7 @@ from collections import Counter
 from pathlib import Path
 
 import cv2
+import msgspec
 import numpy as np
 import pytest
 from rosbags.rosbag1 import Reader
@@ -74,6 +75,7 @@ def test_bag_has_the_topics_and_types_of_a_ros_run(bag):
         "/mission/events": "robotteamsim/MissionEvent",
         "/mission/victims": "robotteamsim/Victims",
         "/mission/areas": "robotteamsim/Areas",
+        "/sensor_world": "robotteamsim/SensorWorld",
         "/world/doors": "robotteamsim/Doors",
         "/world/robots": "robotteamsim/Robots",
     }
@@ -148,6 +150,34 @@ def test_messages_controllers_and_mission_are_in_the_bag(bag):
     assert event.detail == "robot 1 saves ann (1 of 2)"
     _, victims = messages(bag, "/mission/victims")[-1]
     assert [(v.name, v.state) for v in victims.victims] == [("ann", "saved"), ("bob", "waiting")]
+
+
+def test_sensor_world_in_a_bag_has_local_bests_of_controllers_and_true_distances(bag):
+    time_ns, world = messages(bag, "/sensor_world")[2]
+    assert (time_ns, world.victims) == (300_000_000, ["ann", "bob"])
+    first, second = world.robots
+    assert (first.robot_id, first.has_local_best, first.value) == (0, True, 2.5)
+    assert (first.local_best.x, first.local_best.y) == (3.5, 4.5)
+    # From (3.15, 4) to ann at (9, 4), bob at (12, 7) and east at (16, 5); from (3.15, 6) likewise.
+    np.testing.assert_allclose(first.victim_distances_m, [5.85, (8.85**2 + 3.0**2) ** 0.5])
+    assert (first.area, first.area_distance_m) == (0, pytest.approx((12.85**2 + 1.0) ** 0.5))
+    assert (second.robot_id, second.has_local_best, second.value, second.local_best.x) == (1, False, 0.0, 0.0)
+    np.testing.assert_allclose(second.victim_distances_m, [(5.85**2 + 2.0**2) ** 0.5, (8.85**2 + 1.0) ** 0.5])
+    assert (second.area, second.area_distance_m) == (0, pytest.approx((12.85**2 + 1.0) ** 0.5))
+
+
+def test_sensor_world_has_no_absent_robot_and_no_area_when_none_is_left(trial, tmp_path):
+    record = trial.record(1)
+    status = msgspec.structs.replace(record.mission, target_area=-1)
+    gone = msgspec.structs.replace(record, present=np.array([False, True]), mission=status)
+    writer = BagWriter(tmp_path / "mission.bag")
+    writer.begin(trial.setup)
+    writer.step(gone)
+    writer.end(trial.result(1))
+    ((_, world),) = messages(tmp_path / "mission.bag", "/sensor_world")
+    (only,) = world.robots
+    assert (only.robot_id, only.area) == (1, -1)
+    assert np.isnan(only.area_distance_m)
 
 
 def test_maps_in_a_bag_lie_over_the_plan(bag):

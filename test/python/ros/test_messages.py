@@ -133,9 +133,9 @@ def test_messages_keep_order_and_text(make):
 
 @pytest.mark.parametrize("goal_m", [(1.0, 2.0), None])
 def test_decision_keeps_all_but_command_and_outbox(make, goal_m):
-    decision = Decision(MOTION, (Message(0, 1, ""),), True, goal_m, 0.1, 7)
+    decision = Decision(MOTION, (Message(0, 1, ""),), True, goal_m, 0.1, 7, local_best_m=goal_m, area=2)
     message = sent(decisions.controller_status(make, TIME_NS, 3, decision))
-    assert decisions.read_decision(message) == Decision(Twist(), (), True, goal_m, 0.1, 7)
+    assert decisions.read_decision(message) == Decision(Twist(), (), True, goal_m, 0.1, 7, local_best_m=goal_m, area=2)
     assert message.robot_id == 3
     adapted = Decision(context=SwarmContext(*(0.1 * i for i in range(10))))
     message = sent(decisions.controller_status(make, TIME_NS, 3, adapted))
@@ -143,7 +143,7 @@ def test_decision_keeps_all_but_command_and_outbox(make, goal_m):
     assert message.context[0].c4 == adapted.context.c4
 
 
-@pytest.mark.parametrize("task", [Task(True, 4, (18.0, 0.1), 2.0), Task()])
+@pytest.mark.parametrize("task", [Task(True, 4, (18.0, 0.1), 2.0), Task(), Task(explored_by=(-1, 2))])
 def test_mission_status_keeps_its_task(make, task):
     status = Status("running", "", 0.1 + 0.2, (True, False), ("waiting", "saved"), 1, 5, task)
     message = sent(mission.mission_status(make, TIME_NS, "garage", status, 10.0))
@@ -226,6 +226,11 @@ def test_everything_else_that_is_published_can_be_sent(make):
             decisions.read_decision,
             ControllerStatus(has_goal=True, goal=Point(x=math.nan)),
             "goal: (nan, 0); expected finite",
+        ),
+        (
+            decisions.read_decision,
+            ControllerStatus(has_local_best=True, local_best_place=Point(y=math.inf)),
+            "local_best_place: (0, inf); expected finite",
         ),
         (
             lambda m: radio.read_network_messages(m, 2),

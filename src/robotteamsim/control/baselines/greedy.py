@@ -30,7 +30,7 @@ class GreedyController(PathController):
         if iteration != self._iteration:
             self._iteration = iteration
             self._look_around(now)
-        return self.drive(now, self._goal, local_best=self._value)
+        return self.drive(now, self._goal, local_best=self._value, local_best_m=self._goal)
 
     def _look_around(self, now: Situation) -> None:
         if now.task.epoch != self._epoch:

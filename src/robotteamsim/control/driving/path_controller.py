@@ -88,6 +88,7 @@ class PathController(abc.ABC):
         outbox: tuple[Message, ...] = (),
         *,
         local_best: float = 0.0,
+        local_best_m: Vector | None = None,
         teammates: Mapping[int, Vector] | None = None,
     ) -> Decision:
         """Return the decision to drive to a goal in `map` [m] at full speed, or to wander if it is None."""
@@ -97,4 +98,4 @@ class PathController(abc.ABC):
             self._wander.stop()
         goal = self.driver.way_out(now.position) or goal
         twist = self.driver.drive(now.observation, now.pose, goal, self.speed_mps, lambda: teammates or {})
-        return Decision(twist, outbox, goal_m=goal, local_best=local_best)
+        return Decision(twist, outbox, goal_m=goal, local_best=local_best, local_best_m=local_best_m)

@@ -300,6 +300,7 @@ class RdpsoController:
         return Decision(
             excluded=membership.excluded,
             local_best=self._local_best.value if self._local_best else 0.0,
+            local_best_m=self._local_best.position if self._local_best else None,
             search_counter=membership.state.search_counter,
             swarm=membership.swarm_id,
             context=self._context,

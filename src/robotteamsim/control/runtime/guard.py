@@ -93,12 +93,13 @@ def _place(error: BaseException) -> str:
 
 def _plain(decision: Decision) -> Decision:
     """Return a valid decision with Python's numbers instead of NumPy's, which files and C++ do not take."""
-    goal_m = decision.goal_m
+    goal_m, best_m = decision.goal_m, decision.local_best_m
     return msgspec.structs.replace(
         decision,
         excluded=bool(decision.excluded),
         goal_m=None if goal_m is None else tuple(map(float, goal_m)),
         local_best=float(decision.local_best),
+        local_best_m=None if best_m is None else tuple(map(float, best_m)),
         search_counter=int(decision.search_counter),
         swarm=int(decision.swarm),
     )
@@ -113,6 +114,8 @@ def problem_of(decision: Any, robot_id: int, num_robots: int) -> str:
         return f"step returned {twist!r:.120}; expected a Twist of finite numbers"
     if decision.goal_m is not None and not _is_point(decision.goal_m):
         return f"step returned the goal {_shown(decision.goal_m)}; expected finite (x, y), or None"
+    if decision.local_best_m is not None and not _is_point(decision.local_best_m):
+        return f"step returned the local best {_shown(decision.local_best_m)}; expected finite (x, y), or None"
     if decision.context is not None and not _is_context(decision.context):
         return f"step returned the context {_shown(decision.context)}; expected a finite SwarmContext, or None"
     if decision.belief is not None and not _is_field(decision.belief):
@@ -134,6 +137,8 @@ def _problem_of_status(decision: Decision) -> str:
         return f"step returned swarm = {decision.swarm!r:.60}; expected a number from 0 on, or {OUTSIDE} for none"
     if not isinstance(decision.search_counter, _WHOLE) or not 0 <= decision.search_counter <= _LARGEST:
         return f"step returned search_counter = {decision.search_counter!r:.60}; expected a number from 0 on"
+    if not isinstance(decision.area, _WHOLE) or not -1 <= decision.area <= _LARGEST:
+        return f"step returned area = {decision.area!r:.60}; expected the index of an area, or -1 for none"
     if not _is_number(decision.local_best):
         return f"step returned local_best = {decision.local_best!r:.60}; expected a number"
     for name, text in (("fault", decision.fault), ("done", decision.done)):

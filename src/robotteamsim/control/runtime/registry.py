@@ -8,6 +8,7 @@ from importlib.metadata import EntryPoint, entry_points
 
 from robotteamsim.control.people.dispatch import DispatchController
 from robotteamsim.control.people.firefighter import FirefighterController
+from robotteamsim.control.runtime.area_planner import AreaPlanner, plans_areas
 from robotteamsim.control.runtime.base_station import StandingBase, controls_base, with_base
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.extras import missing_extra
@@ -40,7 +41,8 @@ def make_controller(robot_id: int, setup: Setup, arrival: int = 1) -> Controller
 
     The name is one of ALGORITHMS, or of an entry point in the group `robotteamsim.controllers`, or `module:Class`, or
     a file of a learned policy.
-    If the scenario has a base, discoveries are announced to it, see `base_station.with_base`.
+    If the scenario has a base, discoveries are announced to it, see `base_station.with_base`. With another
+    `mission.area_order` than given, robots choose their areas, see `area_planner.AreaPlanner`.
     Args:   arrival: number of the robot's arrivals, including the start.
     Raises: ScenarioError: no such algorithm, it cannot be imported or is not a controller; no such robot. Exceptions
             of the controller's constructor are not caught.
@@ -64,7 +66,10 @@ def make_controller(robot_id: int, setup: Setup, arrival: int = 1) -> Controller
             problem = "has observe and decide; step(observation, inbox, task) replaces both"
         kind = f"{type(made).__module__}.{type(made).__name__}"
         raise ScenarioError(f"{scenario.name}: control.algorithm: '{name}' makes a {kind}, which {problem}")
-    return made if scenario.base is None else with_base(made, robot_id, scenario)
+    complete = made if scenario.base is None else with_base(made, robot_id, scenario)
+    if not plans_areas(robot_id, scenario):
+        return complete
+    return AreaPlanner(complete, robot_id, setup, getattr(made, "best_area", None))
 
 
 def _make_for(robot_id: int, scenario: Scenario) -> MakeController:

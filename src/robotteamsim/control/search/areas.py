@@ -21,7 +21,7 @@ _KEPT_OUT_M = 0.3
 
 
 class RemainingAreas:
-    """The areas that are left, in their order; the mission names the next one.
+    """The areas that are left, in their order; the mission names the next one, or the robot's plan all of them.
 
     The last area ends the mission, so the team explores it when the search is done. Until then it keeps out of it.
     """
@@ -30,9 +30,15 @@ class RemainingAreas:
         self._all = self._areas = scenario.mission.areas
         self._next = 0
         self._center: Vector | None = None
+        self.rivals: tuple[int, ...] | None = None
+        """Ids of the teammates that go to the same next area; None: all do, as the mission names it."""
 
     def follow(self, task: Task) -> bool:
-        """Adopt the mission's next area; return whether it has changed."""
+        """Adopt the mission's next area, or the robot's plan; return whether it has changed."""
+        if task.areas_left is not None:
+            before, self.rivals = self._areas, task.rivals
+            self._areas = tuple(self._all[index] for index in task.areas_left)
+            return self._areas != before
         if task.area_center_m == self._center:
             return False
         self._center = task.area_center_m
@@ -110,7 +116,7 @@ class Areas(RemainingAreas):
     def measure(self, paths: _core.control.CellPaths, start: int) -> None:
         """Find the cells of the remaining areas that a robot can reach from a cell, and the length of the tour."""
         self._is_measured = start != NO_CELL
-        cells = [self._cell_in(area, paths, start) for area in self._areas[self._next :]]
+        cells = [self.cell_in(area, paths, start) for area in self._areas[self._next :]]
         self.cell = cells[0] if cells else NO_CELL
         self._later_cells = cells[1:]
         reached = [cell for cell in cells if cell != NO_CELL]
@@ -151,7 +157,7 @@ class Areas(RemainingAreas):
         reached = np.flatnonzero(np.isfinite(outside.lengths_from(start)))
         return self._grid.nearest(reached, self._areas[-1].center)
 
-    def _cell_in(self, area: Area, paths: _core.control.CellPaths, start: int) -> int:
+    def cell_in(self, area: Area, paths: _core.control.CellPaths, start: int) -> int:
         """Return the reachable cell whose place is nearest to the middle of an area and inside it; else NO_CELL."""
         if start < 0:
             return NO_CELL

@@ -23,6 +23,7 @@ from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.controllers.search import SearchControl
 from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.setup import Setup
+from robotteamsim.swarm import Vector
 
 _SHOWN_S = 5.0
 """Period with which a robot publishes its belief for display [s]."""
@@ -38,7 +39,7 @@ class SearchController:
     def __init__(self, robot_id: int, setup: Setup) -> None:
         scenario = setup.scenario
         self._tuning = control = scenario.control.as_kind(SearchControl)
-        self._robot_id = robot_id
+        self._robot_id, self._areas = robot_id, scenario.mission.areas
         self._iteration_ns = round(control.iteration_s * 1e9)
         self._reached_within_m = scenario.mission.save_distance_m + scenario.voice.map_resolution_m
         self._driver = Driver(robot_id, setup)
@@ -69,6 +70,10 @@ class SearchController:
         self._driver.hot.look(observation.robot)
         self._note(observation, inbox, task)
         return self._decide(observation, task) if task.running else Decision()
+
+    def best_area(self, areas: Sequence[int], position: Vector) -> int:
+        """Return the area where the robot expects most for its time. Args: areas: indices.  position: in `map` [m]."""
+        return areas[self._choice.best_area([self._areas[index] for index in areas], position)]
 
     def _note(self, observation: Observation, inbox: Sequence[Message], task: Task) -> None:
         if task.epoch != self._epoch:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import msgspec
 import numpy as np
@@ -20,6 +21,7 @@ from robotteamsim.interface import Task
 from robotteamsim.scenario.building import Doors
 from robotteamsim.scenario.controllers.search import SearchControl
 from robotteamsim.scenario.fire import Block
+from robotteamsim.scenario.sections import Area
 from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
@@ -137,6 +139,22 @@ class WorkChoice:
                 self._connected.use(self._driver.doors, self._paths.all)
         if self.closed_area_m != closed_m:
             self._idle_since_s = None  # The mission may name another area first.
+
+    def best_area(self, areas: Sequence[Area], position: Vector) -> int:
+        """Return the number in a list of the area with the most expected victims per second, then of the nearest one.
+
+        Args: position: in `map` [m].
+        """
+        paths, knowledge, worth = self._paths.all, self._knowledge, []
+        start = paths.start_of(position)
+        for area in areas:
+            cell, rate, length_m = self._areas.cell_in(area, paths, start), 0.0, math.inf
+            if cell != NO_CELL:
+                length_m = paths.length_m(cell, start)
+                speed_mps, delay_s = self._speed_mps, self._tuning.delay_s
+                _, _, rate = knowledge.belief.worth(paths, start, cell, self._team.claims, speed_mps, delay_s)
+            worth.append((rate, -length_m))
+        return worth.index(max(worth))
 
     def locate(self, position: Vector) -> int:
         """Note where the robot is, in `map` [m], and return its cell; NO_CELL if it is far from all free cells."""
@@ -291,8 +309,14 @@ class WorkChoice:
         return left_s < self._tuning.reserve * tour_s + self._tuning.reserve_s
 
     def _is_nearest(self, start: int, works: tuple[Work, ...] = ()) -> bool:
-        """Whether no teammate is nearer to the next area. Args: works: of the teammates to consider; empty for all."""
-        return min(self._team.lengths_m(self._areas.cell, start, self._paths.all, works))[1] == self._robot_id
+        """Whether no teammate that goes to the next area is nearer to it.
+
+        Args: works: of the teammates to consider; empty for all.
+        """
+        lengths_m = self._team.lengths_m(self._areas.cell, start, self._paths.all, works)
+        if self._areas.rivals is not None:
+            lengths_m = [one for one in lengths_m if one[1] in (self._robot_id, *self._areas.rivals)]
+        return min(lengths_m)[1] == self._robot_id
 
     def _goes_to_area(self, start: int, goal: int, urgent: bool, time_s: float) -> bool:
         """Whether this robot explores the next area now.

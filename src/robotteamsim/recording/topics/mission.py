@@ -9,13 +9,14 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from robotteamsim.interface import Assistance, Discovery, Task
+from robotteamsim.interface import Assistance, Decision, Discovery, Task
 from robotteamsim.message_parts import MAP_FRAME, Make, header, point
 from robotteamsim.mission.egress import Egress, ExitEgress, PersonEgress
 from robotteamsim.mission.events import Event, VictimLocated
 from robotteamsim.mission.status import DeliveredDiscoveries, MissionStatus, VictimState
 from robotteamsim.recording.topics.base import Topic, When, read_point
 from robotteamsim.scenario.sections import LARGEST_AREA_M, Area, Victim
+from robotteamsim.setup import Setup
 
 _NOTHING_DELIVERED = DeliveredDiscoveries()
 
@@ -40,6 +41,7 @@ def mission_status(make: Make, time_ns: int, scenario_name: str, status: Mission
         has_area=task.area_center_m is not None,
         area_center=point(make, task.area_center_m or (0.0, 0.0)),
         area_radius_m=float(task.area_radius_m),
+        explored_by=np.array(task.explored_by, dtype=np.int32),
         has_base=status.delivered is not None,
         discoveries_delivered=delivered.count,
         mean_delivery_delay_s=delivered.mean_delay_s,
@@ -79,6 +81,7 @@ def read_task(message: Any, num_robots: int) -> Task:
             for find in message.undelivered
         ),
         assistance=tuple(Assistance(one.robot_id, one.victim, one.moving, one.collapsed) for one in message.assistance),
+        explored_by=tuple(map(int, message.explored_by)),
     )
 
 
@@ -159,6 +162,46 @@ def _or_none(value: Any) -> Any:
     return None if isinstance(value, float) and math.isnan(value) else value
 
 
+def sensor_world(
+    make: Make,
+    time_ns: int,
+    status: MissionStatus,
+    setup: Setup,
+    present: np.ndarray,
+    positions_m: np.ndarray,
+    decisions: Sequence[Decision],
+    all_victims: Sequence[Victim],
+) -> Any:
+    """robotteamsim/SensorWorld [dissertation, 5.3].
+
+    Args: present: bool, shape (n,).  positions_m: true ones in `map`, shape (n, 2) [m].
+    """
+    areas_m = [area.center for area in setup.scenario.mission.areas]
+    victims_m = np.array([victim.position for victim in all_victims], dtype=np.float64).reshape(-1, 2)
+    robots = []
+    for robot_id in np.flatnonzero(present).tolist():
+        decision, position = decisions[robot_id], positions_m[robot_id]
+        area = decision.area if 0 <= decision.area < len(areas_m) else status.target_area
+        robots.append(
+            make(
+                "robotteamsim/SensorWorldRobot",
+                robot_id=robot_id,
+                has_local_best=decision.local_best_m is not None,
+                local_best=point(make, decision.local_best_m or (0.0, 0.0)),
+                value=float(decision.local_best),
+                victim_distances_m=np.hypot(*(victims_m - position).T),
+                area=area,
+                area_distance_m=math.nan if area < 0 else math.dist(areas_m[area], position),
+            )
+        )
+    return make(
+        "robotteamsim/SensorWorld",
+        header=header(make, time_ns, MAP_FRAME),
+        victims=[victim.name for victim in all_victims],
+        robots=robots,
+    )
+
+
 MISSION_STATUS = Topic(
     "/mission/status",
     "robotteamsim/MissionStatus",
@@ -208,3 +251,14 @@ MISSION_TOPICS = (
         version=lambda record: (record.mission.explored, record.mission.target_area),
     ),
 )
+SENSOR_WORLD = Topic(
+    "/sensor_world",
+    "robotteamsim/SensorWorld",
+    When.STEP,
+    lambda source, record: (
+        *(record.mission, source.setup, record.present, record.readings.positions_m),
+        *(record.decisions, record.victims),
+    ),
+    sensor_world,
+)
+"""It has no message before the first step, in which nobody has decided anything."""

@@ -19,10 +19,14 @@ class Control(Model):
     """The keys of every controller; firefighters and relays use them, too.
 
     controller: the class that reads the keys, as module:Class; it is imported when a mission needs it.
+    drives_to_areas: whether it drives to the area of its task; others explore areas by passing them.
+    values_areas: whether it can choose areas by what it expects there, and enters the last one when its search is over.
     patrols:    whether it visits the vertices of `mission.patrol`, whose idleness is then measured.
     """
 
     controller: ClassVar[str] = ""
+    drives_to_areas: ClassVar[bool] = False
+    values_areas: ClassVar[bool] = False
     patrols: ClassVar[bool] = False
 
     algorithm: str = Field(description="name of the controller")
@@ -110,6 +114,8 @@ class LinkedControl(Control):
 
 class OtherControl(Control):
     """A controller of an installed package, any module:Class, or the file of a learned policy."""
+
+    drives_to_areas: ClassVar[bool] = True
 
     algorithm: str = Field(
         description="name of a controller of an installed package, module:Class, or a file .pt or .pt2 of a policy"

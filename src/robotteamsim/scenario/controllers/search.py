@@ -21,6 +21,8 @@ class SearchControl(Control):
     """Chooses where to listen by Bayesian search, until nothing is worth the time any more."""
 
     controller: ClassVar[str] = "robotteamsim.control.search.controller:SearchController"
+    drives_to_areas: ClassVar[bool] = True
+    values_areas: ClassVar[bool] = True
 
     algorithm: Literal["search"] = Field(description="search")
     doors: DoorTuning = DoorTuning()

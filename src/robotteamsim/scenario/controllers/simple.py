@@ -13,6 +13,7 @@ class GreedyControl(ListeningControl):
     """Drives to the loudest place nearby, each robot on its own."""
 
     controller: ClassVar[str] = "robotteamsim.control.baselines.greedy:GreedyController"
+    drives_to_areas: ClassVar[bool] = True
 
     algorithm: Literal["greedy"] = Field(description="greedy")
 

@@ -56,6 +56,8 @@ class Swarms(Model):
 class SwarmControl(ListeningControl):
     """The keys of the whole family."""
 
+    drives_to_areas: ClassVar[bool] = True
+
     memory_of: Literal["motion", "commands"] = Field(
         default="motion",
         description="velocities in the memory: those that the robot really had, or (as printed) those that it chose",
