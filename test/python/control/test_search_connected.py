@@ -9,6 +9,8 @@ import pytest
 from robotteamsim.control import make_controller
 from robotteamsim.control.search.cells import NO_CELL, cell_grid, cell_paths
 from robotteamsim.control.search.connected import ConnectedTeam, predicted_links
+from robotteamsim.control.search.goals import Approach, ListeningGoal
+from robotteamsim.control.search.knowledge import Knowledge
 from robotteamsim.control.search.team import SearchUpdate, Teammates, update_of
 from robotteamsim.errors import ScenarioError
 from robotteamsim.interface import Observation
@@ -161,6 +163,83 @@ def test_robot_that_loses_another_goes_back_to_where_it_last_heard_it(hall, team
     assert ahead == paths.place_of(home)
     # There it waits for the other one, whose id is higher.
     assert connected.steer(ahead, home, "wait", NO_CELL, None, paths, 5.0) is None
+
+
+def test_robot_yields_its_place_only_to_those_that_go_first(hall, team_of):
+    # The goals of those behind it depend on its own: if it yielded to them, all would change forever.
+    _, grid, _ = hall
+    at, goal = grid.cell_of((3.5, 5.5)), grid.cell_of((15.5, 5.5))
+    for other, work, claims in ((0, "search", [goal]), (2, "search", []), (2, "area", [goal]), (0, "wait", [])):
+        team, connected = team_of(1)
+        team.hear(_update(other, at, work, goal), 0.0)
+        assert connected.claims == claims
+
+
+def test_team_comes_to_a_robot_that_has_been_held_for_long(hall, team_of):
+    # Robot 1 can go no farther west without losing robot 0, which goes first, and it is 4 m away.
+    _, grid, paths = hall
+    west, east = grid.cell_of((6.5, 5.5)), grid.cell_of((10.5, 5.5))
+    team, held = team_of(1)
+    team.hear(_update(0, east), 0.0)
+    since_s = []
+    for time_s in range(30):
+        team.hear(_update(0, east), time_s)
+        target = paths.place_of(west - 4)
+        assert held.steer(paths.place_of(west), west, "search", west - 4, target, paths, time_s) is None or time_s > 5
+        since_s += [time_s] if held.is_long_held else []
+        held._patience.note(-100.0)  # it does not drive on over likely links
+    # progress_timeout_s = 20: held from 0 s on, for the 20th time at 19 s.
+    assert since_s == list(range(19, 30))
+    steps = []
+    for is_held in (msgspec.UNSET, True):
+        team, first = team_of(0)
+        team.hear(msgspec.structs.replace(_update(1, west, wanted=west - 1), held=is_held), 0.0)
+        target = paths.place_of(east + 4)
+        steps.append(first.steer(paths.place_of(east), east, "search", east + 4, target, paths, 0.0))
+    assert steps[0] is None
+    assert steps[1][0] < paths.place_of(east)[0]
+
+
+def test_time_in_which_a_robot_waits_for_others_is_not_a_lack_of_progress(hall, team_of):
+    setup, grid, paths = hall
+    at, far = grid.cell_of((6.5, 5.5)), grid.cell_of((13.5, 5.5))
+    team, first = team_of(0)
+    for apart, waits in ((grid.cell_of((8.5, 5.5)), False), (far, True)):
+        team.hear(_update(1, apart), 0.0)
+        first.steer(paths.place_of(at), at, "voice", at - 3, paths.place_of(at - 3), paths, 0.0)
+        assert first.waits is waits
+    approach = Approach(setup.scenario.control, speed_mps=0.5)
+    going = []
+    for time_s in range(50):
+        going.append(approach.goes_on((3.5, 5.5), 3.0, time_s, was_on=time_s > 0))
+        if time_s < 15:
+            approach.pause(1.0)
+    # Given up 20 s after the last pause, at 15 s.
+    assert going.index(False) == 36
+
+
+def test_team_that_stays_connected_judges_the_end_by_several_places(hall_scenario, hall):
+    setup, grid, paths = hall
+    start = grid.cell_of((2.5, 5.5))
+    far = [grid.cell_of((17.5, 1.5)), grid.cell_of((17.5, 8.5))]
+    found = {}
+    for network in ("free", "connected"):
+        for worth in (1.2, 0.8, 0.4):
+            keys = {"algorithm": "search", "network": network, "assumed_noise_db": 60.0}
+            knowledge = Knowledge(resolve(hall_scenario(control=keys)), 0, grid, start)
+            (_, _, rate) = knowledge.belief.best(paths, start, far, [], 0.5, 3.0)
+            # The place alone is worth its time if it is 1 / rate or more; both together are at about 0.7 / rate.
+            control = setup.scenario.control.model_copy(update={"network": network, "victim_worth_s": worth / rate})
+            goal = ListeningGoal(control, speed_mps=0.5)
+            found[network, worth] = goal.choose(knowledge.belief, paths, start, far, [], [], 1.0, 0.0) != NO_CELL
+    assert found == {
+        ("free", 1.2): True,
+        ("free", 0.8): False,
+        ("free", 0.4): False,
+        ("connected", 1.2): True,
+        ("connected", 0.8): True,
+        ("connected", 0.4): False,
+    }
 
 
 def test_team_whose_radio_reaches_6_m_does_all_and_never_splits(run):

@@ -143,6 +143,7 @@ class SearchController:
             hot=self._driver.hot.in_sight or msgspec.UNSET,
             closed_area=self._choice.closed_area_m or msgspec.UNSET,
             wanted=self._choice.wanted,
+            held=self._choice.is_long_held or msgspec.UNSET,
         )
 
     def _iterate(self, pose: Pose, observation: Observation, task: Task) -> None:

@@ -30,6 +30,10 @@ class Progress:
         self._least_m = self._last_m = math.inf
         self._since_s = time_s
 
+    def pause(self, for_s: float) -> None:
+        """Do not count a time in which the robot waits for others."""
+        self._since_s += for_s
+
     def is_stuck(self, length_m: float, time_s: float) -> bool:
         """Return whether the path to the goal has not become shorter for too long."""
         if length_m > self._last_m + _JUMP_M:
@@ -38,6 +42,10 @@ class Progress:
         if length_m < self._least_m - _PROGRESS_M:
             self._least_m, self._since_s = length_m, time_s
         return time_s - self._since_s > self._timeout_s
+
+
+_TOUR_PLACES = 10
+"""Whether a search is over is judged by at most so many places, one after the other."""
 
 
 class ListeningGoal:
@@ -55,12 +63,18 @@ class ListeningGoal:
         self._next_choice_s = 0.0
         self._claims: list[int] = []
         """Those at the last choice."""
+        self._is_tour = False
+        """Whether the goal is the first place of a tour that is worth the time, although it alone is not."""
         self.cell = NO_CELL
         """NO_CELL if no place is worth the time."""
 
     def clear(self) -> None:
         """Choose again in the next iteration, because the robot did something else meanwhile."""
         self.cell, self._next_choice_s = NO_CELL, 0.0
+
+    def pause(self, for_s: float) -> None:
+        """Do not count a time in which the robot waits for others."""
+        self._progress.pause(for_s)
 
     def forget_avoided(self) -> None:
         """Try avoided places again, because a voice has fallen silent or a door has changed."""
@@ -94,8 +108,9 @@ class ListeningGoal:
         if self.cell != NO_CELL:
             _, _, rate = belief.worth(paths, start, self.cell, prior_claims, speed_mps, delay_s)
             stuck = self._progress.is_stuck(paths.length_m(self.cell, start), time_s)
-            if rate < least or start == self.cell or stuck:
-                if rate >= least:
+            is_worth = rate > 0.0 if self._is_tour else rate >= least
+            if not is_worth or start == self.cell or stuck:
+                if is_worth:
                     self.avoid(self.cell, time_s)
                 self.clear()
                 rate = 0.0
@@ -107,10 +122,38 @@ class ListeningGoal:
             if self._avoided:
                 candidates = [cell for cell in candidates if cell not in self._avoided]
             best = belief.best(paths, start, candidates, claims, speed_mps, delay_s)
-            if best is not None and best[2] >= least and best[2] > self._tuning.better * rate:
-                self.cell = best[0]
-                self._progress.restart(time_s)
+            if best is not None and best[2] > self._tuning.better * rate:
+                is_tour = best[2] < least
+                if not is_tour or self._is_tour_worth(belief, paths, start, candidates, claims, least):
+                    self.cell, self._is_tour = best[0], is_tour
+                    self._progress.restart(time_s)
         return self.cell
+
+    def _is_tour_worth(
+        self,
+        belief: _core.control.VictimBelief,
+        paths: _core.control.CellPaths,
+        start: int,
+        candidates: Sequence[int],
+        claims: list[int],
+        least: float,
+    ) -> bool:
+        """Whether the next places together are worth the time; only a team that stays connected asks.
+
+        It goes through the building as one group, so that the first of the places that it has left is often far.
+        """
+        if self._tuning.network != "connected":
+            return False
+        at, heard_at, gain, time_s = start, list(claims), 0.0, 0.0
+        for _ in range(_TOUR_PLACES):
+            best = belief.best(paths, at, candidates, heard_at, self._speed_mps, self._tuning.delay_s)
+            if best is None or best[2] <= 0.0:
+                return False
+            at, gain, time_s = best[0], gain + best[1], time_s + best[1] / best[2]
+            if gain >= least * time_s:
+                return True
+            heard_at.append(at)
+        return False
 
 
 _MOVED_M = 2.0
@@ -134,6 +177,11 @@ class Approach:
         """Length of the path to the source [m]."""
         self.lost_m: Vector | None = None
         """The source of the last voice that the robot could not reach, in `map` [m]."""
+
+    def pause(self, for_s: float) -> None:
+        """Do not count a time in which the robot waits for others."""
+        self._progress.pause(for_s)
+        self._until_s += for_s
 
     def has_given_up(self, source_m: Vector, time_s: float) -> bool:
         """Whether the robot ignores a voice for now."""
