@@ -9,8 +9,7 @@ import pytest
 from robotteamsim.control import make_controller
 from robotteamsim.control.search.cells import NO_CELL, cell_grid, cell_paths
 from robotteamsim.control.search.connected import ConnectedTeam, predicted_links
-from robotteamsim.control.search.goals import Approach, ListeningGoal
-from robotteamsim.control.search.knowledge import Knowledge
+from robotteamsim.control.search.goals import Approach
 from robotteamsim.control.search.team import SearchUpdate, Teammates, update_of
 from robotteamsim.errors import ScenarioError
 from robotteamsim.interface import Observation
@@ -218,28 +217,17 @@ def test_time_in_which_a_robot_waits_for_others_is_not_a_lack_of_progress(hall, 
     assert going.index(False) == 36
 
 
-def test_team_that_stays_connected_judges_the_end_by_several_places(hall_scenario, hall):
-    setup, grid, paths = hall
-    start = grid.cell_of((2.5, 5.5))
-    far = [grid.cell_of((17.5, 1.5)), grid.cell_of((17.5, 8.5))]
-    found = {}
-    for network in ("free", "connected"):
-        for worth in (1.2, 0.8, 0.4):
-            keys = {"algorithm": "search", "network": network, "assumed_noise_db": 60.0}
-            knowledge = Knowledge(resolve(hall_scenario(control=keys)), 0, grid, start)
-            (_, _, rate) = knowledge.belief.best(paths, start, far, [], 0.5, 3.0)
-            # The place alone is worth its time if it is 1 / rate or more; both together are at about 0.7 / rate.
-            control = setup.scenario.control.model_copy(update={"network": network, "victim_worth_s": worth / rate})
-            goal = ListeningGoal(control, speed_mps=0.5)
-            found[network, worth] = goal.choose(knowledge.belief, paths, start, far, [], [], 1.0, 0.0) != NO_CELL
-    assert found == {
-        ("free", 1.2): True,
-        ("free", 0.8): False,
-        ("free", 0.4): False,
-        ("connected", 1.2): True,
-        ("connected", 0.8): True,
-        ("connected", 0.4): False,
-    }
+@pytest.mark.parametrize(
+    ("network", "expected_victims", "saved"),
+    [("free", 4.0, False), ("connected", 4.0, True), ("connected", 0.04, False)],
+)
+def test_connected_team_searches_until_it_expects_nearly_nobody(run, network, expected_victims, saved):
+    # No place is worth the time. Bob is 3.5 m from the area, and heard within 2.4 + 1.5 m at most.
+    keys = {"algorithm": "search", "network": network, "victim_worth_s": 1e-3, "expected_victims": expected_victims}
+    keys |= {"assumed_noise_db": 60.0}
+    status, _ = run(control=keys, victims=(BOB,))
+    assert status.end == "areas_explored"
+    assert (status.victims == ("saved",)) is saved
 
 
 def test_team_whose_radio_reaches_6_m_does_all_and_never_splits(run):

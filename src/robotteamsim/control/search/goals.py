@@ -44,10 +44,6 @@ class Progress:
         return time_s - self._since_s > self._timeout_s
 
 
-_TOUR_PLACES = 10
-"""Whether a search is over is judged by at most so many places, one after the other."""
-
-
 class ListeningGoal:
     """The cell at which one robot listens next.
 
@@ -63,8 +59,6 @@ class ListeningGoal:
         self._next_choice_s = 0.0
         self._claims: list[int] = []
         """Those at the last choice."""
-        self._is_tour = False
-        """Whether the goal is the first place of a tour that is worth the time, although it alone is not."""
         self.cell = NO_CELL
         """NO_CELL if no place is worth the time."""
 
@@ -93,24 +87,22 @@ class ListeningGoal:
         candidates: Sequence[int],
         claims: list[int],
         prior_claims: list[int],
-        victims_per_share: float,
+        least: float,
         time_s: float,
     ) -> int:
         """Return the cell to drive to; NO_CELL if no place is worth the time.
 
         Args: start: the cell of the robot.  claims: cells at which teammates will listen.
               prior_claims: those of them that compete with the robot's own goal.
-              victims_per_share: expected victims per share of the prior.
+              least: that a place must be worth, in shares of the prior per second of travel.
         """
-        least = 1.0 / (self._tuning.victim_worth_s * victims_per_share)
         speed_mps, delay_s = self._speed_mps, self._tuning.delay_s
         rate = 0.0
         if self.cell != NO_CELL:
             _, _, rate = belief.worth(paths, start, self.cell, prior_claims, speed_mps, delay_s)
             stuck = self._progress.is_stuck(paths.length_m(self.cell, start), time_s)
-            is_worth = rate > 0.0 if self._is_tour else rate >= least
-            if not is_worth or start == self.cell or stuck:
-                if is_worth:
+            if rate < least or start == self.cell or stuck:
+                if rate >= least:
                     self.avoid(self.cell, time_s)
                 self.clear()
                 rate = 0.0
@@ -122,38 +114,10 @@ class ListeningGoal:
             if self._avoided:
                 candidates = [cell for cell in candidates if cell not in self._avoided]
             best = belief.best(paths, start, candidates, claims, speed_mps, delay_s)
-            if best is not None and best[2] > self._tuning.better * rate:
-                is_tour = best[2] < least
-                if not is_tour or self._is_tour_worth(belief, paths, start, candidates, claims, least):
-                    self.cell, self._is_tour = best[0], is_tour
-                    self._progress.restart(time_s)
+            if best is not None and best[2] >= least and best[2] > self._tuning.better * rate:
+                self.cell = best[0]
+                self._progress.restart(time_s)
         return self.cell
-
-    def _is_tour_worth(
-        self,
-        belief: _core.control.VictimBelief,
-        paths: _core.control.CellPaths,
-        start: int,
-        candidates: Sequence[int],
-        claims: list[int],
-        least: float,
-    ) -> bool:
-        """Whether the next places together are worth the time; only a team that stays connected asks.
-
-        It goes through the building as one group, so that the first of the places that it has left is often far.
-        """
-        if self._tuning.network != "connected":
-            return False
-        at, heard_at, gain, time_s = start, list(claims), 0.0, 0.0
-        for _ in range(_TOUR_PLACES):
-            best = belief.best(paths, at, candidates, heard_at, self._speed_mps, self._tuning.delay_s)
-            if best is None or best[2] <= 0.0:
-                return False
-            at, gain, time_s = best[0], gain + best[1], time_s + best[1] / best[2]
-            if gain >= least * time_s:
-                return True
-            heard_at.append(at)
-        return False
 
 
 _MOVED_M = 2.0

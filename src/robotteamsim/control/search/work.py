@@ -32,6 +32,9 @@ _IDLE_S = 5.0
 _AROUND_M = 5.0
 """A path that is longer than the straight line by more leads around a wall, behind which the victim is [m]."""
 
+_NEARLY_NOBODY = 0.05
+"""So many victims expected on all floor that was not heard: with about 95 % probability there is none."""
+
 _FREE_WITHIN_M = 0.3
 """How far from the loudest place the free place may be to which a robot drives [m]."""
 
@@ -80,7 +83,7 @@ class WorkChoice:
         self._usable = paths.all
         """The paths that it may use now."""
         self._listening = ListeningGoal(self._tuning, self._speed_mps)
-        self._meanwhile = ListeningGoal(self._tuning.model_copy(update={"victim_worth_s": math.inf}), self._speed_mps)
+        self._meanwhile = ListeningGoal(self._tuning, self._speed_mps)
         """Where a robot listens while a teammate drives to the last area: its time costs nothing."""
         self._approach = Approach(self._tuning, self._speed_mps)
         self._early_drive = EarlyDrive()
@@ -178,7 +181,7 @@ class WorkChoice:
             self._listening.clear()
             self._idle_since_s = None
             return
-        goal = self._listen_next(self._listening, allowed, time_s) if not urgent else NO_CELL
+        goal = self._listen_next(self._listening, allowed, self._least_worth, time_s) if not urgent else NO_CELL
         if self._goes_to_area(start, goal, urgent, time_s):
             self._listening.clear()
             ends = self._areas.is_last or allowed == NO_CELL
@@ -235,7 +238,20 @@ class WorkChoice:
         self._way = cell, paths
         self.target = paths.ahead(position, cell, _AHEAD_M)
 
-    def _listen_next(self, listening: ListeningGoal, start: int, time_s: float) -> int:
+    @property
+    def _least_worth(self) -> float:
+        """What a place must be worth, in shares of the prior per second of travel.
+
+        The first robot of a team that stays connected leads it to any place until nearly nobody is expected any more:
+        the others go with it, so what it leaves on the way is far later.
+        """
+        per_share = self._knowledge.victims_per_share
+        is_first = self._connected is not None and not self._connected.is_behind("search")
+        if is_first and per_share * self._knowledge.remaining > _NEARLY_NOBODY:
+            return 0.0
+        return 1.0 / (self._tuning.victim_worth_s * per_share)
+
+    def _listen_next(self, listening: ListeningGoal, start: int, least: float, time_s: float) -> int:
         if start == NO_CELL:
             return NO_CELL
         knowledge, candidates = self._knowledge, self._knowledge.places.candidates
@@ -257,7 +273,7 @@ class WorkChoice:
             candidates,
             claims,
             prior_claims,
-            knowledge.victims_per_share,
+            least,
             time_s,
         )
         if cell == NO_CELL and linked is not None:
@@ -396,7 +412,7 @@ class WorkChoice:
 
     def _listen_meanwhile(self, position: Vector, start: int, time_s: float) -> None:
         """Listen where most is expected, however little, until a teammate ends the mission."""
-        cell = self._listen_next(self._meanwhile, start, time_s)
+        cell = self._listen_next(self._meanwhile, start, 0.0, time_s)
         if cell != NO_CELL:
             self.goal = cell
             self._drive_to(cell, position, self._usable)
