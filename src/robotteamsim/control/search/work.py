@@ -32,9 +32,6 @@ _IDLE_S = 5.0
 _AROUND_M = 5.0
 """A path that is longer than the straight line by more leads around a wall, behind which the victim is [m]."""
 
-_NEARLY_NOBODY = 0.05
-"""So many victims expected on all floor that was not heard: with about 95 % probability there is none."""
-
 _FREE_WITHIN_M = 0.3
 """How far from the loudest place the free place may be to which a robot drives [m]."""
 
@@ -240,16 +237,8 @@ class WorkChoice:
 
     @property
     def _least_worth(self) -> float:
-        """What a place must be worth, in shares of the prior per second of travel.
-
-        The first robot of a team that stays connected leads it to any place until nearly nobody is expected any more:
-        the others go with it, so what it leaves on the way is far later.
-        """
-        per_share = self._knowledge.victims_per_share
-        is_first = self._connected is not None and not self._connected.is_behind("search")
-        if is_first and per_share * self._knowledge.remaining > _NEARLY_NOBODY:
-            return 0.0
-        return 1.0 / (self._tuning.victim_worth_s * per_share)
+        """What a place must be worth, in shares of the prior per second of travel."""
+        return 1.0 / (self._tuning.victim_worth_s * self._knowledge.victims_per_share)
 
     def _listen_next(self, listening: ListeningGoal, start: int, least: float, time_s: float) -> int:
         if start == NO_CELL:
