@@ -164,16 +164,6 @@ def test_robot_that_loses_another_goes_back_to_where_it_last_heard_it(hall, team
     assert connected.steer(ahead, home, "wait", NO_CELL, None, paths, 5.0) is None
 
 
-def test_robot_yields_its_place_only_to_those_that_go_first(hall, team_of):
-    # The goals of those behind it depend on its own: if it yielded to them, all would change forever.
-    _, grid, _ = hall
-    at, goal = grid.cell_of((3.5, 5.5)), grid.cell_of((15.5, 5.5))
-    for other, work, claims in ((0, "search", [goal]), (2, "search", []), (2, "area", [goal]), (0, "wait", [])):
-        team, connected = team_of(1)
-        team.hear(_update(other, at, work, goal), 0.0)
-        assert connected.claims == claims
-
-
 def test_team_comes_to_a_robot_that_has_been_held_for_long(hall, team_of):
     # Robot 1 can go no farther west without losing robot 0, which goes first, and it is 4 m away.
     _, grid, paths = hall

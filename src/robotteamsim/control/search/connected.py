@@ -186,14 +186,6 @@ class ConnectedTeam:
         """Whether this robot has been held for so long that all others help it."""
         return self._long_patience.is_out
 
-    @property
-    def claims(self) -> list[int]:
-        """Cells at which those will listen who go before this robot when it searches.
-
-        It does not yield to those behind it. Their goals depend on its own, so that all would change forever.
-        """
-        return [u.goal for u in self._before("search") if u.goal != NO_CELL and u.work != "voice"]
-
     def is_behind(self, work: Work) -> bool:
         """Whether another robot goes before this one with this work."""
         return bool(self._before(work))

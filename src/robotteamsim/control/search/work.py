@@ -244,12 +244,9 @@ class WorkChoice:
         if start == NO_CELL:
             return NO_CELL
         knowledge, candidates = self._knowledge, self._knowledge.places.candidates
-        if self._connected is not None:
-            claims = prior_claims = self._connected.claims
-        else:
-            waits = self.work == "wait"
-            claims = self._team.kept_claims(self.at, self._paths.all) if waits else self._team.claims
-            prior_claims = self._team.prior_claims(listening.cell, self.at, self._paths.all)
+        waits = self.work == "wait"
+        claims = self._team.kept_claims(self.at, self._paths.all) if waits else self._team.claims
+        prior_claims = self._team.prior_claims(listening.cell, self.at, self._paths.all)
         linked = self._linked("search")
         if linked is not None:
             candidates = [cell for cell in candidates if linked[cell]]
