@@ -12,8 +12,9 @@ import argparse
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-from additions import FIRST_SEED, PRINTED_EXCLUSION, Row, mission, row_of, write_rows
+from additions import PRINTED_EXCLUSION, Row, mission, row_of, write_rows
 
+FIRST_SEED = 3001
 CSV = Path(__file__).resolve().parent / "results" / "adaptation.csv"
 OFFICE = (
     "control.algorithm=rdpso",

@@ -1,9 +1,11 @@
 """Missions of a free and of a connected team that search, with equal seeds: what staying connected costs.
 
-The victims are at random places, as in `benchmark search`. Each mission is appended to the CSV as soon as it ends;
-those that it has already are not run again. Without --missions the table of all missions in the CSV is printed. --bound
-prints how many robots a chain of likely links from a base at the start to each area, and to all floor, needs at least.
-Usage: python bench/connected.py --missions 10 --building garage --noise 10 20 30 --robots 3 5 8
+The victims are at random places, as in `benchmark search`. Missions are appended to the CSV as they end; those that it
+has already are not run again. Printed, per cell of the CSV: mean number of victims with its 95 % interval; the
+shares of missions that saved all victims, explored all areas, and were never split, with 95 % intervals [wilson1927];
+the mean time, and that over the time of the free team. --bound prints how many robots a chain of likely links from a
+base at the start to each area, and to all floor, needs at least.
+Usage: python bench/connected.py --missions 50 --building garage isr_floor office
 """
 
 from __future__ import annotations
@@ -12,10 +14,12 @@ import argparse
 import csv
 import statistics
 from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import msgspec
 import numpy as np
+from additions import mean_with_interval
 
 from robotteamsim.campaign.protocol import SearchProtocol, search_design
 from robotteamsim.control.search.cells import cell_grid, cell_paths
@@ -29,6 +33,7 @@ from robotteamsim.simulation import Simulation
 CSV = Path(__file__).resolve().parent / "results" / "connected.csv"
 TEAMS = {"search": "free", "search_connected": "connected"}
 KEYS = ("building", "noise_db", "robots", "team", "seed")
+NUM_VICTIMS = SearchProtocol((), (), (), (), trials=1).victims
 TOTALS = tuple(name for name in NetworkTotals.__struct_fields__ if not name.startswith("base"))
 COLUMNS = (*KEYS, "time_s", "victims", "areas", "num_areas", *TOTALS, "trajectory_hash")
 
@@ -46,14 +51,25 @@ def mission(scenario: Scenario, seed: int) -> tuple[object, ...]:
 def run_missing(options: argparse.Namespace) -> None:
     """Run the missions that the CSV lacks, seed by seed."""
     done = {tuple(row[key] for key in KEYS) for row in read(options.csv)}
-    robots, noises_db = tuple(options.robots), tuple(options.noise)
-    design = search_design(SearchProtocol(tuple(TEAMS), (options.building,), noises_db, robots, trials=1))
+    protocol = SearchProtocol(
+        tuple(name for name, team in TEAMS.items() if team in options.teams),
+        tuple(options.building),
+        tuple(options.noise),
+        tuple(options.robots),
+        trials=1,
+    )
+    cells = search_design(protocol).cells
+    missing: dict[tuple[str, ...], tuple[Scenario, int]] = {}
     for seed in range(options.first_seed, options.first_seed + options.missions):
-        for cell in design.cells:
+        for cell in cells:
             building, noise_db, count, controller = cell.values
             key = (building, f"{noise_db:g}", str(count), TEAMS[controller], str(seed))
             if key not in done:
-                append(options.csv, (*key, *mission(cell.scenario, seed)))
+                missing[key] = cell.scenario, seed
+    with ProcessPoolExecutor(options.workers) as pool:
+        futures = {key: pool.submit(mission, *trial) for key, trial in missing.items()}
+        for key, future in futures.items():
+            append(options.csv, (*key, *future.result()))
 
 
 def read(path: Path) -> list[dict[str, str]]:
@@ -92,45 +108,54 @@ def print_bound(building: str) -> None:
         print(f"  {area.name}: {hops[inside].min() if inside.any() else 'none suffice'}")
 
 
+def wilson(count: int, of: int) -> str:
+    """Return a proportion with its 95 % interval [wilson1927], in whole percent."""
+    z2 = 1.96**2
+    middle = (count + 0.5 * z2) / (of + z2)
+    half = 1.96 / (of + z2) * (count * (of - count) / of + 0.25 * z2) ** 0.5
+    return f"{count}/{of} [{100.0 * (middle - half):.0f}, {100.0 * (middle + half):.0f}] %"
+
+
 def print_table(rows: list[dict[str, str]]) -> None:
     """Print a line per building, noise, number of robots and team; ratios are of missions that both teams have run."""
-    print("building noise robots team missions victims all_areas never_split split_s endangered_s breaks time_s ratio")
-    cells = dict.fromkeys(tuple(row[key] for key in KEYS[:4]) for row in rows)
+    print("building noise robots team: victims [95 %]; all victims; all areas; never split; time [s]; over free")
     by_key = {tuple(row[key] for key in KEYS): row for row in rows}
-    for cell in cells:
+    for cell in sorted({tuple(row[key] for key in KEYS[:4]) for row in rows}):
         own = [row for row in rows if tuple(row[key] for key in KEYS[:4]) == cell]
-        count = len(own)
-        mean = {name: statistics.fmean(float(row[name]) for row in own) for name in COLUMNS[5:-1]}
-        complete = sum(row["areas"] == row["num_areas"] for row in own)
-        whole = sum(float(row["split_s"]) == 0.0 for row in own)
+        mean, low, high = mean_with_interval(np.array([float(row["victims"]) for row in own]))
+        counts = (
+            sum(int(row["victims"]) == NUM_VICTIMS for row in own),
+            sum(row["areas"] == row["num_areas"] for row in own),
+            sum(float(row["split_s"]) == 0.0 for row in own),
+        )
         pairs = [(by_key.get((*cell[:3], "free", row["seed"])), row) for row in own]
         both = [(float(free["time_s"]), float(row["time_s"])) for free, row in pairs if free]
         ratio = sum(b for _, b in both) / sum(a for a, _ in both) if both else float("nan")
-        print(
-            *cell,
-            count,
-            f"{mean['victims']:.2f} {complete}/{count} {whole}/{count} {mean['split_s']:.1f}",
-            f"{mean['endangered_s']:.0f} {mean['breaks']:.1f} {mean['time_s']:.0f} {ratio:.2f}",
-        )
+        time_s = statistics.fmean(float(row["time_s"]) for row in own)
+        shares = "; ".join(wilson(count, len(own)) for count in counts)
+        print(*cell, f"{mean:.2f} [{low:.2f}, {high:.2f}]; {shares}; {time_s:.0f}; {ratio:.2f}", sep=" ")
 
 
 def main() -> None:
     """Run missions, or print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--missions", type=int, default=0, help="of each cell")
-    parser.add_argument("--first-seed", type=int, default=9101)
-    parser.add_argument("--building", default="garage", help="as in `robotteamsim benchmark search`")
+    parser.add_argument("--missions", type=int, default=0, help="of each cell; 0: print the table alone")
+    parser.add_argument("--first-seed", type=int, default=70001)
+    parser.add_argument("--building", nargs="+", default=["office"], help="as in `robotteamsim benchmark search`")
+    parser.add_argument("--teams", nargs="+", default=["free", "connected"], choices=["free", "connected"])
+    parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--noise", type=float, nargs="+", default=[10.0, 20.0, 30.0])
     parser.add_argument("--robots", type=int, nargs="+", default=[3, 5, 8])
     parser.add_argument("--csv", type=Path, default=CSV)
     parser.add_argument("--bound", action="store_true", help="print the fewest robots of a chain instead")
     options = parser.parse_args()
     if options.bound:
-        print_bound(options.building)
-    elif options.missions:
+        for building in options.building:
+            print_bound(building)
+        return
+    if options.missions:
         run_missing(options)
-    else:
-        print_table(read(options.csv))
+    print_table(read(options.csv))
 
 
 if __name__ == "__main__":

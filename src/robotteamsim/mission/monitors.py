@@ -178,7 +178,7 @@ def _changes_of_swarms(before: list[int], now: list[int]) -> Iterator[Happening]
     for robot_id, (old, new) in enumerate(zip(before, now, strict=True)):
         if _ABSENT in (old, new):
             continue  # Robots that are removed or spawned have events of their own.
-        if old != new and old != OUTSIDE:
+        if old != new and new == OUTSIDE:
             yield RobotExcluded(old, robot_id=robot_id)
         if old != new and new in there:
             yield RobotIncluded(new, robot_id=robot_id)

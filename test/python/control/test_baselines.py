@@ -12,8 +12,9 @@ from robotteamsim.control.rdpso.terms import LocalBestFinder, RuledOut
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import Task
 from robotteamsim.scenario.building import Building
-from robotteamsim.scenario.sections import Area, Mission
+from robotteamsim.scenario.sections import Area, Mission, PlacedRobot
 from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.simulation import Simulation
 
 VICTIM = (9.0, 8.0)
 
@@ -84,7 +85,7 @@ def test_rpso_is_pso_with_the_obstacle_term(team, hall_scenario):
     assert poses != final_poses(team, hall_scenario, of("rpso", c3=0.3, inertia=0.5))
 
 
-@pytest.mark.parametrize(("algorithm", "num_excluded"), [("pso", 0), ("rpso", 0), ("dpso", 1)])
+@pytest.mark.parametrize(("algorithm", "num_excluded"), [("pso", 0), ("rpso", 0), ("dpso", 2)])
 def test_only_dpso_excludes(team, hall_scenario, algorithm, num_excluded):
     mission = Mission(areas=(Area(name="here", center=(3.5, 5.0)),))
     hall = team(hall_scenario(mission=mission, control=of(algorithm)))
@@ -95,6 +96,31 @@ def test_only_dpso_excludes(team, hall_scenario, algorithm, num_excluded):
 def test_dpso_moves_by_pso_until_it_excludes(team, hall_scenario):
     poses = final_poses(team, hall_scenario, of("dpso", inertia=0.5))
     assert poses == final_poses(team, hall_scenario, of("pso", inertia=0.5))
+
+
+def test_dpso_of_three_robots_is_not_pso_because_its_swarm_has_a_child(team, hall_scenario):
+    robots = tuple(PlacedRobot(start_pose=(3.0, 4.0 + i, 0.0)) for i in range(3))
+
+    def poses_and_swarms(algorithm: str) -> tuple[list[Pose], list[int]]:
+        hall = team(hall_scenario(robots=robots, control=of(algorithm)))
+        hall.run(20.0)
+        return hall.world.poses(), sorted(decision.swarm for decision in hall.decisions)
+
+    (pso, alone), (dpso, swarms) = poses_and_swarms("pso"), poses_and_swarms("dpso")
+    assert alone == [0, 0, 0]
+    # The only swarm gives two of its robots to the child; neither of the two could then give another one.
+    assert swarms == [0, 1, 1]
+    assert dpso != pso
+
+
+def test_mission_of_a_dpso_ends_when_natural_selection_has_deleted_all_swarms(hall_scenario):
+    nothing = Mission(time_limit_s=60.0)
+    ended = Simulation(hall_scenario(mission=nothing, control=of("dpso"))).run()
+    # Nothing improves: SC is 15 in iteration 15, then 15 (1 - 1/2) = 7, so it is 15 again in iteration 23. Iterations
+    # begin at 0 s and last 1 s; robots judge in the step after they have sent their updates.
+    assert (ended.end, ended.time_s) == ("all_excluded", pytest.approx(22.0, abs=0.25))
+    assert [robot.excluded_s > 7.5 for robot in ended.robots] == [False, True]
+    assert Simulation(hall_scenario(mission=nothing, control=of("pso"))).run().end == "time_limit"
 
 
 def test_rdpso_of_one_memory_term_is_rpso_of_that_inertia(team, hall_scenario):

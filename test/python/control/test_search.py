@@ -158,6 +158,16 @@ def test_time_limit_leaves_time_for_the_areas(run):
     assert simulation.mission.status.end == "areas_explored"
 
 
+def test_victim_near_a_robot_is_saved_although_time_is_short(run):
+    # 13 m to the area at 0.58 m/s, times 1.3, are 29 s: 19 s are spare, and reserve_s is 20. The detour takes 8 s.
+    near = Victim(name="ann", position=(2.0, 8.0))
+    simulation, _ = run(victims=(near,), areas=(EAST,), time_limit_s=48.0)
+    assert (simulation.mission.status.end, simulation.mission.status.victims) == ("areas_explored", ("saved",))
+    # Without enough spare time, the area goes first.
+    simulation, _ = run(victims=(near,), areas=(EAST,), time_limit_s=32.0)
+    assert (simulation.mission.status.end, simulation.mission.status.victims) == ("areas_explored", ("heard",))
+
+
 @pytest.mark.parametrize("assumed_db", [0.0, 75.0])
 def test_wrong_assumption_about_the_noise_costs_no_victim(run, assumed_db):
     simulation, _ = run(control={"assumed_noise_db": assumed_db})

@@ -10,6 +10,7 @@ import pytest
 
 from robotteamsim import _core
 from robotteamsim.control.search.cells import cell_grid, cell_paths, places, unheard, voice_losses
+from robotteamsim.control.search.hunt import Hunt
 from robotteamsim.control.search.knowledge import ListeningLog, NoiseEstimate, entries_in
 from robotteamsim.propagation import VoiceField, VoiceSource
 from robotteamsim.scenario import load
@@ -165,6 +166,28 @@ def test_source_of_a_voice_follows_from_levels_along_a_path(rooms, at):
     cell, misfit = fix.most_probable(np.ones(grid.size, dtype=np.float32))
     assert math.dist(grid.centre_of(cell), at) < 1.6
     assert misfit < 1.5
+
+
+def test_voice_that_another_one_drowned_out_is_approached_afterwards(hall_scenario):
+    scenario = hall_scenario(control={"algorithm": "search"})
+    grid, field = cell_grid(scenario), VoiceField(scenario.plan, scenario.voice)
+    losses = voice_losses(Building(scenario.plan), scenario.voice, grid, ())
+    prior = np.full(grid.size, 1.0 / grid.size, dtype=np.float32)
+    hunt, first, second = Hunt(scenario, grid), (5.5, 2.5), (16.5, 7.5)
+
+    def follow(places, source=None):
+        for place in places:
+            level_db = 0.0 if source is None else field.level_db(VoiceSource(source, -76.5, 5.8), place)
+            found = hunt.follow(VoiceReading(0.0, source is not None, place, level_db), 1, place, losses, prior, prior)
+        return None if found is None else found.source_m
+
+    assert math.dist(follow([(8.0, 3.0), (8.5, 3.6), (8.5, 4.4), (8.0, 5.0)], first), first) < 1.6
+    assert math.dist(follow([(9.0, 5.0)]), first) < 1.6
+    follow([(12.0, 6.0), (12.5, 6.6), (13.0, 7.5), (13.6, 8.0), (14.0, 8.5), (14.5, 8.0), (14.8, 7.0)], second)
+    hunt.note_found(second, within_m=6.0)
+    assert math.dist(follow([(16.0, 7.0)]), first) < 1.6
+    hunt.note_found(first, within_m=6.0)
+    assert follow([(6.0, 3.0)]) is None
 
 
 def test_invalid_arguments_are_rejected(rooms):

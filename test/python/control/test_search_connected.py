@@ -9,6 +9,7 @@ import pytest
 from robotteamsim.control import make_controller
 from robotteamsim.control.search.cells import NO_CELL, cell_grid, cell_paths
 from robotteamsim.control.search.connected import ConnectedTeam, predicted_links
+from robotteamsim.control.search.goals import Approach
 from robotteamsim.control.search.team import SearchUpdate, Teammates, update_of
 from robotteamsim.errors import ScenarioError
 from robotteamsim.interface import Observation
@@ -161,6 +162,49 @@ def test_robot_that_loses_another_goes_back_to_where_it_last_heard_it(hall, team
     assert ahead == paths.place_of(home)
     # There it waits for the other one, whose id is higher.
     assert connected.steer(ahead, home, "wait", NO_CELL, None, paths, 5.0) is None
+
+
+def test_team_comes_to_a_robot_that_has_been_held_for_long(hall, team_of):
+    # Robot 1 can go no farther west without losing robot 0, which goes first, and it is 4 m away.
+    _, grid, paths = hall
+    west, east = grid.cell_of((6.5, 5.5)), grid.cell_of((10.5, 5.5))
+    team, held = team_of(1)
+    team.hear(_update(0, east), 0.0)
+    since_s = []
+    for time_s in range(30):
+        team.hear(_update(0, east), time_s)
+        target = paths.place_of(west - 4)
+        assert held.steer(paths.place_of(west), west, "search", west - 4, target, paths, time_s) is None or time_s > 5
+        since_s += [time_s] if held.is_long_held else []
+        held._patience.note(-100.0)  # it does not drive on over likely links
+    # progress_timeout_s = 20: held from 0 s on, for the 20th time at 19 s.
+    assert since_s == list(range(19, 30))
+    steps = []
+    for is_held in (msgspec.UNSET, True):
+        team, first = team_of(0)
+        team.hear(msgspec.structs.replace(_update(1, west, wanted=west - 1), held=is_held), 0.0)
+        target = paths.place_of(east + 4)
+        steps.append(first.steer(paths.place_of(east), east, "search", east + 4, target, paths, 0.0))
+    assert steps[0] is None
+    assert steps[1][0] < paths.place_of(east)[0]
+
+
+def test_time_in_which_a_robot_waits_for_others_is_not_a_lack_of_progress(hall, team_of):
+    setup, grid, paths = hall
+    at, far = grid.cell_of((6.5, 5.5)), grid.cell_of((13.5, 5.5))
+    team, first = team_of(0)
+    for apart, waits in ((grid.cell_of((8.5, 5.5)), False), (far, True)):
+        team.hear(_update(1, apart), 0.0)
+        first.steer(paths.place_of(at), at, "voice", at - 3, paths.place_of(at - 3), paths, 0.0)
+        assert first.waits is waits
+    approach = Approach(setup.scenario.control, speed_mps=0.5)
+    going = []
+    for time_s in range(50):
+        going.append(approach.goes_on((3.5, 5.5), 3.0, time_s, was_on=time_s > 0))
+        if time_s < 15:
+            approach.pause(1.0)
+    # Given up 20 s after the last pause, at 15 s.
+    assert going.index(False) == 36
 
 
 def test_team_whose_radio_reaches_6_m_does_all_and_never_splits(run):

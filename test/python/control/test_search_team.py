@@ -84,7 +84,7 @@ def test_robot_without_work_takes_a_place_as_soon_as_a_teammate_leaves_it(hall):
 
     def choose(claims, time_s):
         start = grid.cell_of((2.5, 5.5))
-        return goal.choose(knowledge.belief, paths, start, [place], claims, claims, 4.0, time_s)
+        return goal.choose(knowledge.belief, paths, start, [place], claims, claims, 1e-4, time_s)
 
     assert choose([place], 0.0) == NO_CELL
     # Long before the next regular choice: meanwhile the team might end the search.

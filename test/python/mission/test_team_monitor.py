@@ -55,7 +55,11 @@ def test_swarm_that_all_leave_is_dissolved(monitor):
 def test_swarm_that_was_not_there_is_founded_by_those_in_it(monitor):
     details(monitor, 0, 0, OUTSIDE, OUTSIDE)
     assert details(monitor, 0, 0, 2, 2) == ["swarm 2 is founded by robots 2, 3"]
-    assert details(monitor, 0, 3, 2, 2) == ["robot 1 is excluded from swarm 0", "swarm 3 is founded by robot 1"]
+    assert details(monitor, 0, 3, 2, 2) == ["swarm 3 is founded by robot 1"]
+
+
+def test_robot_that_changes_its_swarm_is_included_but_was_never_excluded(monitor):
+    assert details(monitor, 0, 1, 1, 1) == ["robot 1 is included in swarm 1"]
 
 
 def test_robot_that_is_excluded_from_the_start_counts_as_having_left():

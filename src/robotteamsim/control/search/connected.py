@@ -8,7 +8,7 @@ docs/search.md has the equations.
    robot that goes first.
 2. Ways. A robot drives only over cells in which it stays connected with all others with whom it is, where they are now.
 3. Help. If a robot that goes first would lose others where it wants to go, they come nearer: to the first of those
-   whom they can help.
+   whom they can help. A robot that has been held for long goes first in this.
 4. Healing. If a teammate falls silent, the robot drives back to where it last heard all others.
 """
 
@@ -123,6 +123,20 @@ class _Step:
     wanted: int
 
 
+class _Patience:
+    """Whether a robot has been held for some time, and has not moved for as long since."""
+
+    def __init__(self, limit_s: float) -> None:
+        self._limit_s = limit_s
+        self._held_s = 0.0
+        self.is_out = False
+
+    def note(self, change_s: float) -> None:
+        """Note for how long the robot was held; below 0, for how long it was not [s]."""
+        self._held_s = min(max(self._held_s + change_s, 0.0), self._limit_s)
+        self.is_out = self._held_s == self._limit_s or (self.is_out and self._held_s > 0.0)
+
+
 class ConnectedTeam:
     """What one robot does to stay connected with its team."""
 
@@ -137,12 +151,12 @@ class ConnectedTeam:
         self._everywhere = np.ones(grid.size, dtype=bool)
         self._home = NO_CELL
         """The cell where the robot was when it last heard all others; NO_CELL once it has been there again."""
-        self._held_s = 0.0
-        """For how long it has been held, less the time since."""
-        self._is_held = False
-        """Whether it has been held for long."""
+        self._patience = _Patience(_PATIENCE_S)
+        self._long_patience = _Patience(self._tuning.progress_timeout_s)
         self.wanted = NO_CELL
         """The cell where it wants to be next; NO_CELL if it stands still."""
+        self.waits = False
+        """Whether it stands still so that those who are apart can come."""
 
     def use(self, doors: Doors, paths: _core.control.CellPaths) -> None:
         """Predict links with doors as they are believed to be now."""
@@ -167,6 +181,11 @@ class ConnectedTeam:
                 found = np.asarray(self._sure[found].any(axis=0))
         return found
 
+    @property
+    def is_long_held(self) -> bool:
+        """Whether this robot has been held for so long that all others help it."""
+        return self._long_patience.is_out
+
     def is_behind(self, work: Work) -> bool:
         """Whether another robot goes before this one with this work."""
         return bool(self._before(work))
@@ -186,7 +205,7 @@ class ConnectedTeam:
         Args: position: in `map` [m], in the cell `at`.  goal: the cell to which it drives; NO_CELL if there is none.
               target: where it would drive now [m], to the goal or to a place beside it; None: it would stand still.
         """
-        self.wanted = NO_CELL
+        self.wanted, self.waits = NO_CELL, False
         if at == NO_CELL:
             return target
         iteration_s = self._tuning.iteration_s
@@ -197,7 +216,7 @@ class ConnectedTeam:
         placings = self._placings(work)
         connecting = [self._connecting(placing, self._sure) for placing in placings]
         allowed = self._keeping(at, placings[0], self._likely)
-        if not self._is_held:
+        if not self._patience.is_out:
             kept = [self._keeping(at, placings[0], self._sure), *(cells for cells in connecting if cells[at])]
             allowed = np.all([allowed, *kept], axis=0)
         helps = [
@@ -208,7 +227,8 @@ class ConnectedTeam:
         if helps:
             step = next((step for step in helps if step.ahead is not None), helps[0])
         elif target is None or not connecting[0][at]:
-            step = _Step(None, NO_CELL)  # Those come who are apart.
+            step = _Step(None, NO_CELL)
+            self.waits = target is not None  # Those come who are apart.
         else:
             step = self._step_to(goal, target, position, allowed, paths)
         self.wanted = step.wanted
@@ -270,9 +290,8 @@ class ConnectedTeam:
         return None if goal in (NO_CELL, at) else paths.ahead(position, goal, _AHEAD_M)
 
     def _note(self, *, is_held: bool) -> None:
-        change_s = self._tuning.iteration_s if is_held else -self._tuning.iteration_s
-        self._held_s = min(max(self._held_s + change_s, 0.0), _PATIENCE_S)
-        self._is_held = self._held_s == _PATIENCE_S or (self._is_held and self._held_s > 0.0)
+        for patience in (self._patience, self._long_patience):
+            patience.note(self._tuning.iteration_s if is_held else -self._tuning.iteration_s)
 
     @staticmethod
     def _rank(work: Work, robot_id: int) -> tuple[int, int]:
@@ -287,7 +306,8 @@ class ConnectedTeam:
     def _placings(self, work: Work) -> list[_Placing]:
         """Return the team as it is, and as it would be if one of those that go first were where it wants to be."""
         now = {update.robot_id: update.at for update in self._team.updates if update.at != NO_CELL}
-        before = [update for update in self._before(work) if update.robot_id in now]
+        held = [update for update in self._team.updates if update.held is True]
+        before = [update for update in (*held, *self._before(work)) if update.robot_id in now]
         if self._base_cell != NO_CELL:
             now[_BASE] = self._base_cell
         head = _BASE if _BASE in now else before[0].robot_id if before else self._robot_id

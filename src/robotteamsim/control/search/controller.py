@@ -148,6 +148,7 @@ class SearchController:
             hot=self._driver.hot.in_sight or msgspec.UNSET,
             closed_area=self._choice.closed_area_m or msgspec.UNSET,
             wanted=self._choice.wanted,
+            held=self._choice.is_long_held or msgspec.UNSET,
         )
 
     def _iterate(self, pose: Pose, observation: Observation, task: Task) -> None:
@@ -163,8 +164,8 @@ class SearchController:
         knowledge, voice = self.knowledge, observation.voice
         of_team_db = [update.noise_db for update in self._team.updates if update.noise_db is not None]
         knowledge.agree_on_noise(of_team_db)
-        if self._voice is not None and knowledge.has_found_at(self._voice.source_m, since=self._num_found):
-            self._hunt.forget()
+        for place in knowledge.found[self._num_found :]:
+            self._hunt.note_found(place, self._tuning.same_voice_m)
         self._num_found = len(knowledge.found)
         mass = knowledge.mass() if voice.heard or self._hunt.is_on else knowledge.places.prior
         self._voice = self._hunt.follow(voice, task.epoch, position, knowledge.losses, mass, knowledge.places.prior)

@@ -30,6 +30,10 @@ class Progress:
         self._least_m = self._last_m = math.inf
         self._since_s = time_s
 
+    def pause(self, for_s: float) -> None:
+        """Do not count a time in which the robot waits for others."""
+        self._since_s += for_s
+
     def is_stuck(self, length_m: float, time_s: float) -> bool:
         """Return whether the path to the goal has not become shorter for too long."""
         if length_m > self._last_m + _JUMP_M:
@@ -62,6 +66,10 @@ class ListeningGoal:
         """Choose again in the next iteration, because the robot did something else meanwhile."""
         self.cell, self._next_choice_s = NO_CELL, 0.0
 
+    def pause(self, for_s: float) -> None:
+        """Do not count a time in which the robot waits for others."""
+        self._progress.pause(for_s)
+
     def forget_avoided(self) -> None:
         """Try avoided places again, because a voice has fallen silent or a door has changed."""
         self._avoided.clear()
@@ -79,16 +87,15 @@ class ListeningGoal:
         candidates: Sequence[int],
         claims: list[int],
         prior_claims: list[int],
-        victims_per_share: float,
+        least: float,
         time_s: float,
     ) -> int:
         """Return the cell to drive to; NO_CELL if no place is worth the time.
 
         Args: start: the cell of the robot.  claims: cells at which teammates will listen.
               prior_claims: those of them that compete with the robot's own goal.
-              victims_per_share: expected victims per share of the prior.
+              least: that a place must be worth, in shares of the prior per second of travel.
         """
-        least = 1.0 / (self._tuning.victim_worth_s * victims_per_share)
         speed_mps, delay_s = self._speed_mps, self._tuning.delay_s
         rate = 0.0
         if self.cell != NO_CELL:
@@ -134,6 +141,11 @@ class Approach:
         """Length of the path to the source [m]."""
         self.lost_m: Vector | None = None
         """The source of the last voice that the robot could not reach, in `map` [m]."""
+
+    def pause(self, for_s: float) -> None:
+        """Do not count a time in which the robot waits for others."""
+        self._progress.pause(for_s)
+        self._until_s += for_s
 
     def has_given_up(self, source_m: Vector, time_s: float) -> bool:
         """Whether the robot ignores a voice for now."""

@@ -53,8 +53,9 @@ class Hunted:
 class Hunt:
     """Estimates where the voice comes from that a robot hears, from the levels at all places since it first heard it.
 
-    The path around a wall may lead where the voice is not heard: the source is kept until the belief excludes it. A
-    robot that has been next to a cell would have saved the victim there.
+    The path around a wall may lead where the voice is not heard: the source is kept until the belief excludes it. If
+    another voice is heard there, the robot comes back to the first one afterwards. A robot that has been next to a cell
+    would have saved the victim there.
     """
 
     def __init__(self, scenario: Scenario, grid: CellGrid) -> None:
@@ -67,6 +68,9 @@ class Hunt:
         self._saved_within_m = max(scenario.mission.save_distance_m - 0.7 * grid.cell_m, 0.3)
         self._fix: _core.control.VoiceFix | None = None
         self._source: Hunted | None = None
+        self._was_heard = False
+        self._left: list[Hunted] = []
+        """Sources that were not heard on the way to them, before a voice was heard again: the same one, or another."""
         self._prior: np.ndarray | None = None
         self._visited: set[int] = set()
         self._heard_at: set[Vector] = set()
@@ -87,10 +91,16 @@ class Hunt:
               mass, prior: of each cell, what the belief leaves and what it started with.
         """
         if not voice.heard or not math.isfinite(voice.local_best_level_db):
-            if self._source is None or not self._is_likely(self._source.cell, mass, prior):
+            self._was_heard = False
+            while self._source is None or not self._is_likely(self._source.cell, mass, prior):
                 self.forget()
-                return None
+                if not self._left:
+                    return None
+                self._source = self._left.pop()
             return replace(self._source, follow_m=None)
+        if self._source is not None and not self._was_heard and self._source not in self._left:
+            self._left.append(self._source)
+        self._was_heard = True
         if self._fix is None or epoch != self._epoch or self._prior is None:
             self._epoch = epoch
             self._prior = mass + np.float32(_RULED_OUT) * prior
@@ -112,11 +122,17 @@ class Hunt:
     @property
     def is_on(self) -> bool:
         """Whether a voice is or was heard whose source is still to be reached."""
-        return self._source is not None
+        return self._source is not None or bool(self._left)
 
     def forget(self) -> None:
-        """Forget the voice, because its victim has been found."""
+        """Forget the voice that the robot hears."""
         self._fix = self._source = None
+
+    def note_found(self, place: Vector, within_m: float) -> None:
+        """Forget the voices whose sources are near a victim who has been found. Args: place: in `map` [m]."""
+        self._left = [left for left in self._left if math.dist(left.source_m, place) > within_m]
+        if self._source is not None and math.dist(self._source.source_m, place) <= within_m:
+            self.forget()
 
     def beside(self, voice: VoiceReading) -> Vector | None:
         """Return the loudest place that a robot perceives, if the victim must be next to it; else None."""

@@ -152,9 +152,9 @@ class Knowledge:
         if is_new and len(self.found) < MOST_FOUND:
             self.found.append(place)
 
-    def has_found_at(self, source_m: Vector, since: int = 0) -> bool:
-        """Whether a found victim is where a voice came from. Args: since: index of the first to consider."""
-        return any(math.dist(place, source_m) <= self._tuning.same_voice_m for place in self.found[since:])
+    def has_found_at(self, source_m: Vector) -> bool:
+        """Whether a found victim is where a voice came from."""
+        return any(math.dist(place, source_m) <= self._tuning.same_voice_m for place in self.found)
 
     def mass(self) -> np.ndarray:
         """Return the probability of each cell that an unheard victim is there, float32."""

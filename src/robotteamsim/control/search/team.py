@@ -53,6 +53,7 @@ class SearchUpdate(Update, frozen=True, tag="search"):
     hot:       blocks of hot places that the robot sees, sorted; left out by a robot that sees none.
     closed_area: centre of the area of the task, if the robot knows no path to it; else left out.
     wanted:    cell where it wants to be next, of a team that stays connected.
+    held:      whether it has been held for long in such a team; left out if not.
     """
 
     robot_id: Index
@@ -69,6 +70,7 @@ class SearchUpdate(Update, frozen=True, tag="search"):
     hot: tuple[tuple[Index, Index], ...] | msgspec.UnsetType = msgspec.UNSET
     closed_area: Point | msgspec.UnsetType = msgspec.UNSET
     wanted: CellNumber | msgspec.UnsetType = msgspec.UNSET
+    held: bool | msgspec.UnsetType = msgspec.UNSET
 
 
 _parse = update_reader(SearchUpdate, kept=1024)

@@ -82,7 +82,7 @@ class WorkChoice:
         self._usable = paths.all
         """The paths that it may use now."""
         self._listening = ListeningGoal(self._tuning, self._speed_mps)
-        self._meanwhile = ListeningGoal(self._tuning.model_copy(update={"victim_worth_s": math.inf}), self._speed_mps)
+        self._meanwhile = ListeningGoal(self._tuning, self._speed_mps)
         """Where a robot listens while a teammate drives to the last area: its time costs nothing."""
         self._approach = Approach(self._tuning, self._speed_mps)
         self._early_drive = EarlyDrive()
@@ -170,22 +170,33 @@ class WorkChoice:
         if self._connected is not None:
             to, paths = self._way
             self.target = self._connected.steer(position, self.at, self.work, to, self.target, paths, time_s)
+            if self._connected.waits:
+                self._approach.pause(self._tuning.iteration_s)
+                self._listening.pause(self._tuning.iteration_s)
 
     @property
     def wanted(self) -> int | msgspec.UnsetType:
         """The cell where the robot wants to be next, for a team that stays connected."""
         return self._connected.wanted if self._connected is not None else msgspec.UNSET
 
+    @property
+    def is_long_held(self) -> bool:
+        """Whether the robot has been held for long, in a team that stays connected."""
+        return self._connected is not None and self._connected.is_long_held
+
     def _choose_work(self, position: Vector, voice: Hunted | None, time_s: float, elapsed_s: float) -> None:
         self.done, self._voice, start = "", voice, self.at
         self._choose_paths()
-        urgent = self._is_urgent(start, elapsed_s)
+        spare_s = self._spare_s(start, elapsed_s)
+        urgent = spare_s < self._tuning.reserve_s
+        # When time is short, a voice is still approached if the spare time is enough to go there and back.
+        longest_m = 0.5 * self._speed_mps * spare_s / self._tuning.reserve if urgent else math.inf
         allowed = start if self._usable is self._paths.all else self._usable.start_of(position)
-        if self._voice is not None and not urgent and self._approach_voice(self._voice, position, allowed, time_s):
+        if voice is not None and self._approach_voice(voice, position, allowed, longest_m, time_s):
             self._listening.clear()
             self._idle_since_s = None
             return
-        goal = self._listen_next(self._listening, allowed, time_s) if not urgent else NO_CELL
+        goal = self._listen_next(self._listening, allowed, self._least_worth, time_s) if not urgent else NO_CELL
         if self._goes_to_area(start, goal, urgent, time_s):
             self._listening.clear()
             ends = self._areas.is_last or allowed == NO_CELL
@@ -242,10 +253,18 @@ class WorkChoice:
         self._way = cell, paths
         self.target = paths.ahead(position, cell, _AHEAD_M)
 
-    def _listen_next(self, listening: ListeningGoal, start: int, time_s: float) -> int:
+    @property
+    def _least_worth(self) -> float:
+        """What a place must be worth, in shares of the prior per second of travel."""
+        return 1.0 / (self._tuning.victim_worth_s * self._knowledge.victims_per_share)
+
+    def _listen_next(self, listening: ListeningGoal, start: int, least: float, time_s: float) -> int:
         if start == NO_CELL:
             return NO_CELL
         knowledge, candidates = self._knowledge, self._knowledge.places.candidates
+        waits = self.work == "wait"
+        claims = self._team.kept_claims(self.at, self._paths.all) if waits else self._team.claims
+        prior_claims = self._team.prior_claims(listening.cell, self.at, self._paths.all)
         linked = self._linked("search")
         if linked is not None:
             candidates = [cell for cell in candidates if linked[cell]]
@@ -256,9 +275,9 @@ class WorkChoice:
             self._usable,
             start,
             candidates,
-            self._team.kept_claims(self.at, self._paths.all) if self.work == "wait" else self._team.claims,
-            self._team.prior_claims(listening.cell, self.at, self._paths.all),
-            knowledge.victims_per_share,
+            claims,
+            prior_claims,
+            least,
             time_s,
         )
         if cell == NO_CELL and linked is not None:
@@ -269,10 +288,10 @@ class WorkChoice:
         """Return the cells that a robot with this work may choose, bool; None: all, as in a free team."""
         return self._connected.linked(work) if self._connected is not None else None
 
-    def _approach_voice(self, voice: Hunted, position: Vector, start: int, time_s: float) -> bool:
+    def _approach_voice(self, voice: Hunted, position: Vector, start: int, longest_m: float, time_s: float) -> bool:
         """Drive towards a voice; return False if the robot leaves it to a teammate, or cannot reach it.
 
-        Args: start: the cell from which the robot may drive.
+        Args: start: the cell from which the robot may drive.  longest_m: of a path for which there is time [m].
         """
         if self._approach.has_given_up(voice.source_m, time_s):
             return False
@@ -280,6 +299,8 @@ class WorkChoice:
             return False  # To save this victim would end the mission.
         goal = reachable_cell(self._usable, self._grid, voice.source_m, start, self._save_distance_m)
         length_m = self._usable.length_m(goal, start) if goal != NO_CELL else math.inf
+        if longest_m < length_m < math.inf:
+            return False
         if self._team.approaches(voice.source_m, length_m, self._tuning.same_voice_m):
             return False
         if not self._approach.goes_on(voice.source_m, length_m, time_s, was_on=self.work == "voice"):
@@ -299,14 +320,13 @@ class WorkChoice:
             return None
         return place
 
-    def _is_urgent(self, start: int, elapsed_s: float) -> bool:
-        """Whether the time left is needed to explore the areas."""
+    def _spare_s(self, start: int, elapsed_s: float) -> float:
+        """Return the time left beyond what is needed to explore the areas [s]; infinity if there are none."""
         if not self._areas.is_possible:
-            return False
+            return math.inf
         nearest_m, _ = min(self._team.lengths_m(self._areas.cell, start, self._paths.all))
         tour_s = (nearest_m + self._areas.tour_m) / self._speed_mps
-        left_s = self._time_limit_s - elapsed_s
-        return left_s < self._tuning.reserve * tour_s + self._tuning.reserve_s
+        return self._time_limit_s - elapsed_s - self._tuning.reserve * tour_s
 
     def _is_nearest(self, start: int, works: tuple[Work, ...] = ()) -> bool:
         """Whether no teammate that goes to the next area is nearer to it.
@@ -376,10 +396,15 @@ class WorkChoice:
                 linked = self._linked("wait")
                 if cell != start and (linked is None or linked[cell]):
                     self._drive_to(cell, position, self._usable)
-            elif self._areas.is_last and any(update.work == "area" for update in self._team.updates):
+            elif self._connected is None and self._is_last_area_explored:
                 self._listen_meanwhile(position, start, time_s)
         elif self._team.all_wait and self._has_been_idle(_IDLE_S, time_s):
             self.done = self._reason()
+
+    @property
+    def _is_last_area_explored(self) -> bool:
+        """Whether a teammate drives to the last area now."""
+        return self._areas.is_last and any(update.work == "area" for update in self._team.updates)
 
     def _cell_to_wait_at(self, start: int) -> int:
         """Return where a robot waits for the turn of an area; NO_CELL if others wait at all of them."""
@@ -397,7 +422,7 @@ class WorkChoice:
 
     def _listen_meanwhile(self, position: Vector, start: int, time_s: float) -> None:
         """Listen where most is expected, however little, until a teammate ends the mission."""
-        cell = self._listen_next(self._meanwhile, start, time_s)
+        cell = self._listen_next(self._meanwhile, start, 0.0, time_s)
         if cell != NO_CELL:
             self.goal = cell
             self._drive_to(cell, position, self._usable)

@@ -152,12 +152,37 @@ class RdpsoControl(LinkedControl, ObstacleControl, SeveralSwarmsControl):
         return self
 
 
+class Punishment(SocialExclusion):
+    """When a swarm of a DPSO loses a robot [dissertation, eq. 12 and 5.1.2]: without the exceptions for an RDPSO."""
+
+    while_approaching: bool = Field(
+        default=True,
+        description="whether iterations count in which a member came nearer to the global best than before; "
+        "true: as printed",
+    )
+    min_robots: int = Field(
+        default=0, ge=0, le=3000, description="a swarm of this size or smaller is dissolved at SC_max"
+    )
+
+
+class Offspring(Swarms):
+    """How many swarms a DPSO has [5.1.2]; the numbers are ours."""
+
+    min: int = Field(default=0, ge=0, le=3000, description="number of swarms that are never dissolved")
+    max: int = Field(default=4, ge=1, le=3000, description="no child swarm is founded beyond this number")
+    new_robots: int = Field(
+        default=2, ge=1, le=3000, description="number of robots of a child swarm, half of them from a mate"
+    )
+
+
 class DpsoControl(InertiaControl, SeveralSwarmsControl):
     """DPSO: several swarms that each move by PSO (14), with natural selection (12, 13)."""
 
     controller: ClassVar[str] = "robotteamsim.control.baselines.pso:DpsoController"
 
     algorithm: Literal["dpso"] = Field(description="dpso")
+    exclusion: Punishment = Punishment()
+    swarms: Offspring = Offspring()
 
 
 class RpsoControl(InertiaControl, ObstacleControl):
