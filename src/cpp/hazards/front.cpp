@@ -87,7 +87,8 @@ HeatCurve::HeatCurve(std::vector<std::pair<double, double>> points) : points_(st
 }
 
 double HeatCurve::RateAt(double seconds) const {
-  const auto after = std::find_if(points_.begin(), points_.end(), [&](const auto& p) { return p.first > seconds; });
+  const auto is_before = [](double time_s, const auto& point) { return time_s < point.first; };
+  const auto after = std::upper_bound(points_.begin(), points_.end(), seconds, is_before);
   if (after == points_.begin()) return 0.0;
   const auto before = after - 1;
   if (after == points_.end()) return before->second;
@@ -98,8 +99,9 @@ double HeatCurve::RateAt(double seconds) const {
 double HeatCurve::HeatUntil(double seconds) const {
   double heat_kj = 0.0;
   for (std::size_t i = 0; i < points_.size() && points_[i].first < seconds; ++i) {
-    const double end_s = i + 1 < points_.size() ? std::min(points_[i + 1].first, seconds) : seconds;
-    heat_kj += 0.5 * (points_[i].second + RateAt(end_s)) * (end_s - points_[i].first);
+    const bool is_whole = i + 1 < points_.size() && points_[i + 1].first <= seconds;
+    const auto [end_s, end_kw] = is_whole ? points_[i + 1] : std::pair(seconds, RateAt(seconds));
+    heat_kj += 0.5 * (points_[i].second + end_kw) * (end_s - points_[i].first);
   }
   return heat_kj;
 }

@@ -177,7 +177,7 @@ def _load(scenario_name: str, settings: Sequence[Factor]) -> Scenario:
 
 
 def _check_algorithm(of: Scenario, settings: Sequence[Factor], allow_code: bool) -> None:
-    """Raise CampaignError if a controller does not exist or cannot be constructed: no trial would be of any use."""
+    """Raise CampaignError if a controller does not exist or cannot be constructed: every trial would be useless."""
     matching = [s for s in settings if s.key in foreign_code.KEYS]
     if not allow_code:
         place = matching[-1].place if matching else of.origin.place

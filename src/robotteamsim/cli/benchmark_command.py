@@ -30,6 +30,7 @@ from robotteamsim.cli.parser import (
     whole_number,
 )
 from robotteamsim.scenario.controllers import is_policy_file
+from robotteamsim.wording import printable
 
 if TYPE_CHECKING:
     from robotteamsim.analysis.report import Report
@@ -226,7 +227,7 @@ def _run(
 def _print_report(made: Report) -> None:
     """Print the notes and the first table."""
     for note in made.notes:
-        print(note)
+        print(printable(note))
     first = made.tables[0]
     width = shutil.get_terminal_size().columns if sys.stdout.isatty() else UNLIMITED
     print(f"{first.title}\n\n{aligned([first.head, *first.texts], first.left, width)}")

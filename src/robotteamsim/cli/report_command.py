@@ -13,6 +13,7 @@ from robotteamsim.cli.parser import path_of
 from robotteamsim.cli.run_command import add_code_option
 from robotteamsim.errors import CampaignError
 from robotteamsim.recording.files import prepare_folder, remove_empty
+from robotteamsim.wording import printable
 
 if TYPE_CHECKING:
     from robotteamsim.analysis.report import Report
@@ -73,7 +74,7 @@ def run(options: argparse.Namespace) -> int:
         print(json.dumps(document, ensure_ascii=False))
     else:
         for paragraph in (*report.opening, *report.notes):
-            print(textwrap.fill(paragraph, 100))
+            print(textwrap.fill(printable(paragraph), 100))
         print(f"written {path}")
     return 1 if failed else 0
 

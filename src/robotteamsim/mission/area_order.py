@@ -71,12 +71,12 @@ class AreaOrder:
 
     def passed_over(self, decisions: Sequence[Decision], present: np.ndarray) -> Area | None:
         """Note the reports of a step; return the target if it is passed over now: the target is another one then."""
+        if not (self._left and self._is_given):
+            return None
         for robot_id in self._reporters:
             outbox = decisions[robot_id].outbox
             if outbox:
                 self._closed[robot_id] = next(filter(None, (closed_area_in(m.payload) for m in outbox)), None)
-        if not (self._left and self._is_given):
-            return None
         asked = [i for i in self._reporters if present[i] and not decisions[i].fault]
         center = self._areas[self.target].center
         if not asked or any(self._closed.get(robot_id) != center for robot_id in asked):

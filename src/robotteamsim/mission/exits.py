@@ -12,6 +12,9 @@ from robotteamsim.mission.victims import Victims
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.rescue import Exit
 
+_NOT_ALONE = OUT_OF_DANGER | IN_CARE
+"""Who does not leave any more, or not without help."""
+
 
 def exit_at(exits: tuple[Exit, ...], place_m: Point) -> str | None:
     """Return the name of the first exit in which a place lies, in `map` [m]; None if there is none."""
@@ -29,7 +32,7 @@ class Exits:
         if not self._exits:
             return
         for index, victim in enumerate(victims.all):
-            if victims.states[index] in OUT_OF_DANGER | IN_CARE:
+            if victims.states[index] in _NOT_ALONE:
                 continue
             name = exit_at(self._exits, victim.position)
             if name is not None:

@@ -50,8 +50,8 @@ class Mission:
         self._victims = Victims(scenario.mission.victims)
         self._rescue = Rescue(setup) if scenario.mission.saved_by == "firefighter" else None
         """None if robots save the victims."""
-        self._exits = Exits(scenario.mission.exits)
-        self._ends_in_safety = self._rescue is not None or bool(scenario.mission.exits and not self._areas)
+        self._exits, self._has_exits = Exits(scenario.mission.exits), bool(scenario.mission.exits)
+        self._ends_in_safety = self._rescue is not None or (self._has_exits and not self._areas)
         self._has_team = scenario.team_size > 0
         self._casualties = None if scenario.fire is None else Casualties(scenario.fire)
         """None if nothing can burn."""
@@ -150,7 +150,9 @@ class Mission:
         self._last_step_ns = now.sim_time_ns
         for change in self._world.changes(now):
             self._add(change)
-            self._epoch += isinstance(change, events.DoorChanged)  # the voice map changes
+            if isinstance(change, events.DoorChanged):  # the voice map changes, and with it who is heard where
+                self._epoch += 1
+                self._heard_places_m.clear()
             if self._egress is not None and isinstance(change, events.FireStarted):
                 self._egress.ignite(self._elapsed_ns / 1e9)
         if self._autostart and self._state == "waiting":
@@ -310,7 +312,7 @@ class Mission:
     @property
     def _somebody_flees(self) -> bool:
         """Whether somebody may still reach an exit by themselves."""
-        return any(
+        return self._has_exits and any(
             victim.flees and state in ("waiting", "heard")
             for victim, state in zip(self.victims, self._victims.states, strict=True)
         )

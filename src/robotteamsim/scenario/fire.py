@@ -20,7 +20,7 @@ GROWTH_KW_PER_S2: dict[GrowthClass, float] = {"slow": 0.00293, "medium": 0.01172
 MAX_CELLS = 4_000_000
 
 _MAX_KW = 1e7
-_LEAST_KW, _SHORTEST_GROWTH_S = 1.0, 1.0
+_LEAST_KW, _SHORTEST_GROWTH_S, _LEAST_GROWTH_KW_S2 = 1.0, 1.0, 1e-6
 """Of the t-squared fire to which an own curve is compared."""
 
 
@@ -106,8 +106,9 @@ class Fuel(Model):
     def growth_kw_s2(self) -> float:
         """Growth coefficient of the t-squared fire; with `hrr`, of the one that is as strong at its highest rate."""
         if self.hrr is not None:
-            most_kw, first_s = max((kw, -time_s) for time_s, kw in self.hrr)
-            return max(most_kw, _LEAST_KW) / max(-first_s, _SHORTEST_GROWTH_S) ** 2
+            first_s, most_kw = max(self.hrr, key=lambda point: (point[1], -point[0]))
+            growth = max(most_kw, _LEAST_KW) / max(first_s, _SHORTEST_GROWTH_S) ** 2
+            return max(growth, _LEAST_GROWTH_KW_S2)
         return self.growth if isinstance(self.growth, float) else GROWTH_KW_PER_S2[self.growth]
 
 

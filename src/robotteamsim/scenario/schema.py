@@ -64,8 +64,10 @@ def _of_kind(kind: str, key: str, other: str, *, is_default: bool = False) -> di
 
 _TEAM = {"anyOf": [_given("start"), {"required": ["start_poses"], "properties": {"start_poses": {"minItems": 1}}}]}
 
+_NOBODY = {"required": ["count"], "properties": {"count": {"const": 0}}}
+
 _RULES: dict[str, list[dict[str, Any]]] = {
-    "Team": [_TEAM],
+    "Team": [{"anyOf": [*_TEAM["anyOf"], _NOBODY]}],
     "Firefighters": [_TEAM],
     "ScheduledEvent": [
         _one_of(*EVENTS),

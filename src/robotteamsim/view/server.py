@@ -19,6 +19,7 @@ _SCRIPTS = {f"/page/{name}.js": PAGE / f"{name}.js" for name in (*MODULES, "thre
 _COMMANDS: msgspec.json.Decoder[AnyCommand] = msgspec.json.Decoder(AnyCommand)
 _KEEP_ALIVE_S = 5.0
 _FOREIGN = "only for the viewer's own page, in a browser of this machine"
+_NO_COMMAND = "not a command of the page of a live mission"
 
 
 # aiohttp or starlette would save few of these lines, and need an event loop next to the threads of missions.
@@ -72,7 +73,8 @@ class _Handler(BaseHTTPRequestHandler):
         is_json = self.headers.get("Content-Type") == "application/json"
         if mission is None or self.path != "/command" or not is_json or self._is_foreign():
             self.close_connection = True  # the body has not been read
-            self._reply(HTTPStatus.FORBIDDEN, msgspec.json.encode({"error": _FOREIGN}), "application/json")
+            why = _FOREIGN if self._is_foreign() else _NO_COMMAND
+            self._reply(HTTPStatus.FORBIDDEN, msgspec.json.encode({"error": why}), "application/json")
             return
         length = self.headers.get("Content-Length", "")
         if not length.isdecimal() or int(length) > _MAX_COMMAND_BYTES:
@@ -87,9 +89,9 @@ class _Handler(BaseHTTPRequestHandler):
         """Log nothing."""
 
     def _is_foreign(self) -> bool:
-        """Whether the request is for a name that leads here (DNS rebinding), or comes from a page of elsewhere.
+        """Whether the request is for a name that leads here (DNS rebinding), or comes from another site's page.
 
-        Not each browser sends `Sec-Fetch-Site`, and none sends `Origin` for its own address bar or a picture.
+        Not every browser sends `Sec-Fetch-Site`, and none sends `Origin` for its own address bar or a picture.
         """
         host = self.headers.get("Host", "")
         own_page = f"http://{host}"

@@ -133,3 +133,14 @@ def test_schema_requires_what_the_loader_requires(changed, line):
     assert refusal(data).startswith(line)
     assert bool(refusal(data)) == bool(line)
     assert jsonschema.Draft202012Validator(json_schema()).is_valid(data) == (not line)
+
+
+@pytest.mark.parametrize("robots", [{"robots": {"count": 0}}, {}])
+def test_people_may_leave_without_a_team(robots):
+    people = {
+        "mission": {"exits": [{"name": "west", "center": [1, 5], "radius_m": 1.0}]},
+        "people": {"groups": [{"name": "staff", "count": 2, "region": {"center": [7, 5], "radius_m": 1.0}}]},
+    }
+    data = {key: value for key, value in MINIMAL.items() if key != "robots"} | robots | people
+    assert refusal(data) == ""
+    assert jsonschema.Draft202012Validator(json_schema()).is_valid(data)

@@ -101,6 +101,7 @@ def _plain(decision: Decision) -> Decision:
         local_best=float(decision.local_best),
         local_best_m=None if best_m is None else tuple(map(float, best_m)),
         search_counter=int(decision.search_counter),
+        area=int(decision.area),
         swarm=int(decision.swarm),
     )
 
