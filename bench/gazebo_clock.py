@@ -61,6 +61,8 @@ class MissionClock:
         """Publish until the mission has ended; return its speed and processor times [s/s]."""
         self._advance(self._now)
         while not self._ended.wait(CHECK_S):
+            if rospy.is_shutdown():
+                raise SystemExit("ended before the mission")
             if time.monotonic() - self._heard_s > SILENCE_S:
                 raise RuntimeError(f"no step for {SILENCE_S:g} s, wall, after {self._now.to_sec():.1f} s")
         assert self._first is not None

@@ -64,10 +64,12 @@ def gazebo_mission(seed: int, chroot: str) -> tuple[object, ...]:
             subprocess.Popen(clock, env=env, cwd=folder, stdout=log, stderr=log) as clocking,
         ):
             try:
-                mission.wait(MISSION_S)
+                if clocking.wait(MISSION_S) == 0:
+                    mission.wait(GRACE_S)
             finally:
                 for process in (clocking, mission):
                     process.send_signal(signal.SIGINT)
+                for process in (clocking, mission):
                     process.wait(GRACE_S)
         if mission.returncode or not cost_file.exists():
             raise RuntimeError(f"seed {seed}: status {mission.returncode}\n{log_file.read_text()}")
