@@ -33,7 +33,7 @@ unexport PYTHONDONTWRITEBYTECODE
 check test_python test_ros test_ros2: export OPENBLAS_NUM_THREADS ?= 1
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help announce setup build build_tests compile garage_sar run check test test_cpp test_python test_ros test_ros2 lint tidy bench bench_learning bench_ros bench_ros2 exactness report build_fuzz fuzz sanitize faults garbage gazebo nightly wheel pictures docs notebook man lock clean
+.PHONY: help announce setup build build_tests compile garage_sar run check test test_cpp test_python test_ros test_ros2 lint tidy bench bench_learning bench_ros bench_ros2 bench_gazebo exactness report build_fuzz fuzz sanitize faults garbage build_gazebo gazebo nightly wheel pictures docs notebook man lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -217,10 +217,15 @@ garbage: build ## send a million garbage messages to the nodes of running missio
 GAZEBO_CHROOT ?= $(or $(XDG_CACHE_HOME),$(HOME)/.cache)/robotteamsim/gazebo-bullseye
 GAZEBO_RUN := $(if $(GAZEBO_CHROOT),setup/gazebo-chroot.sh run $(GAZEBO_CHROOT))
 
-gazebo: build_tests ## run the garage mission in Gazebo, in a Debian 11 that is created once (10 minutes, 2.1 GB), and check it
+build_gazebo: build_tests
 	@$(if $(GAZEBO_CHROOT),setup/gazebo-chroot.sh create $(GAZEBO_CHROOT))
 	$(call step,building the plugins of Gazebo,build_gazebo) $(GAZEBO_RUN) gazebo/build.sh $(BUILD)/gazebo $(JOBS)
+
+gazebo: build_gazebo ## run the garage mission in Gazebo, in a Debian 11 that is created once (10 minutes, 2.1 GB), and check it
 	@$(ENV) GAZEBO_CHROOT=$(GAZEBO_CHROOT) $(PYTHON) -m pytest test/gazebo -s $(ARGS)
+
+bench_gazebo: build_gazebo ## run 30 garage missions in Gazebo and in our own world, with the same seeds; ARGS="--first 1 --trials 5"
+	@$(ENV) GAZEBO_CHROOT=$(GAZEBO_CHROOT) $(PYTHON) bench/gazebo_missions.py $(ARGS)
 
 NIGHTLY ?= tidy sanitize fuzz faults garbage gazebo
 

@@ -23,8 +23,16 @@ from robotteamsim.simulation.record import Result
 from robotteamsim.world.mujoco.wheels import Chassis
 from robotteamsim.world.mujoco.world import MujocoWorld
 
-COLUMNS = ("world", "seed", "end", "time_s", "areas", "victims", "distance_m", "contact_s", "slip_forward", "slip_side")
-COLUMNS += ("mean_lean_mrad", "max_lean_mrad")
+OUTCOME = ("end", "time_s", "areas", "victims", "distance_m", "contact_s")
+COLUMNS = ("world", "seed", *OUTCOME, "slip_forward", "slip_side", "mean_lean_mrad", "max_lean_mrad")
+
+
+def outcome(world: str, seed: int, result: Result) -> tuple[object, ...]:
+    """Return world, seed and OUTCOME of a mission."""
+    distance_m = sum(robot.distance_m for robot in result.robots)
+    contact_s = sum(robot.contact_s for robot in result.robots)
+    totals = (result.end, result.time_s, result.areas_explored, result.victims_saved)
+    return (world, seed, *totals, f"{distance_m:.4g}", f"{contact_s:.4g}")
 
 
 class SlipMeter:
@@ -66,14 +74,11 @@ def mission(world: str, seed: int) -> tuple[object, ...]:
     if isinstance(simulation.world, MujocoWorld):
         meter = SlipMeter(simulation.world, resolve(scenario).robots[0], scenario.num_robots)
     result = simulation.run([meter] if meter else [])
-    distance_m = sum(robot.distance_m for robot in result.robots)
-    contact_s = sum(robot.contact_s for robot in result.robots)
-    row = (world, seed, result.end, result.time_s, result.areas_explored, result.victims_saved)
     slip: tuple[float, ...] = (math.nan,) * 4
     if meter:
         shares = (meter.rolled_m - meter.driven_m) / meter.driven_m, meter.aside_m / meter.driven_m
         slip = (*shares, 1000.0 * statistics.fmean(meter.leans_rad), 1000.0 * max(meter.leans_rad))
-    return (*row, *(f"{value:.4g}" for value in (distance_m, contact_s, *slip)))
+    return (*outcome(world, seed, result), *(f"{value:.4g}" for value in slip))
 
 
 def main() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from typing import Any
 from xmlrpc.client import ServerProxy
 
@@ -93,25 +94,36 @@ def send(publisher: rospy.Publisher, message: Any) -> None:
     rospy publishes in a thread of its own, and a node reads each topic in another; on a busy machine, these may be many
     steps later than a service. A node counts a message before it reads it, so that may still be one step late.
     """
-    master = rosgraph.Master(rospy.get_name())
-    deadline_s = time.monotonic() + TIMEOUT_S
-    while not (names := dict(master.getSystemState()[1]).get(publisher.name, [])) or (
-        publisher.get_num_connections() < len(names)
-    ):
-        assert time.monotonic() < deadline_s, f"{publisher.name}: not all of {names} are connected"
-        rospy.rostime.wallsleep(0.05)
-    nodes = [ServerProxy(master.lookupNode(name)) for name in names]
-    counts = [_num_received(node, publisher.name) for node in nodes]
-    publisher.publish(message)
-    for name, node, count in zip(names, nodes, counts, strict=True):
-        while _num_received(node, publisher.name) <= count:
-            assert time.monotonic() < deadline_s, f"{name} did not receive the message of {publisher.name}"
-            rospy.rostime.wallsleep(0.001)
+    with ExitStack() as open_until_the_end:
+        master = rosgraph.Master(rospy.get_name())
+        open_until_the_end.enter_context(master.handle)
+        deadline_s = time.monotonic() + TIMEOUT_S
+        while not (names := dict(master.getSystemState()[1]).get(publisher.name, [])) or (
+            publisher.get_num_connections() < len(names)
+        ):
+            assert time.monotonic() < deadline_s, f"{publisher.name}: not all of {names} are connected"
+            rospy.rostime.wallsleep(0.05)
+        nodes = [open_until_the_end.enter_context(ServerProxy(master.lookupNode(name))) for name in names]
+        counts = [_num_received(node, publisher.name) for node in nodes]
+        publisher.publish(message)
+        for name, node, count in zip(names, nodes, counts, strict=True):
+            while _num_received(node, publisher.name) <= count:
+                assert time.monotonic() < deadline_s, f"{name} did not receive the message of {publisher.name}"
+                rospy.rostime.wallsleep(0.001)
 
 
 def _num_received(node: ServerProxy, topic: str) -> int:
     """Return how many messages of a topic a node has received, as it says itself."""
-    _, _, (_, received, _) = node.getBusStats(rospy.get_name())
+    return num_received(node.getBusStats(rospy.get_name()), topic)
+
+
+def num_received(answer: Sequence[Any], topic: str) -> int:
+    """Return how many messages of a topic are in the answer of a node to getBusStats.
+
+    rospy answers [code, text, [published, subscribed, services]] as the API says, roscpp 1.15 [published, subscribed].
+    """
+    follows_api = isinstance(answer[0], int)
+    _, received, *_ = answer[2] if follows_api else answer
     return sum(count for _, _, count, _, _ in dict(received)[topic])
 
 
