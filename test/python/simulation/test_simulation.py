@@ -88,9 +88,16 @@ class FakeSensors:
         return TeamReadings.of([RobotReading(pose, Twist(0.5), still, ranges_m, in_contact=False)] * 2)
 
 
+class FakeVoices:
+    @staticmethod
+    def speaker(place_m):
+        return None
+
+
 @dataclasses.dataclass
 class FakeHearing:
     parts: FakeParts
+    sensor = FakeVoices()
     new_map: None = None
 
     def step(self, positions_m, moved, silent):
