@@ -29,7 +29,7 @@ def draw_import(
     axes = figure.axes[0]
     handles = [_square(palette.SOLIDS["wall"], "wall"), _square(palette.SOLIDS["block"], "block")]
     if image is not None and left_out is not None:
-        ink = image.dark >= image.settings.free_thresh
+        ink = ~image.free
         _draw_cells(axes, image, left_out, palette.WAITING)
         _draw_cells(axes, image, ink & ~left_out, palette.SKY_BLUE)
         handles.append(_square(palette.SKY_BLUE, "ink of walls next to their straight sides"))

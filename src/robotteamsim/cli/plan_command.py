@@ -259,6 +259,8 @@ def import_plan(options: argparse.Namespace) -> None:
     found = import_image(image, options.map, rules) if image else _import_dxf(options)
     plan = without_misplaced_doors(found)
     parts = floor_parts(plan, _ROBOT_M)
+    if image is not None:  # what the image does not know is no floor
+        parts = tuple(part for part in parts if image.is_free_at(part.place))
     with atomically(out) as part:
         scenario.write_floor_plan(plan, part)
     counts = [counted(len(plan.walls), "wall"), counted(len(plan.blocks), "block"), counted(len(plan.doors), "door")]

@@ -34,8 +34,10 @@ FORMATS = ("PNG", "PPM", "BMP", "TIFF", "JPEG", "WEBP", "GIF")
 """Formats of images that map_server reads, as Pillow names them; PPM includes PGM."""
 
 
-def read_image(path: Path) -> np.ndarray:
+def read_image(path: Path, *, as_shown: bool = False) -> np.ndarray:
     """Return the pixels of an image: uint8, grey or with channels red, green, blue and alpha; the upper 8 of 16 bits.
+
+    Args:   as_shown: as viewers show it: turned by its EXIF orientation, transparent pixels on white paper.
 
     Raises: ValueError: what is wrong, as in "cannot be read as an image"; Pillow's own warnings are suppressed. The
             header is read first, so that an image of more than MAX_PIXELS pixels does not fill the memory.
@@ -49,7 +51,7 @@ def read_image(path: Path) -> np.ndarray:
             with open_regular(path) as file, Image.open(file, formats=FORMATS) as image:
                 if image.width * image.height > MAX_PIXELS:
                     raise Image.DecompressionBombError
-                pixels, file_format = _pixels(image), image.format
+                pixels, file_format = _pixels(_on_paper(image) if as_shown else image), image.format
         except (Image.DecompressionBombError, Image.DecompressionBombWarning):
             raise ValueError(f"has more than {MAX_PIXELS // 10**6} million pixels") from None
         except MemoryError:
@@ -62,6 +64,17 @@ def read_image(path: Path) -> np.ndarray:
     if is_wider or not 0 <= pixels.min() <= pixels.max() <= _MOST_IN_16_BITS:
         raise ValueError(f"has {pixels.dtype} pixels; expected 8 or 16 bits")
     return (pixels // 256).astype(np.uint8)
+
+
+def _on_paper(image: Any) -> Any:
+    """Return a Pillow image turned by its EXIF orientation [ImageOps.exif_transpose], on white if it is transparent."""
+    from PIL import Image, ImageOps
+
+    upright = ImageOps.exif_transpose(image)
+    if "A" not in upright.getbands() and "transparency" not in upright.info:
+        return upright
+    inked = upright.convert("RGBA")
+    return Image.alpha_composite(Image.new("RGBA", inked.size, "white"), inked).convert("RGB")
 
 
 def _pixels(image: Any) -> np.ndarray:
@@ -100,7 +113,7 @@ def solid_cells(
 ) -> np.ndarray:
     """Return which cells are solid; no two touch by a corner alone. The rule of every import (docs/propagation.md).
 
-    - Cells darker than `occupied_thresh` are occupied, those lighter than `free_thresh` free, all others unknown.
+    - Cells darker than `occupied_thresh` are occupied, others lighter than `free_thresh` free, all others unknown.
     - Occupied cells are solid; groups of fewer than three cells are dropped as noise, and enclosed pockets below
       0.1 m^2 filled.
     - Unknown cells are solid where their region is narrower than 1 m; a wider one is a void behind a wall one cell
@@ -111,7 +124,8 @@ def solid_cells(
     """
     import cv2
 
-    occupied, free = dark > occupied_thresh, dark < free_thresh
+    occupied = dark > occupied_thresh
+    free = ~occupied & (dark < free_thresh)
     unknown = ~(occupied | free)
     void = _opened(unknown, max(1, round(WIDE_UNKNOWN_M / resolution_m)))
     beside_free = cv2.dilate(free.astype(np.uint8), np.ones((3, 3), np.uint8)).astype(bool)

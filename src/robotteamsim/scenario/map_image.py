@@ -7,11 +7,11 @@ import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
 import numpy as np
 import shapely
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.map_import.cells import (
@@ -23,7 +23,7 @@ from robotteamsim.map_import.cells import (
     solid_cells,
 )
 from robotteamsim.map_import.strokes import GapSizes, gaps, small_groups, thin_strokes
-from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, SMALLEST, Model, PlanarPose, Point, wrong
+from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Model, PlanarPose, Point
 from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.image_walls import MAX_WALL_THICKNESS_M, MIN_PIECE_M2, in_metres, walls_and_blocks
 from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN, Grid, OccupancyGrid, occupancy_grid, too_many_cells
@@ -50,26 +50,48 @@ Line = TypeVar("Line", Wall, Door)
 _FREE_GREY, _UNKNOWN_GREY, _OCCUPIED_GREY = 254, 205, 0
 
 
+def _unquoted(value: Any) -> Any:
+    """Return the number that a quoted scalar contains: yaml-cpp, which map_server uses, converts `'0.05'` as 0.05."""
+    if isinstance(value, list):
+        return [_unquoted(item) for item in value]
+    if not isinstance(value, str):
+        return value
+    try:
+        number = float(value)
+    except ValueError:
+        return value
+    return int(number) if number.is_integer() else number
+
+
+_Unquoted = BeforeValidator(_unquoted)
+_Share = Annotated[float, Field(ge=0.0, le=1.0), _Unquoted]
+
+
 class MapFile(Model):
-    """The yaml of a map_server image; keys that map_server does not know are ignored, as it ignores them."""
+    """The yaml of a map_server image; keys that map_server does not know are ignored, as it ignores them.
+
+    The thresholds may be equal or swapped, 0 or 1: map_server 1.17 compares each pixel with both, first with
+    `occupied_thresh`, and does not check their order [image_loader.cpp].
+    """
 
     model_config = ConfigDict(extra="ignore")
 
     image: str = Field(min_length=1, description="image file, relative to this file")
-    resolution: float = Field(ge=0.001, le=10.0, description="edge of a pixel [m]")
-    origin: PlanarPose = Field(description="[x, y, yaw] of the lower left pixel's corner")
-    negate: Literal[0, 1, False, True] = Field(default=0, description="1: white is occupied")
-    occupied_thresh: float = Field(
-        default=OCCUPIED_THRESH, ge=SMALLEST, lt=1.0, description="darker than this share is occupied"
-    )
-    free_thresh: float = Field(default=FREE_THRESH, ge=SMALLEST, lt=1.0, description="lighter than this share is free")
+    resolution: Annotated[float, _Unquoted] = Field(ge=0.001, le=10.0, description="edge of a pixel [m]")
+    origin: Annotated[PlanarPose, _Unquoted] = Field(description="[x, y, yaw] of the lower left pixel's corner")
+    negate: Annotated[Literal[0, 1, False, True], _Unquoted] = Field(default=0, description="1: white is occupied")
+    occupied_thresh: _Share = Field(default=OCCUPIED_THRESH, description="darker than this share is occupied")
+    free_thresh: _Share = Field(default=FREE_THRESH, description="lighter than this share is free, unless it is occupied")
     mode: Literal["trinary", "scale", "raw"] = Field(default="trinary", description="of the values on /map")
 
-    @model_validator(mode="after")
-    def _check(self) -> MapFile:
-        if self.free_thresh >= self.occupied_thresh:
-            raise wrong("free_thresh", f"{self.free_thresh:g} is not below occupied_thresh, {self.occupied_thresh:g}")
-        return self
+    @property
+    def import_thresholds(self) -> tuple[float, float]:
+        """`occupied_thresh` and `free_thresh` for a floor plan: the usual one for 1 and 0, which no pixel can pass.
+
+        They are the usual pair of masks in mode `scale`, such as those of nav2's speed filter.
+        """
+        occupied = self.occupied_thresh if self.occupied_thresh < 1.0 else OCCUPIED_THRESH
+        return occupied, self.free_thresh if self.free_thresh > 0.0 else FREE_THRESH
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,12 +107,30 @@ class MapImage:
         return darkness(self._light)
 
     @property
+    def free(self) -> np.ndarray:
+        """Which pixels are floor in a plan, bool, shape (rows, cols), row 0 at the lowest y."""
+        occupied_thresh, free_thresh = self.settings.import_thresholds
+        dark = self.dark
+        return np.asarray((dark < free_thresh) & (dark <= occupied_thresh))
+
+    def is_free_at(self, place: Point) -> bool:
+        """Whether the pixel at a place in the map frame [m] is floor; outside the image, none is."""
+        settings = self.settings
+        x, y = _Turn((*settings.origin[:2], -settings.origin[2])).points((place,))[0]
+        free = self.free
+        row, column = Grid(settings.origin[:2], settings.resolution).cell_at(x, y)
+        return 0 <= row < free.shape[0] and 0 <= column < free.shape[1] and bool(free[row, column])
+
+    @property
     def _light(self) -> np.ndarray:
         settings = self.settings
         return lightness(self.pixels, negate=bool(settings.negate), with_alpha=settings.mode == "trinary")
 
     def occupancy_grid(self) -> OccupancyGrid:
-        """Return the grid that map_server publishes, cell by cell [map_server 1.17, image_loader.cpp].
+        """Return the grid that map_server publishes [map_server 1.17, image_loader.cpp].
+
+        It is equal cell by cell for grey and RGB images of 8 bits. SDL_image gives map_server the indexes of a palette,
+        TIFF with a fourth byte and the blue of BMP first; here, all count by their colours.
 
         trinary: 100 where darker than `occupied_thresh`, 0 where lighter than `free_thresh`, else -1. scale: from 1 to
         99 between the thresholds, -1 where the last channel is 0. raw: the mean of the colours in 8 bits, signed.
@@ -103,7 +143,7 @@ class MapImage:
             low, high = settings.free_thresh, settings.occupied_thresh
             between = np.full(dark.shape, UNKNOWN, dtype=np.int8)
             if settings.mode == "scale":
-                share = np.clip((dark - low) / (high - low), 0.0, 1.0)
+                share = np.clip((dark - low) / (high - low), 0.0, 1.0) if high > low else np.zeros(dark.shape)
                 between = np.where(self._last_channel == 0, UNKNOWN, 1.0 + 98.0 * share).astype(np.int8)
             cells = np.where(dark > high, OCCUPIED, np.where(dark < low, FREE, between)).astype(np.int8)
         return OccupancyGrid(settings.origin[:2], settings.resolution, cells)
@@ -132,10 +172,10 @@ def read_map(path: Path) -> MapImage:
     return MapImage(settings, _pixels(image_path, f"{path}: image: '{settings.image}'"))
 
 
-def _pixels(path: Path, place: str) -> np.ndarray:
+def _pixels(path: Path, place: str, *, as_shown: bool = False) -> np.ndarray:
     """Return the pixels of an image. Raises: ScenarioError: it cannot be read, or is too small or too large."""
     try:
-        pixels = read_image(path)
+        pixels = read_image(path, as_shown=as_shown)
     except ValueError as error:
         raise ScenarioError(f"{place} {error}") from None
     if min(pixels.shape[:2]) < 3:
@@ -144,7 +184,7 @@ def _pixels(path: Path, place: str) -> np.ndarray:
 
 
 def read_drawing(path: Path, resolution_m: float) -> MapImage:
-    """Return an image without a yaml as a map whose lower left corner is the origin.
+    """Return an image without a yaml, as viewers show it, as a map whose lower left corner is the origin.
 
     Args:   resolution_m: edge of a pixel [m].
     Raises: ScenarioError: one line with file and what was expected.
@@ -153,7 +193,7 @@ def read_drawing(path: Path, resolution_m: float) -> MapImage:
         raise ScenarioError(f"{path}: {'is a folder, expected an image' if path.is_dir() else 'there is no such file'}")
     values = {"image": path.name, "resolution": resolution_m, "origin": [0.0, 0.0, 0.0]}
     settings = checked(MapFile, values, place=f"{path}: ")
-    return MapImage(settings, _pixels(path, str(path)))
+    return MapImage(settings, _pixels(path, str(path), as_shown=True))
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,7 +217,7 @@ def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
 
 def left_out(image: MapImage, rules: DrawingRules) -> np.ndarray:
     """Return which cells of ink are no walls by the rules, bool, shape (rows, cols), row 0 at the lowest y."""
-    ink = image.dark >= image.settings.free_thresh
+    ink = ~image.free
     cell_m = image.settings.resolution
     largest = max(ink.shape) + 1
     thin = thin_strokes(ink, round(min(rules.thinnest_m / cell_m, largest)))
@@ -203,7 +243,9 @@ def import_image(image: MapImage, path: Path, rules: DrawingRules) -> FloorPlan:
     frame = turn.points(in_metres(settings.origin[:2], cell_m, corners).tolist())
     low, high = np.min(frame, axis=0).tolist(), np.max(frame, axis=0).tolist()
     bounds = checked(Bounds, {"min": low, "max": high}, place=f"{path}: image: bounds.")
-    if not (image.dark < settings.free_thresh).any():
+    if not image.free.any():
+        if path.name == settings.image:
+            raise ScenarioError(f"{path}: no pixel is light; expected dark walls on light paper")
         text = f"no cell of '{settings.image}' is free; is negate or free_thresh wrong?"
         raise ScenarioError(f"{path}: image: {text}")
 
@@ -211,7 +253,7 @@ def import_image(image: MapImage, path: Path, rules: DrawingRules) -> FloorPlan:
 
     def plan() -> FloorPlan:
         dark = np.where(left_out(image, rules), 0.0, image.dark)
-        solid = solid_cells(dark, settings.occupied_thresh, settings.free_thresh, settings.resolution, closed=True)
+        solid = solid_cells(dark, *settings.import_thresholds, settings.resolution, closed=True)
         walls, blocks = walls_and_blocks(solid, settings.origin[:2], cell_m)
         grid = Grid(settings.origin[:2], settings.resolution)
         doors = [] if rules.doors_m is None else list(_doors(solid, grid, rules.doors_m))

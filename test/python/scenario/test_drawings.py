@@ -10,6 +10,7 @@ import cv2
 import numpy as np
 import pytest
 import shapely
+from PIL import Image
 
 from robotteamsim.analysis.import_picture import draw_import
 from robotteamsim.cli import main
@@ -249,3 +250,46 @@ def test_invalid_options_are_one_line(folder, capsys, arguments, message):
     line = capsys.readouterr().err.strip().splitlines()[-1]
     assert message in line
     assert not Path("new.yaml").exists()
+
+
+@pytest.mark.parametrize("ink", ["black", "white"])
+@pytest.mark.parametrize("mode", ["RGBA", "LA"])
+def test_transparent_pixels_are_paper(folder: Path, ink: str, mode: str) -> None:
+    clean = Image.open("clean.png").convert("L")
+    inked = Image.new(mode, clean.size, ink)
+    walls = clean.point(lambda grey: 255 - grey)
+    inked.paste(Image.new(mode, clean.size, "black"), mask=walls)
+    inked.putalpha(walls)
+    inked.save("inked.png")
+    for name in ("clean", "inked"):
+        assert main(["plan", "import", f"{name}.png", "--metres-per-pixel", "0.02", "--out", f"{name}.yaml"]) == 0
+    assert load_floor_plan("inked.yaml").walls == load_floor_plan("clean.yaml").walls
+
+
+def test_photo_is_turned_by_its_exif_orientation(folder: Path) -> None:
+    clean = Image.open("clean.png")
+    exif = Image.Exif()
+    exif[0x0112] = 6  # the camera was held at a right angle: viewers turn it clockwise
+    clean.rotate(90, expand=True).save("photo.png", exif=exif)
+    for name in ("clean", "photo"):
+        assert main(["plan", "import", f"{name}.png", "--metres-per-pixel", "0.02", "--out", f"{name}.yaml"]) == 0
+    assert load_floor_plan("photo.yaml").bounds == load_floor_plan("clean.yaml").bounds
+    assert load_floor_plan("photo.yaml").walls == load_floor_plan("clean.yaml").walls
+
+
+def test_image_without_light_pixels_is_rejected_without_words_about_a_yaml(folder: Path, capsys) -> None:
+    cv2.imwrite("night.png", np.zeros((40, 40), np.uint8))
+    assert main(["plan", "import", "night.png", "--metres-per-pixel", "0.02", "--out", "o.yaml"]) == 2
+    assert capsys.readouterr().err == "robotteamsim: night.png: no pixel is light; expected dark walls on light paper\n"
+
+
+def test_what_a_map_does_not_know_is_no_part_of_the_floor(folder: Path, capsys) -> None:
+    # A map of gmapping: grey but for one building of 10 x 8 m, of which the door is unknown, too.
+    image = np.full((1000, 1000), 205, np.uint8)
+    image[400:560, 400:600] = 0
+    image[404:556, 404:596] = 254
+    cv2.imwrite("mapped.pgm", image)
+    keys = "image: mapped.pgm\nresolution: 0.05\norigin: [-25, -25, 0]\n"
+    Path("mapped.yaml").write_text(keys + "negate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n", encoding="utf-8")
+    assert main(["plan", "import", "mapped.yaml", "--out", "o.yaml"]) == 0
+    assert capsys.readouterr().err == ""

@@ -284,6 +284,28 @@ def test_plain_text_image_and_comments_are_read(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    "settings",
+    [
+        "negate: '0'\nresolution: \"0.1\"\norigin: ['-1', '2', '0']",  # yaml-cpp converts quoted scalars
+        "occupied_thresh: 0.5\nfree_thresh: 0.5",
+        "occupied_thresh: 1.0\nfree_thresh: 0.0\nmode: scale",  # the usual pair of nav2's masks
+    ],
+)
+def test_map_yaml_is_read_as_map_server_reads_it(tmp_path: Path, settings: str) -> None:
+    straight = import_map(_write(tmp_path, _room()))
+    assert import_map(_write(tmp_path, _room(), settings)) == straight
+
+
+def test_with_swapped_thresholds_all_pixels_darker_than_the_lower_one_are_walls(tmp_path: Path) -> None:
+    # map_server 1.17 compares with occupied_thresh first: grey, 0.196 of 1, is above 0.1.
+    image = _room()
+    image[10:20, 20:40] = GREY
+    walls = np.where(image == GREY, BLACK, image)
+    expected = import_map(_write(tmp_path, walls))
+    assert import_map(_write(tmp_path, image, "occupied_thresh: 0.1\nfree_thresh: 0.9")) == expected
+
+
+@pytest.mark.parametrize(
     ("settings", "message"),
     [
         ("image: hall.png", "image: there is no file 'hall.png'"),
@@ -292,7 +314,8 @@ def test_plain_text_image_and_comments_are_read(tmp_path: Path) -> None:
         ("resolution: 0", "resolution: 0 is below 0.001"),
         ("negate: 2", "negate: 2 is not one of 0, 1, False, True"),
         ("mode: grey", "mode: 'grey' is not one of trinary, scale, raw"),
-        ("free_thresh: 0.7", "free_thresh: 0.7 is not below occupied_thresh, 0.65"),
+        ("free_thresh: 1.7", "free_thresh: 1.7 is above 1"),
+        ("negate: 'no'", "negate: 'no' is not one of 0, 1, False, True"),
         ("negate: 1", "image: no cell of 'room.png' is free; is negate or free_thresh wrong?"),
     ],
 )

@@ -18,7 +18,8 @@ from robotteamsim.scenario import load, occupancy_grid
 from robotteamsim.scenario.map_image import CACHED_PIXELS, check_published_map, import_map, published_map
 
 DATA = Path(__file__).parents[2] / "data"
-THRESHOLDS = [(0.65, 0.196), (0.4, 0.1)]
+THRESHOLDS = [(0.65, 0.196), (0.4, 0.1), (0.5, 0.5), (0.1, 0.9), (1.0, 0.0)]
+"""occupied_thresh and free_thresh: map_server also takes equal and swapped ones, 0 and 1."""
 
 
 def _value(channels: list[int], negate: bool, mode: str, occupied: float, free: float) -> int:
