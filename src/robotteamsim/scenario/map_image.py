@@ -81,7 +81,7 @@ class MapFile(Model):
     origin: Annotated[PlanarPose, _Unquoted] = Field(description="[x, y, yaw] of the lower left pixel's corner")
     negate: Annotated[Literal[0, 1, False, True], _Unquoted] = Field(default=0, description="1: white is occupied")
     occupied_thresh: _Share = Field(default=OCCUPIED_THRESH, description="darker than this share is occupied")
-    free_thresh: _Share = Field(default=FREE_THRESH, description="lighter than this share is free, unless it is occupied")
+    free_thresh: _Share = Field(default=FREE_THRESH, description="lighter than this share is free, if not occupied")
     mode: Literal["trinary", "scale", "raw"] = Field(default="trinary", description="of the values on /map")
 
     @property
