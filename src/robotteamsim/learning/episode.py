@@ -124,6 +124,12 @@ class Episode:
         self.watch: Callable[[Simulation, StepRecord], None] | None = None
         """Is called when a mission begins and after each of its steps."""
 
+    def __reduce__(self) -> tuple[type[Episode], tuple[Scenario, Rules]]:
+        """Let an episode be pickled and copied. Raises: LearningError: its mission is under way."""
+        if self._simulation is not None:
+            raise LearningError("a mission that is under way cannot be pickled or copied; do so before reset")
+        return type(self), (self.scenario, self.rules)
+
     def begin(self, seed: Any = None) -> None:
         """Begin a mission; without a seed, with the next one of a sequence that begins with the last seed.
 

@@ -52,6 +52,7 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
     """An `Episode` as PettingZoo knows it.
 
     An agent is terminated when the mission has ended or it is no longer present, and truncated at the time limit.
+    Before `reset` and after `close`, the environment can be pickled and copied: libraries make several of one.
     """
 
     def __init__(self, episode: Episode, render_mode: str | None) -> None:
@@ -66,8 +67,8 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
             episode.watch = self._window.note
         self.possible_agents = [f"robot_{i}" for i in episode.robot_ids]
         self.agents: list[Agent] = []
-        self._observation_spaces = {agent: copy.deepcopy(episode.observe.space) for agent in self.possible_agents}
-        self._action_spaces = {agent: copy.deepcopy(episode.act.space) for agent in self.possible_agents}
+        self.observation_spaces = {agent: copy.deepcopy(episode.observe.space) for agent in self.possible_agents}
+        self.action_spaces = {agent: copy.deepcopy(episode.act.space) for agent in self.possible_agents}
 
     @property
     def record(self) -> StepRecord | None:
@@ -81,11 +82,11 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
 
     def observation_space(self, agent: Agent) -> Space[Any]:
         """Return the space of an agent's observations; `parts` describes it."""
-        return self._observation_spaces[self._known(agent)]
+        return self.observation_spaces[self._known(agent)]
 
     def action_space(self, agent: Agent) -> Space[Any]:
         """Return the space of an agent's actions."""
-        return self._action_spaces[self._known(agent)]
+        return self.action_spaces[self._known(agent)]
 
     @property
     def state_space(self) -> Box:
@@ -108,20 +109,24 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
     ) -> tuple[Vectors, dict[Agent, float], dict[Agent, bool], dict[Agent, bool], Infos]:
         """Let all agents act, and return observations, rewards, terminations, truncations and infos of each.
 
-        Raises: RobotTeamSimError: one line: the mission has not begun or has ended, an agent without an action, or an
-                action that is not of its space.
+        Actions of agents that are no longer present are ignored, and after the end all five are empty: libraries step
+        once more, or go on to send what an agent that left would do.
+
+        Raises: RobotTeamSimError: one line: the mission has not begun, an agent without an action, or an action that is
+                not of its space.
         """
         episode, acting = self._episode, self.agents
         episode.check_begun()
-        if not acting:
-            raise LearningError("the mission has ended; call reset")
         if not isinstance(actions, Mapping):
             raise LearningError(f"actions: {actions!r:.60}; expected an action by the name of each agent")
-        if set(actions) != set(acting):
+        if set(actions) - (set(self.possible_agents) - set(acting)) != set(acting):
             given, expected = (", ".join(sorted(map(str, agents))) or "nobody" for agents in (actions, acting))
             raise LearningError(f"actions of {given}; expected {expected}")
+        if not acting:
+            return {}, {}, {}, {}, {}
         rest = episode.act.rest
-        outcome = episode.step(episode.act.commands([actions.get(agent, rest) for agent in self.possible_agents]))
+        chosen = [actions[agent] if agent in acting else rest for agent in self.possible_agents]
+        outcome = episode.step(episode.act.commands(chosen))
         if self._window is not None:
             self._window.publish()
         rewards, terminated, truncated = (
@@ -163,6 +168,6 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
 
     def _known(self, agent: Agent) -> Agent:
         """Return an agent. Raises: LearningError: there is no such agent."""
-        if not isinstance(agent, str) or agent not in self._action_spaces:
+        if not isinstance(agent, str) or agent not in self.action_spaces:
             raise LearningError(f"there is no agent {agent!r:.60}; expected one of {', '.join(self.possible_agents)}")
         return agent

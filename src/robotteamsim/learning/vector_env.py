@@ -17,7 +17,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
     """Each mission is an environment whose one agent drives all robots, as `gym_env`; or each robot is one of its own.
 
     Environments of single robots share one policy. A robot that leaves is terminated, and then has observations of 0
-    until its mission begins again. `info["present"]` has which robots are present.
+    until its mission begins again; when that mission is over, it is truncated, because what begins again has ended
+    before. `info["present"]` has which robots are present.
     """
 
     def __init__(self, batch: BatchEnv, *, per_robot: bool = False) -> None:
@@ -43,13 +44,15 @@ class VectorEnv(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Let all robots act, see `BatchEnv.step`."""
-        batch, acting = self.batch, self.batch.present.sum(1)
+        batch, was_present = self.batch, self.batch.present
         if np.shape(actions) != self.action_space.shape:
             raise LearningError(f"actions of shape {np.shape(actions)}; expected {self.action_space.shape}")
         step = batch.step(np.reshape(actions, (batch.num_envs, batch.num_robots, *(batch.act.space.shape or ()))))
-        rewards, terminated, truncated = step.rewards.ravel(), step.terminated.ravel(), step.truncated.ravel()
+        absent_ones = step.is_over[:, None] & ~was_present
+        rewards, terminated = step.rewards.ravel(), step.terminated.ravel()
+        truncated = (step.truncated | absent_ones).ravel()
         if not self._per_robot:
-            rewards, truncated = step.rewards.sum(1) / np.maximum(acting, 1), step.truncated.max(1)
+            rewards, truncated = step.rewards.sum(1) / np.maximum(was_present.sum(1), 1), step.truncated.max(1)
             terminated = step.is_over & ~truncated
         # The arrays of a batch change in its next step.
         rewards, terminated, truncated = rewards.copy(), terminated.copy(), truncated.copy()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from gymnasium.wrappers.vector import RecordEpisodeStatistics
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.learning import Act, BatchEnv, DiscreteAct, LearningError, VectorEnv, gym_env, parallel_env
@@ -241,3 +242,15 @@ def test_wrong_actions_name_mission_and_robot():
     ):
         with pytest.raises(LearningError, match=message):
             env.step(wrong)
+
+
+def test_robot_that_left_is_truncated_when_its_mission_is_over():
+    # Gymnasium's RecordEpisodeStatistics counts what begins again in the next step as ended in this one.
+    leaves = load("garage_sar", ["schedule=[{at_s: 1.0, remove: 1}]"])
+    env = RecordEpisodeStatistics(VectorEnv(BatchEnv(leaves, 1, max_cycles=4), per_robot=True))
+    env.reset(seed=7)
+    ended = []
+    for _ in range(9):
+        _, _, terminated, truncated, _ = env.step(np.zeros((3, 2), np.float32))
+        ended.append((terminated | truncated).astype(int).tolist())
+    assert ended == [[0, 0, 0], [0, 1, 0], [0, 0, 0], [1, 1, 1], [0, 0, 0], [0, 0, 0], [0, 1, 0], [0, 0, 0], [1, 1, 1]]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import copy
+import pickle
 import sys
 from types import ModuleType, SimpleNamespace
 
@@ -378,3 +380,52 @@ def test_spaces_stay_the_same():
     space = env.action_space("robot_0")
     env.reset(seed=1)
     assert env.action_space("robot_0") is space
+
+
+LEAVES = "schedule=[{at_s: 1.0, remove: 1}]"
+"""robot_1 leaves in the second step of agents."""
+
+
+def test_actions_of_agents_that_left_are_ignored():
+    # TorchRL 0.14, skrl 2.1 and AgileRL 2.58 go on to send them.
+    env = parallel_env(scenario("garage_sar", LEAVES), max_cycles=4)
+    env.reset(seed=7)
+    present = []
+    while env.agents:
+        env.step({agent: np.zeros(2, np.float32) for agent in env.possible_agents})
+        present.append(list(env.agents))
+    assert present == [["robot_0", "robot_1", "robot_2"], *2 * [["robot_0", "robot_2"]], []]
+    others = parallel_env(scenario("garage_sar", LEAVES), max_cycles=4)
+    others.reset(seed=7)
+    while others.agents:
+        others.step({agent: np.zeros(2, np.float32) for agent in others.agents})
+    assert env.record.readings.state.true_pose.tobytes() == others.record.readings.state.true_pose.tobytes()
+
+
+def test_step_after_the_end_is_empty():
+    # PettingZoo's guide to own environments; RLlib 2.60 steps once more when some are terminated and others truncated.
+    env = parallel_env(scenario("garage_sar", LEAVES), max_cycles=2)
+    env.reset(seed=7)
+    while env.agents:
+        *_, terminated, truncated, _ = env.step({agent: np.zeros(2, np.float32) for agent in env.agents})
+    assert terminated == {"robot_0": False, "robot_1": True, "robot_2": False}
+    assert truncated == {"robot_0": True, "robot_1": False, "robot_2": True}
+    assert env.step({}) == ({}, {}, {}, {}, {})
+    assert env.step({"robot_1": np.zeros(2, np.float32)}) == ({}, {}, {}, {}, {})
+
+
+def test_environment_can_be_pickled_and_copied_before_its_mission_begins():
+    env = parallel_env(scenario(), max_cycles=3)
+    expected = driven_to(env, 5, wall_fearing)
+    for copied in (pickle.loads(pickle.dumps(parallel_env(scenario(), max_cycles=3))), None):
+        fresh = copied or copy.deepcopy(parallel_env(scenario(), max_cycles=3))
+        assert driven_to(fresh, 5, wall_fearing) == expected
+    env.reset(seed=1)
+    with pytest.raises(LearningError, match=r"^a mission that is under way cannot be pickled or copied"):
+        pickle.dumps(env)
+
+
+def test_environment_has_the_spaces_that_pettingzoo_declares():
+    env = parallel_env(scenario())
+    assert env.observation_spaces == {agent: env.observation_space(agent) for agent in env.possible_agents}
+    assert env.action_spaces == {agent: env.action_space(agent) for agent in env.possible_agents}
