@@ -6,7 +6,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from types import FrameType
-from typing import Any, NoReturn
+from typing import Any
 
 from robotteamsim.cli.output import leave_closed_terminal
 from robotteamsim.ending import ending_signals
@@ -23,7 +23,11 @@ class HungUp(Terminated):
 
 
 class InterruptBetweenSteps:
-    """Ends a run on a signal after the current step has been recorded; a second signal ends it at once."""
+    """Ends a run on a signal after the current step has been recorded; a second Ctrl-C ends it at once.
+
+    Further signals SIGTERM and SIGHUP are ignored while files are closed: `timeout` sends SIGTERM twice, and of a closed
+    terminal both the shell and the kernel send SIGHUP.
+    """
 
     def begin(self, setup: Setup) -> None:
         """Install the handler; only in the main thread, which alone can receive signals."""
@@ -41,32 +45,37 @@ class InterruptBetweenSteps:
         self.abandon()
 
     def abandon(self) -> None:
-        """Restore the previous handlers."""
+        """Restore the previous handlers; after a signal only that of Ctrl-C, for the command ends."""
         for number, handler in self._previous.items():
-            signal.signal(number, handler)
+            if not self._received or number == signal.SIGINT:
+                signal.signal(number, handler)
 
     def _note(self, signal_number: int, frame: FrameType | None) -> None:
-        if self._received:
+        if not self._received:
+            leave_closed_terminal()
+            self._received = signal_number
+        elif signal_number == signal.SIGINT:
             self.abandon()
             signal.raise_signal(signal_number)
-        leave_closed_terminal()
-        self._received = signal_number
 
 
 @contextlib.contextmanager
 def signals_raised() -> Iterator[list[KeyboardInterrupt]]:
     """Within the block SIGTERM raises Terminated and SIGHUP HungUp, as Ctrl-C KeyboardInterrupt: files are closed.
 
-    Yields a list of what was raised, because libraries may raise an error of their own instead. Where nothing can be
-    raised, such as in callbacks of C, Python ignores it, and would print that; then only a second signal ends the
-    command. It does nothing outside the main thread, which alone receives signals.
+    Yields a list of what was raised, because libraries may raise an error of their own instead. After the first signal
+    only Ctrl-C raises again. Where nothing can be raised, such as in callbacks of C, Python ignores it, and would print
+    that; then the next signal ends the command. It does nothing outside the main thread, which alone receives signals.
     """
     raised: list[KeyboardInterrupt] = []
+    lost: list[KeyboardInterrupt] = []
     if threading.current_thread() is not threading.main_thread():
         yield raised
         return
 
-    def note(signal_number: int, frame: FrameType | None) -> NoReturn:
+    def note(signal_number: int, frame: FrameType | None) -> None:
+        if raised != lost and signal_number != signal.SIGINT:
+            return
         leave_closed_terminal()
         raised.append(_interrupt(signal_number))
         raise raised[-1]
@@ -74,7 +83,9 @@ def signals_raised() -> Iterator[list[KeyboardInterrupt]]:
     print_ignored = sys.unraisablehook
 
     def note_ignored(ignored: Any) -> None:
-        if ignored.exc_value not in raised:
+        if ignored.exc_value in raised:
+            lost.append(ignored.exc_value)
+        else:
             print_ignored(ignored)
 
     sys.unraisablehook = note_ignored

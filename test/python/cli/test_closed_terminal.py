@@ -18,8 +18,9 @@ from pathlib import Path
 import pytest
 
 from robotteamsim.campaign.store import STORE_NAME, read_store
-from robotteamsim.cli import main
+from robotteamsim.cli import main, run_command
 from robotteamsim.ending import ending_signals
+from robotteamsim.recording import BagWriter
 
 LINES = [sys.executable, "-m", "robotteamsim.cli"]
 TIMEOUT_S = 120
@@ -58,6 +59,78 @@ def test_run_on_a_closed_terminal_closes_its_recordings(tmp_path):
         assert process.wait(TIMEOUT_S) == 129
     assert sorted(path.name for path in tmp_path.iterdir()) == ["m.bag", "m.mcap"]
     assert [main(["analyse", str(file)]) for file in (bag, page)] == [0, 0]
+
+
+ALL = (signal.SIGHUP, signal.SIGTERM)
+
+
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGHUP, 129), (signal.SIGTERM, 143)])
+def test_further_signals_do_not_break_the_closing_of_a_recording(tmp_path, monkeypatch, capsys, number, status):
+    """Bash sends SIGHUP to its jobs when the kernel has sent it to the terminal's; `timeout` sends SIGTERM twice."""
+
+    class Sender:
+        def begin(self, setup) -> None:
+            pass
+
+        def step(self, record) -> None:
+            if record.sim_time_ns == 10**9:
+                signal.raise_signal(number)
+                signal.raise_signal(number)
+
+        def end(self, result) -> None:
+            raise AssertionError("the mission was not ended")
+
+        def abandon(self) -> None:
+            for further in ALL:
+                signal.raise_signal(further)
+
+    class Recorder(BagWriter):
+        def abandon(self) -> None:
+            for further in ALL:
+                signal.raise_signal(further)
+            super().abandon()
+
+    bag = tmp_path / "m.bag"
+    monkeypatch.setattr(run_command, "_recorders", lambda _: [Recorder(bag), Sender()])
+    before = [signal.getsignal(each) for each in ending_signals()]
+    assert main(["run", "tutorial_arena", "--quiet"]) == status
+    assert capsys.readouterr().err.startswith("robotteamsim: terminated")
+    assert [path.name for path in tmp_path.iterdir()] == ["m.bag"]
+    assert main(["analyse", str(bag)]) == 0
+    assert [signal.getsignal(each) for each in ending_signals()] == before
+
+
+def test_only_ctrl_c_interrupts_the_clean_up_after_a_signal(monkeypatch, capsys):
+    cleaned = []
+
+    def command(_):
+        try:
+            signal.raise_signal(signal.SIGHUP)
+        finally:
+            for further in ALL:
+                signal.raise_signal(further)
+            cleaned.append("files")
+            signal.raise_signal(signal.SIGINT)
+            cleaned.append("no more")
+
+    monkeypatch.setattr(run_command, "run", command)
+    assert main(["run", "tutorial_arena"]) == 130
+    assert cleaned == ["files"]
+    assert capsys.readouterr().err == "robotteamsim: interrupted\n"
+
+
+def test_signal_that_a_library_has_ignored_can_be_sent_again(monkeypatch):
+    class Library:
+        def __del__(self):
+            signal.raise_signal(signal.SIGTERM)  # its exception is ignored
+
+    def command(_):
+        Library()
+        signal.raise_signal(signal.SIGTERM)
+        raise AssertionError("goes on")
+
+    monkeypatch.setattr(run_command, "run", command)
+    assert main(["run", "tutorial_arena"]) == 143
 
 
 def num_trials(folder: Path) -> int:
