@@ -155,6 +155,23 @@ def test_bag_of_a_fast_mission_in_lockstep_lacks_no_message(tmp_path: Path) -> N
     assert read_run([tmp_path / "run.bag"]).gaps == ()
 
 
+def test_recording_is_closed_when_the_terminal_is(tmp_path: Path) -> None:
+    # roslaunch receives the signals of the terminal, and ends its nodes; a node in a terminal of its own receives both.
+    with running((*GARAGE, "speed:=1", "record:=true", "bag:=run.bag"), tmp_path) as program:
+        program.wait_for(lambda line: "mission starts" in line, "the start of the mission")
+        (node,) = [pid for pid in descendants(program.process.pid) if b"__name:=simulation" in command_line(pid)]
+        for pid in (node, node, program.process.pid):
+            os.kill(pid, signal.SIGHUP)
+        program.wait()
+    assert "Traceback" not in program.output
+    assert sorted(path.name for path in tmp_path.glob("run.bag*")) == ["run.bag"]
+    assert read_run([tmp_path / "run.bag"]).gaps == ()
+
+
+def command_line(pid: int) -> bytes:
+    return Path(f"/proc/{pid}/cmdline").read_bytes()
+
+
 @pytest.mark.parametrize(
     ("arguments", "recorder"),
     [

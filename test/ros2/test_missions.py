@@ -10,6 +10,7 @@ from pathlib import Path
 
 import pytest
 from peer import MISSION
+from rosbags.highlevel import AnyReader
 from running import descendants, running
 
 from robotteamsim.scenario import load
@@ -116,15 +117,22 @@ def test_parameter_that_has_an_option_is_refused(tmp_path, parameter, line):
     assert mission.output == f"robotteamsim.ros2: {line}\n"
 
 
-def test_ctrl_c_ends_a_mission_without_a_traceback(tmp_path):
-    with running((*MISSION, "garage_sar", "--speed", "1"), tmp_path) as mission:
+@pytest.mark.parametrize("numbers", [(signal.SIGINT,), (signal.SIGHUP, signal.SIGHUP)], ids=["Ctrl-C", "terminal"])
+def test_ctrl_c_or_a_closed_terminal_ends_a_mission_and_closes_its_recording(tmp_path, numbers):
+    recording = ("--ros-args", "-p", "record:=there.bag")
+    with running((*MISSION, "garage_sar", "--speed", "1", *recording), tmp_path) as mission:
         mission.wait_for(lambda line: "mission starts" in line, "the start of the mission")
-        for pid in (mission.process.pid, *descendants(mission.process.pid)):
-            os.kill(pid, signal.SIGINT)
-        assert mission.wait() == 128 + signal.SIGINT
-    assert "interrupted; /mission/abort ends a mission with its results" in mission.output
+        pids = (mission.process.pid, *descendants(mission.process.pid))
+        for number in numbers:
+            for pid in pids:
+                os.kill(pid, number)
+        assert mission.wait() == 128 + numbers[0]
+    assert mission.output.count("interrupted; /mission/abort ends a mission with its results") == 1
     assert "Traceback" not in mission.output
     assert "a controller has ended" not in mission.output
+    assert list(tmp_path.glob("*.bag*")) == [tmp_path / "there.bag"]
+    with AnyReader([tmp_path / "there.bag"]) as bag:
+        assert bag.message_count > 0
 
 
 def test_mission_whose_simulation_is_killed_says_so(tmp_path):
