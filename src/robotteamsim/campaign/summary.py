@@ -43,7 +43,7 @@ class CellSummary:
     name:       its settings in short, see `cell_name`.
     settings:   the cell's value of each key of the design.
     trials:     without failed ones.     timed_out: those that ended at the time limit, with that as their time.
-    controller_failed: trials in which a controller was stopped, so that its robot stood still.
+    controllers_failed: trials in which a controller was stopped, so that its robot stood still.
     different:  number of different trajectories; below `trials` if missions of the cell are copies of each other.
     statistics: by name in QUANTITIES, over the trials that have it; DELIVERY_QUANTITIES need a base.
     """
@@ -53,7 +53,7 @@ class CellSummary:
     trials: int
     failed: int
     timed_out: int
-    controller_failed: int
+    controllers_failed: int
     different: int
     statistics: dict[str, Spread]
 
@@ -74,7 +74,7 @@ def summarise(design: Design, outcomes: Sequence[Outcome]) -> tuple[CellSummary,
                 trials=len(good),
                 failed=len(own) - len(good),
                 timed_out=sum(outcome.end == "time_limit" for outcome in good),
-                controller_failed=sum(bool(outcome.controller_failed) for outcome in good),
+                controllers_failed=sum(bool(outcome.controller_failed) for outcome in good),
                 different=num_different(good),
                 statistics={name: spread(values) for name, values in known.items() if values},
             )
@@ -134,7 +134,7 @@ def summary_table(design: Design, summaries: Sequence[CellSummary], width: int =
     for summary in summaries:
         values = [setting_text(value) for value in summary.settings.values()]
         count = f"{summary.trials}" + (f" + {summary.failed} failed" if summary.failed else "")
-        count += f" ({summary.controller_failed} with failed controllers)" if summary.controller_failed else ""
+        count += f" ({summary.controllers_failed} with failed controllers)" if summary.controllers_failed else ""
         spreads = [summary.statistics.get(name) for name in columns.values()]
         lines.append([*values, count, *(_spread(spread) for spread in spreads)])
     text = "Mean, standard deviation, 95 % interval of the mean\n\n" + aligned(lines, len(design.keys) + 1, width)

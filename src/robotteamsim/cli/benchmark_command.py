@@ -216,7 +216,7 @@ def _run(
     if options.json:
         rows = {t.name: [dict(zip(t.head, row, strict=True)) for row in t.texts] for t in made.tables}
         failed = sum(bool(outcome.controller_failed) for outcome in ran.outcomes)
-        document = {"report": str(path), "notes": made.notes, "controller_failed": failed, "tables": rows}
+        document = {"report": str(path), "notes": made.notes, "controllers_failed": failed, "tables": rows}
         print(json.dumps(document, ensure_ascii=False))
     elif not options.quiet:
         _print_report(made)

@@ -112,6 +112,7 @@ def run(options: argparse.Namespace) -> int:
     command = command_line(["campaign", options.scenario], named, *(["--paired"] if design.paired else []))
     ran = run_stored(options, design, command, design.scenario.name)
     if options.json:
+        stopped = [outcome for outcome in ran.outcomes if outcome.controller_failed]
         given_up = [{"cell": trial.cell, "trial": trial.number, "seed": trial.seed} for trial in ran.given_up]
         document = {
             "scenario": design.scenario.name,
@@ -119,10 +120,10 @@ def run(options: argparse.Namespace) -> int:
             "trials": design.trials,
             "cells": [asdict(summary) for summary in summarise(design, ran.outcomes)],
             "failed": [{"cell": o.cell, "trial": o.number, "seed": o.seed, "error": o.error} for o in ran.failed],
-            "controller_failed": [
-                {"cell": o.cell, "trial": o.number, "seed": o.seed, "reason": o.controller_failed}
-                for o in ran.outcomes
-                if o.controller_failed
+            "controllers_failed": len(stopped),
+            "with_failed_controllers": [
+                {"cell": o.cell, "trial": o.number, "seed": o.seed, "controller_failed": o.controller_failed}
+                for o in stopped
             ],
             "given_up": given_up,
             "folder": str(options.out),

@@ -25,8 +25,8 @@ class HungUp(Terminated):
 class InterruptBetweenSteps:
     """Ends a run on a signal after the current step has been recorded; a second Ctrl-C ends it at once.
 
-    Further signals SIGTERM and SIGHUP are ignored while files are closed: `timeout` sends SIGTERM twice, and of a closed
-    terminal both the shell and the kernel send SIGHUP.
+    Further signals SIGTERM and SIGHUP are ignored while files are closed: `timeout` sends SIGTERM twice, and both the
+    shell and the kernel send SIGHUP when a terminal is closed.
     """
 
     def begin(self, setup: Setup) -> None:

@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> int:
         remove_empty(created)
     failed = sum(bool(outcome.controller_failed) for one in stored for outcome in one.outcomes)
     if options.json:
-        document = {"report": str(path), "opening": report.opening, "notes": report.notes, "controller_failed": failed}
+        document = {"report": str(path), "opening": report.opening, "notes": report.notes, "controllers_failed": failed}
         print(json.dumps(document, ensure_ascii=False))
     else:
         for paragraph in (*report.opening, *report.notes):

@@ -120,7 +120,8 @@ def run(options: argparse.Namespace) -> int:
     failed = [event for event in events.events if event.kind == "controller_failed"]
     reason = failure_of(failed[0]) if failed else ""
     if options.json:
-        print(json.dumps(result_summary(result) | measures.values() | {"controller_failed": reason}))
+        failures = {"controllers_failed": len(failed), "controller_failed": reason}
+        print(json.dumps(result_summary(result) | measures.values() | failures))
     elif not options.quiet:
         written = [options.out, options.bag, options.mcap, options.html]
         print_result(OutputConsole(), result, events.events, written, measures.measured)

@@ -88,7 +88,7 @@ def test_summary_counts_the_trials_and_the_note_names_the_first(short_design, ou
     design = short_design("voice.noise_db=10,20", trials=3)
     reasons = {(1, 1): "0.3 s: robot 1 is stopped: A", (1, 3): "0.9 s: robot 0 is stopped: B"}
     outcomes = [outcome_of(t, controller_failed=reasons.get((t.cell, t.number), "")) for t in design.all_trials()]
-    assert [summary.controller_failed for summary in summarise(design, outcomes)] == [0, 2]
+    assert [summary.controllers_failed for summary in summarise(design, outcomes)] == [0, 2]
     first = next(outcome for outcome in outcomes if outcome.controller_failed)
     wanted = f"In 2 of 6 missions a controller failed; the first: seed {first.seed}, 0.3 s: robot 1 is stopped: A"
     assert controllers_note(outcomes) == wanted
@@ -134,15 +134,16 @@ def test_campaign_and_report_count_the_failures_and_end_with_status_1(failing, c
     line = f"In {len(odd)} of 6 missions a controller failed; the first: seed {odd[0].seed}, {RAISED}"
     assert captured.err.endswith(f"robotteamsim: {line}\n")
     document = json.loads(captured.out)
-    assert document["cells"][0]["controller_failed"] == len(odd)
-    assert [(each["seed"], each["reason"]) for each in document["controller_failed"]] == [(o.seed, RAISED) for o in odd]
+    assert document["cells"][0]["controllers_failed"] == document["controllers_failed"] == len(odd)
+    listed = [(each["seed"], each["controller_failed"]) for each in document["with_failed_controllers"]]
+    assert listed == [(o.seed, RAISED) for o in odd]
     rows = list(csv.DictReader((out / "trials.csv").read_text().splitlines()))
     assert {int(row["seed"]): row["controller_failed"] for row in rows if row["controller_failed"]} == {
         outcome.seed: RAISED for outcome in odd
     }
     assert main(["report", str(out), "--no-players", "--json"]) == 1
     report = json.loads(capsys.readouterr().out)
-    assert (report["controller_failed"], report["notes"][0]) == (len(odd), line)
+    assert (report["controllers_failed"], report["notes"][0]) == (len(odd), line)
     assert line in Path(report["report"]).read_text()
 
 
@@ -150,7 +151,7 @@ def test_benchmark_counts_the_failures_and_ends_with_status_1(failing, capsys, t
     command = ["benchmark", "patrol", "--controller", "sebs", "--controller", "failing_of_test:Raises", "--robots", "2"]
     assert main([*command, "--trials", "1", "--duration", "20", "--out", str(tmp_path / "b"), "--json"]) == 1
     document = json.loads(capsys.readouterr().out)
-    assert document["controller_failed"] == 1
+    assert document["controllers_failed"] == 1
     assert document["notes"][0].startswith("In 1 of 2 missions a controller failed; the first: seed ")
     assert document["notes"][0].endswith(RAISED)
 
@@ -160,7 +161,8 @@ def test_run_and_analyse_name_the_failure_and_end_with_status_1(failing, capsys,
     chosen = ("--set", "control.algorithm=failing_of_test:Raises", "--set", LIMIT)
     assert main(["run", "garage_sar", *chosen, "--json", "--bag", str(bag)]) == 1
     captured = capsys.readouterr()
-    assert json.loads(captured.out)["controller_failed"] == RAISED
+    result = json.loads(captured.out)
+    assert (result["controllers_failed"], result["controller_failed"]) == (1, RAISED)
     assert f"robotteamsim: 1 controller failed; the first: {RAISED}\n" in captured.err
     sound = tmp_path / "sound.bag"
     assert main(["run", "garage_sar", "--set", LIMIT, "--quiet", "--bag", str(sound)]) == 0
