@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import json
-import math
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -13,7 +12,7 @@ import numpy as np
 import pytest
 from rosbags.rosbag1 import Reader, Writer
 
-from robotteamsim.analysis.runs.gaps import Gap, missing_steps
+from robotteamsim.analysis.runs.gaps import Gap, missing_steps, usual_step_ns
 from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.cli import main
@@ -81,8 +80,50 @@ def test_absence_of_a_robot_is_not_a_gap_but_a_step_before_it_is(comes_again, th
 def test_intervals_of_real_clocks_lack_messages_only_above_one_and_a_half():
     generator = np.random.default_rng(5)
     stamps_ns = np.cumsum(generator.uniform(0.8, 1.2, 500) * STEP_NS).astype(np.int64)
-    assert missing_steps(stamps_ns) == 0
-    assert missing_steps(np.delete(stamps_ns, [50, 51, 200])) == 3
+    assert missing_by_own_step(stamps_ns) == 0
+    assert missing_by_own_step(np.delete(stamps_ns, [50, 51, 200])) == 3
+
+
+def missing_by_own_step(stamps_ns: np.ndarray) -> int:
+    return missing_steps(stamps_ns, step_ns=usual_step_ns(stamps_ns))
+
+
+@pytest.mark.parametrize("in_burst", [2, 3, 8])
+def test_bursts_on_a_clock_of_milliseconds_are_complete_and_lack_whole_bursts(write_bag, odometry, tmp_path, in_burst):
+    # Messages of one burst are 1 ms apart, bursts 200 ms: each interval is a multiple of the shortest one.
+    stamps_ns = [(burst * 200 + number) * 10**6 for burst in range(1, 61) for number in range(in_burst)]
+
+    def gaps(kept: list[int]) -> list[tuple[str, int]]:
+        path = tmp_path / f"{len(kept)}.bag"
+        samples = [("/robot_0/odom", "nav_msgs/Odometry", ns, odometry(ns, ns / 1e9, 0.0)) for ns in kept]
+        return [(gap.topic, gap.missing) for gap in read_run([write_bag(path, samples)]).gaps]
+
+    assert gaps(stamps_ns) == []
+    assert gaps([ns for ns in stamps_ns if not 2000 <= ns // 10**6 < 2400]) == [("/robot_0/odom", 2)]
+
+
+def test_topic_that_pauses_lacks_the_pause():
+    stamps_ns = np.arange(250) * STEP_NS
+    assert missing_by_own_step(np.append(stamps_ns[:100], stamps_ns[100:] + 36_000 * STEP_NS)) == 36_000
+
+
+def test_random_losses_of_eight_in_ten_are_counted():
+    kept = np.flatnonzero(np.random.default_rng(8).uniform(size=20_000) < 0.2)
+    assert missing_by_own_step(kept * STEP_NS) == kept[-1] - kept[0] + 1 - len(kept)
+
+
+@pytest.mark.parametrize("kept", [1, 2])
+def test_topic_with_one_or_two_messages_has_the_step_of_the_others(busy, thinned, kept):
+    lost = thinned(busy.bag, (TRUTH,), lambda number: number >= kept)
+    assert [(gap.topic, gap.missing, gap.expected) for gap in read_run([lost]).gaps] == [(TRUTH, 251 - kept, 251)]
+
+
+def test_table_of_bags_has_the_most_steps_that_a_topic_lacks(busy, thinned, tmp_path):
+    lost = thinned(busy.bag, (TRUTH, "/network/state"), lambda number: number in (7, 9))
+    assert main(["analyse", str(lost), "--csv", str(tmp_path / "tables")]) == 0
+    of_topics, (of_bag,) = (rows(tmp_path / "tables" / f"{name}.csv") for name in ("gaps", "bags"))
+    assert {row["topic"]: row["missing"] for row in of_topics} == {TRUTH: "2", "/network/state": "2"}
+    assert of_bag["most_missing_steps"] == "2"
 
 
 def test_analyse_names_topic_and_counts_and_marks_totals(busy, thinned, tmp_path, capsys):
@@ -98,7 +139,7 @@ def test_analyse_names_topic_and_counts_and_marks_totals(busy, thinned, tmp_path
     assert (gap["topic"], gap["missing"], gap["expected"]) == (TRUTH, 62, 251)
     (row,), (of_bag,) = (rows(tmp_path / "tables" / f"{name}.csv") for name in ("gaps", "bags"))
     assert (row["bag"], row["topic"], row["missing"]) == ("thinned", TRUTH, "62")
-    assert (of_bag["missing_steps"], of_bag["trajectory_hash"]) == ("62", "")
+    assert (of_bag["most_missing_steps"], of_bag["trajectory_hash"]) == ("62", "")
 
 
 def rows(path: Path) -> list[dict[str, str]]:
@@ -121,7 +162,12 @@ def test_complete_bag_has_no_line_about_steps_and_no_mark(busy, capsys):
     assert "*" not in out
 
 
-def test_bags_of_two_messages_and_of_equal_stamps_have_no_gaps():
+def test_topics_whose_step_nobody_knows_lack_nothing():
+    assert usual_step_ns(np.array([0, 5 * STEP_NS])) is None
     assert missing_steps(np.array([0, 5 * STEP_NS])) == 0
-    assert missing_steps(np.array([], dtype=np.int64)) == 0
-    assert math.isclose(missing_steps(np.arange(5) * STEP_NS, end_ns=6 * STEP_NS), 2)
+    assert missing_steps(np.array([], dtype=np.int64), step_ns=STEP_NS) == 0
+
+
+def test_steps_up_to_the_end_of_the_mission_count():
+    assert missing_steps(np.arange(5) * STEP_NS, end_ns=6 * STEP_NS, step_ns=STEP_NS) == 2
+    assert missing_steps(np.array([0]), end_ns=6 * STEP_NS, step_ns=STEP_NS) == 6

@@ -116,7 +116,7 @@ def _names(kind: Any) -> list[str]:
 
 def _bag_head() -> Row:
     network = [f"network_{name}" for name in _names(NetworkTotals)]
-    last = ("trajectory_hash", "missing_steps", "controllers_failed", "controller_failed")
+    last = ("trajectory_hash", "most_missing_steps", "controllers_failed", "controller_failed")
     return ("bag", "duration_s", *_names(MissionTotals), "distance_m", "collisions", *network, *last)
 
 
@@ -124,7 +124,7 @@ def _bag_row(totals: RunTotals) -> Row:
     mission = dataclasses.astuple(totals.mission) if totals.mission else (None,) * len(_names(MissionTotals))
     network = dataclasses.astuple(totals.network) if totals.network else (None,) * len(_names(NetworkTotals))
     own = (totals.distance_m, totals.collisions)
-    missing = sum(gap.missing for gap in totals.gaps)
+    missing = max((gap.missing for gap in totals.gaps), default=0)
     last = (totals.trajectory_hash, missing, totals.controllers_failed, totals.controller_failed)
     return (totals.bag, totals.duration_s, *mission, *own, *network, *last)
 

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from robotteamsim.analysis.runs import tracks
-from robotteamsim.analysis.runs.gaps import Gap, missing_steps
+from robotteamsim.analysis.runs.gaps import Gap, missing_steps, usual_step_ns
 from robotteamsim.analysis.runs.recorded_run import (
     Flags,
     RecordedArea,
@@ -222,11 +222,15 @@ def _gaps(samples: Samples, by_namespace: Mapping[str, RecordedRobot | None], en
         if robot is not None:
             of_robot = _TOTALS_OF_ROBOT.items()
             topics += [(f"{namespace}/{kind}", robot.name, totals, robot.track.absences) for kind, totals in of_robot]
+    stamps_ns = {topic: np.unique([stamp_ns for stamp_ns, _ in samples.get(topic, [])]) for topic, *_ in topics}
+    steps_ns = {topic: usual_step_ns(of_topic) for topic, of_topic in stamps_ns.items()}
+    # A topic with one or two messages has the step of the others.
+    longest_ns = max((step_ns for step_ns in steps_ns.values() if step_ns is not None), default=None)
     found = []
     for topic, name, totals, absences in topics:
-        stamps_ns = np.unique([stamp_ns for stamp_ns, _ in samples.get(topic, [])])
-        if missing := missing_steps(stamps_ns, absences, end_ns):
-            found.append(Gap(topic, name, missing, len(stamps_ns) + missing, totals))
+        missing = missing_steps(stamps_ns[topic], absences, end_ns, steps_ns[topic] or longest_ns)
+        if missing:
+            found.append(Gap(topic, name, missing, len(stamps_ns[topic]) + missing, totals))
     return tuple(found)
 
 
