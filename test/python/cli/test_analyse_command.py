@@ -99,6 +99,14 @@ def test_csv_goes_into_a_folder_that_is_made(capsys, bags, tmp_path):
     assert len((tmp_path / "new" / "bags.csv").read_text().splitlines()) == 3
 
 
+def test_name_of_a_bag_is_no_formula_in_any_table(bags, tmp_path):
+    bag = tmp_path / "=1+1.bag"
+    bag.write_bytes(bags[0].read_bytes())
+    assert main(["analyse", str(bag), "--csv", str(tmp_path / "new")]) == 0
+    lines = [line for path in (tmp_path / "new").iterdir() for line in path.read_text().splitlines()[1:]]
+    assert {line.split(",")[0] for line in lines} == {"'=1+1"}
+
+
 @pytest.mark.slow
 def test_png_is_drawn_of_several_bags_too(capsys, bags, tmp_path):
     assert main(["analyse", *map(str, bags), "--png", str(tmp_path / "a.png"), "--scenario", "garage_sar"]) == 0

@@ -2,7 +2,7 @@
 
 import csv
 import dataclasses
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
@@ -30,9 +30,6 @@ Row = Sequence[Any]
 
 _VICTIM_STATES = tuple(state for state in get_args(VictimState) if state != "waiting")
 
-TABLES = ("bags", "gaps", "robots", "contexts", "events", "victims", "people", "exits", "progress", "network", "paths")
-"""Names of the tables that `write_tables` writes."""
-
 _COUNTS = ("areas_explored", "victims_heard", "victims_saved", "endangered_links")
 
 
@@ -54,60 +51,19 @@ def write_tables(folder: Path, runs: Sequence[RecordedRun], all_totals: Sequence
     Times count from the start of the mission, or from the first message if there is no mission [s].
     """
     prepare_folder(folder)
-    contents: dict[str, tuple[Row, Iterable[Row]]] = {
-        "bags": (_bag_head(), map(_bag_row, all_totals)),
-        "gaps": (
-            ("bag", *_names(Gap)),
-            ((totals.bag, *_gap_row(gap)) for totals in all_totals for gap in totals.gaps),
-        ),
-        "robots": (("bag", *_robot_names()), (row for totals in all_totals for row in _robot_rows(totals))),
-        "contexts": (
-            ("bag", "robot", "time_s", *SwarmContext.__struct_fields__),
-            (row for run in runs for row in _context_rows(run)),
-        ),
-        "events": (
-            ("bag", "time_s", "kind", "subject", "robot_id", "detail"),
-            ((run.name, *event.row().values()) for run in runs for _, event in run.events),
-        ),
-        "victims": (
-            ("bag", "victim", "located_by", "position_error_m", *(f"{state}_s" for state in _VICTIM_STATES)),
-            (row for run in runs for row in _victim_rows(run)),
-        ),
-        "people": (
-            ("bag", *PersonEgress.__struct_fields__),
-            ((run.name, *part) for run in runs if run.egress for part in map(astuple, run.egress.people)),
-        ),
-        "exits": (
-            ("bag", *ExitEgress.__struct_fields__, "people_out"),
-            (row for run in runs for row in _exit_rows(run)),
-        ),
-        "progress": (
-            ("bag", "time_s", "mission_time_s", "state", *_COUNTS),
-            (row for run in runs for row in _progress_rows(run)),
-        ),
-        "network": (
-            ("bag", "time_s", "links", "max_hops", "split", "fiedler_value", "endangered"),
-            (row for run in runs for row in _network_rows(run)),
-        ),
-        "paths": (
-            ("bag", "robot", "frame", "time_s", "x_m", "y_m", "yaw_rad", "driven_m"),
-            (row for run in runs for row in _path_rows(run)),
-        ),
-    }
-    written = []
-    for path in table_files(folder):
-        head, rows = contents[path.stem]
+    paths = table_files(folder)
+    for path, (head, rows) in zip(paths, _TABLES.values(), strict=True):
         with atomically(path) as part, part.open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(head)
-            writer.writerows(map(safe_cell, row) for row in rows)
-        written.append(path)
-    return written
+            writer.writerow(("bag", *head))
+            for run, totals in zip(runs, all_totals, strict=True):
+                writer.writerows(map(safe_cell, (run.name, *row)) for row in rows(run, totals))
+    return paths
 
 
 def table_files(folder: Path) -> list[Path]:
     """Return the files that `write_tables` writes into a folder."""
-    return [folder / f"{name}.csv" for name in TABLES]
+    return [folder / f"{name}.csv" for name in _TABLES]
 
 
 def _names(kind: Any) -> list[str]:
@@ -117,7 +73,7 @@ def _names(kind: Any) -> list[str]:
 def _bag_head() -> Row:
     network = [f"network_{name}" for name in _names(NetworkTotals)]
     last = ("trajectory_hash", "most_missing_steps", "controllers_failed", "controller_failed")
-    return ("bag", "duration_s", *_names(MissionTotals), "distance_m", "collisions", *network, *last)
+    return ("duration_s", *_names(MissionTotals), "distance_m", "collisions", *network, *last)
 
 
 def _bag_row(totals: RunTotals) -> Row:
@@ -126,7 +82,7 @@ def _bag_row(totals: RunTotals) -> Row:
     own = (totals.distance_m, totals.collisions)
     missing = max((gap.missing for gap in totals.gaps), default=0)
     last = (totals.trajectory_hash, missing, totals.controllers_failed, totals.controller_failed)
-    return (totals.bag, totals.duration_s, *mission, *own, *network, *last)
+    return (totals.duration_s, *mission, *own, *network, *last)
 
 
 def _gap_row(gap: Gap) -> Row:
@@ -137,7 +93,7 @@ def _robot_rows(totals: RunTotals) -> Iterator[Row]:
     for robot in totals.robots:
         context = robot.context or {}
         means = [context.get(key) for key in SwarmContext.__struct_fields__]
-        yield (totals.bag, *(getattr(robot, name) for name in _names(RobotTotals) if name != "context"), *means)
+        yield (*(getattr(robot, name) for name in _names(RobotTotals) if name != "context"), *means)
 
 
 def _robot_names() -> Row:
@@ -152,7 +108,7 @@ def _context_rows(run: RecordedRun) -> Iterator[Row]:
     for robot in run.robots:
         if robot.context is not None:
             for time_s, values in zip(run.time_s(robot.context.stamps_ns), robot.context.values.tolist(), strict=True):
-                yield (run.name, robot.name, time_s, *values)
+                yield (robot.name, time_s, *values)
 
 
 def _victim_rows(run: RecordedRun) -> Iterator[Row]:
@@ -168,21 +124,21 @@ def _victim_rows(run: RecordedRun) -> Iterator[Row]:
         by, error_m = (located.robot_id, located.error_m) if located else (None, None)
         error_m = None if error_m is None else round(error_m, 2)
         times_s = [first[kind].time_s if (kind := f"victim_{state}") in first else None for state in _VICTIM_STATES]
-        yield run.name, name, by, error_m, *times_s
+        yield name, by, error_m, *times_s
 
 
 def _exit_rows(run: RecordedRun) -> Iterator[Row]:
     if run.egress is not None:
         num_out = run.egress.num_out
         for way_out in run.egress.exits:
-            yield run.name, *astuple(way_out), num_out[way_out.name]
+            yield *astuple(way_out), num_out[way_out.name]
 
 
 def _progress_rows(run: RecordedRun) -> Iterator[Row]:
     for status in run.statuses:
         saved, heard = status.num_saved, status.num_heard
         times_s = (status.stamp_ns - run.start_ns) / 1e9, status.time_s
-        yield run.name, *times_s, status.state, sum(status.explored), heard, saved, status.endangered_links
+        yield *times_s, status.state, sum(status.explored), heard, saved, status.endangered_links
 
 
 def _network_rows(run: RecordedRun) -> Iterator[Row]:
@@ -197,8 +153,7 @@ def _network_rows(run: RecordedRun) -> Iterator[Row]:
         network.fiedler_value,
         endangered_links(network),
     )
-    for row in zip(*(column.tolist() for column in columns), strict=True):
-        yield run.name, *row
+    yield from zip(*(column.tolist() for column in columns), strict=True)
 
 
 def _path_rows(run: RecordedRun) -> Iterator[Row]:
@@ -206,4 +161,35 @@ def _path_rows(run: RecordedRun) -> Iterator[Row]:
         track = robot.track
         times_s = run.time_s(track.stamps_ns).tolist()
         for time_s, pose, driven_m in zip(times_s, track.poses.tolist(), track.driven_m.tolist(), strict=True):
-            yield run.name, robot.name, track.frame, time_s, *pose, driven_m
+            yield robot.name, track.frame, time_s, *pose, driven_m
+
+
+_TABLES: dict[str, tuple[Row, Callable[[RecordedRun, RunTotals], Iterable[Row]]]] = {
+    "bags": (_bag_head(), lambda run, totals: [_bag_row(totals)]),
+    "gaps": (_names(Gap), lambda run, totals: map(_gap_row, totals.gaps)),
+    "robots": (_robot_names(), lambda run, totals: _robot_rows(totals)),
+    "contexts": (("robot", "time_s", *SwarmContext.__struct_fields__), lambda run, totals: _context_rows(run)),
+    "events": (
+        ("time_s", "kind", "subject", "robot_id", "detail"),
+        lambda run, totals: [tuple(event.row().values()) for _, event in run.events],
+    ),
+    "victims": (
+        ("victim", "located_by", "position_error_m", *(f"{state}_s" for state in _VICTIM_STATES)),
+        lambda run, totals: _victim_rows(run),
+    ),
+    "people": (
+        PersonEgress.__struct_fields__,
+        lambda run, totals: map(astuple, run.egress.people) if run.egress else (),
+    ),
+    "exits": ((*ExitEgress.__struct_fields__, "people_out"), lambda run, totals: _exit_rows(run)),
+    "progress": (("time_s", "mission_time_s", "state", *_COUNTS), lambda run, totals: _progress_rows(run)),
+    "network": (
+        ("time_s", "links", "max_hops", "split", "fiedler_value", "endangered"),
+        lambda run, totals: _network_rows(run),
+    ),
+    "paths": (
+        ("robot", "frame", "time_s", "x_m", "y_m", "yaw_rad", "driven_m"),
+        lambda run, totals: _path_rows(run),
+    ),
+}
+"""The columns of each table after that of the bag, and its rows."""
