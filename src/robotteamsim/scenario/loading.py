@@ -19,7 +19,7 @@ from robotteamsim.scenario.map_image import import_map
 from robotteamsim.scenario.origin import Key, Origin
 from robotteamsim.scenario.overrides import Override, drop_foreign_keys
 from robotteamsim.scenario.patrol import read_patrol_graph
-from robotteamsim.scenario.problems import problems
+from robotteamsim.scenario.problems import problems, validated
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.shipped import is_bare_name, shipped_map_name, shipped_plan, shipped_scenario
 from robotteamsim.scenario.yaml_text import check_depth, is_file, mapping_of, read_mapping, shown, write
@@ -224,7 +224,7 @@ def _check_doors(plan: FloorPlan, prefix: str, origin: Origin) -> None:
 
 def _validated(model: type[M], data: Any, origin: Origin) -> M:
     try:
-        return model.model_validate(data)
+        return validated(model, data)
     except ValidationError as error:
         found = problems(error, model, data)
     lines = []

@@ -49,9 +49,33 @@ def problems(error: ValidationError, root: type[Model], data: Any = None) -> lis
 def checked(model: type[M], data: Any, kind: type[Exception] = ScenarioError, place: str = "") -> M:
     """Return a model of some data. Raises: an error of that kind: the first mistake in one line, after `place`."""
     try:
-        return model.model_validate(data)
+        return validated(model, data)
     except ValidationError as error:
         raise kind(f"{place}{problems(error, model, data)[0]}") from None
+
+
+def validated(model: type[M], data: Any) -> M:
+    """Return a model of some data; for whole numbers also 3.0, which is one for JSON. Raises: ValidationError."""
+    try:
+        return model.model_validate(data)
+    except ValidationError as error:
+        details = [detail for detail in error.errors(include_url=False) if detail["type"] == "int_type"]
+        whole = [d for d in details if isinstance(d["input"], float) and d["input"].is_integer()]
+        if not whole:
+            raise
+    for detail in whole:
+        data = _replaced(data, [part for part in detail["loc"] if not _is_tag(part)], int(detail["input"]))
+    return model.model_validate(data)
+
+
+def _replaced(data: Any, path: Sequence[str | int], value: int) -> Any:
+    """Return a copy of nested dictionaries and lists with another value."""
+    if not path:
+        return value
+    first, *rest = path
+    if isinstance(data, dict):
+        return data | {first: _replaced(data[first], rest, value)}
+    return [*data[:first], _replaced(data[first], rest, value), *data[int(first) + 1 :]]
 
 
 def _only_lacks_wrong_items(detail: _Detail, details: Sequence[_Detail]) -> bool:

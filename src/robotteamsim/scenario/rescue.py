@@ -11,11 +11,11 @@ from robotteamsim.scenario.yaml_text import shown
 
 
 def _centre_form(value: Any) -> str:
-    return "<id>" if isinstance(value, int) else "<place>"
+    return "<id>" if isinstance(value, int | float) else "<place>"
 
 
 def _check_centre(value: Any) -> Any:
-    if isinstance(value, bool) or not isinstance(value, (int, list, tuple)):
+    if isinstance(value, bool) or not isinstance(value, (int, float, list, tuple)):
         raise wrong("", f"{shown(value)} is neither a robot nor a place; expected the id of a robot, or [x, y]")
     return value
 

@@ -361,8 +361,13 @@ def test_control_characters_of_keys_are_printed_as_text(capsys, tmp_path):
     file.write_text('name: a\nplan: garage\n"\\e[31m": 1\n"a\\nb": 2\nzz: 3\n')
     assert main(["scenario", "check", str(file)]) == 2
     lines = capsys.readouterr().err.splitlines()
-    assert len(lines) == 3  # that it has no team is said when its keys are right
-    assert all(line.startswith("robotteamsim: ") and line.isprintable() for line in lines)
+    keys = [re.fullmatch(r"robotteamsim: .*odd\.yaml: (.+): unknown key.*", line).group(1) for line in lines]
+    assert keys == [r"\x1b[31m", r"a\nb", "zz"]
+    assert all(line.isprintable() for line in lines)
+    # That it has no team is said when its keys are right.
+    file.write_text("name: a\nplan: garage\n")
+    assert main(["scenario", "check", str(file)]) == 2
+    assert ": robots: missing; expected a team" in capsys.readouterr().err
 
 
 def test_mistake_of_many_elements_is_reported_ten_times(capsys, tmp_path):
