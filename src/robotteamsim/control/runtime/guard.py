@@ -64,7 +64,8 @@ class Guard:
             return Decision(fault=self.fault)
         try:
             decision = self.controller.step(observation, inbox, task)
-            self.fault = problem_of(decision, self._robot_id, self._num_robots)
+            if problem := problem_of(decision, self._robot_id, self._num_robots):
+                self.fault = f"{problem}{_place_of_step(self.controller)}"
         except KeyboardInterrupt:
             raise
         except BaseException as error:  # also SystemExit, and what asyncio raises
@@ -89,6 +90,12 @@ def _place(error: BaseException) -> str:
     users = next((file for module, file, _ in frames if not module.startswith(_PACKAGE)), None)
     module, file, line = [frame for frame in frames if users in (None, frame[1])][-1]
     return "" if module == _REGISTRY else f" ({Path(file).name}:{line})"
+
+
+def _place_of_step(controller: Controller) -> str:
+    """Return where the method `step` begins, as " (my_controller.py:27)"; "" if it is not Python's."""
+    code = getattr(controller.step, "__code__", None)
+    return f" ({Path(code.co_filename).name}:{code.co_firstlineno})" if code else ""
 
 
 def _plain(decision: Decision) -> Decision:
