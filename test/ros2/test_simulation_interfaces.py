@@ -295,7 +295,7 @@ def test_entities_are_robots_victims_and_objects_and_filtered(standard):
         code, message = standard.entities(filter=wrong)
         assert code == FAILED
         # Long words are shortened, as in each line for users; the reason of Python follows.
-        shown = rf"'\({{50,}}\.\.\. " if len(wrong) > 400 else re.escape(f"{wrong!r}: ")
+        shown = r"'\({50,}\.\.\. " if len(wrong) > 400 else re.escape(f"{wrong!r}: ")
         assert re.fullmatch(rf"filters\.filter: {shown}\w[\w ,()-]+", message), message
         assert len(message) < 400
 
