@@ -14,7 +14,7 @@ import argparse
 import csv
 import statistics
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, as_completed
 from pathlib import Path
 
 import msgspec
@@ -67,17 +67,17 @@ def run_missing(options: argparse.Namespace) -> None:
             if key not in done:
                 missing[key] = cell.scenario, seed
     with ProcessPoolExecutor(options.workers) as pool:
-        futures = {key: pool.submit(mission, *trial) for key, trial in missing.items()}
-        for key, future in futures.items():
-            append(options.csv, (*key, *future.result()))
+        futures = {pool.submit(mission, *trial): key for key, trial in missing.items()}
+        for future in as_completed(futures):
+            append(options.csv, (*futures[future], *future.result()))
 
 
 def read(path: Path) -> list[dict[str, str]]:
-    """Return the rows of the CSV."""
+    """Return the rows of the CSV, sorted: missions are appended as they end, and intervals depend on the order."""
     if not path.exists():
         return []
     with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
+        return sorted(csv.DictReader(file), key=lambda row: [row[key] for key in KEYS])
 
 
 def append(path: Path, row: Sequence[object]) -> None:

@@ -190,6 +190,20 @@ def test_voice_that_another_one_drowned_out_is_approached_afterwards(hall_scenar
     assert follow([(6.0, 3.0)]) is None
 
 
+def test_voices_to_come_back_to_are_at_most_as_many_as_cells(hall_scenario):
+    scenario = hall_scenario(control={"algorithm": "search"})
+    grid = cell_grid(scenario)
+    losses = voice_losses(Building(scenario.plan), scenario.voice, grid, ())
+    prior = np.full(grid.size, 1.0 / grid.size, dtype=np.float32)
+    hunt = Hunt(scenario, grid)
+    # Heard next to the victim, each time a little elsewhere, with silence between.
+    for i in range(grid.size + 50):
+        place = (5.5 + 1e-3 * i, 5.5)
+        assert hunt.follow(VoiceReading(70.0, True, place, 70.0), 1, place, losses, prior, prior).follow_m == place
+        assert hunt.follow(VoiceReading(0.0, False, place, 0.0), 1, place, losses, prior, prior) is not None
+    assert 1 <= len(hunt._left) <= grid.size
+
+
 def test_invalid_arguments_are_rejected(rooms):
     belief = _belief(rooms)
     with pytest.raises(ValueError, match="no cell 200"):

@@ -189,6 +189,22 @@ def test_team_comes_to_a_robot_that_has_been_held_for_long(hall, team_of):
     assert steps[1][0] < paths.place_of(east)[0]
 
 
+def test_of_two_robots_that_are_held_for_long_the_one_that_goes_first_is_helped(hall, team_of):
+    # They are 4 m apart, the longest sure link, and each wants to go away from the other.
+    _, grid, paths = hall
+    west, east = grid.cell_of((6.5, 5.5)), grid.cell_of((10.5, 5.5))
+    steps = []
+    for own, at, other in ((0, east, west), (1, west, east)):
+        team, connected = team_of(own)
+        away = 1 if at == east else -1
+        team.hear(msgspec.structs.replace(_update(1 - own, other, wanted=other - away), held=True), 0.0)
+        connected._long_patience.note(100.0)
+        assert len(connected._placings("search")) == 1 + own  # The team as it is, and with who goes first moved, once.
+        steps.append(connected.steer(paths.place_of(at), at, "search", at + 4 * away, paths.place_of(at), paths, 0.0))
+    assert steps[0] is None
+    assert steps[1][0] > paths.place_of(west)[0]
+
+
 def test_time_in_which_a_robot_waits_for_others_is_not_a_lack_of_progress(hall, team_of):
     setup, grid, paths = hall
     at, far = grid.cell_of((6.5, 5.5)), grid.cell_of((13.5, 5.5))

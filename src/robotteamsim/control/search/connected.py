@@ -297,17 +297,24 @@ class ConnectedTeam:
     def _rank(work: Work, robot_id: int) -> tuple[int, int]:
         return _RANKS[work], robot_id
 
-    def _before(self, work: Work) -> list[SearchUpdate]:
-        """Return the updates of those that go before this robot with its work, the first one first."""
+    def _before(self, work: Work, *, helped: bool = False) -> list[SearchUpdate]:
+        """Return the updates of those that go before this robot with its work, the first one first.
+
+        Args: helped: those that have been held for long, too: all of them, unless this robot has been held as well.
+        """
         own = self._rank(work, self._robot_id)
-        before = [update for update in self._team.updates if self._rank(update.work, update.robot_id) < own]
-        return sorted(before, key=lambda update: self._rank(update.work, update.robot_id))
+        held = {update.robot_id for update in self._team.updates if helped and update.held is True}
+        first = set() if self.is_long_held else held
+        before = [u for u in self._team.updates if u.robot_id in first or self._rank(u.work, u.robot_id) < own]
+        return sorted(before, key=lambda u: (u.robot_id not in held, *self._rank(u.work, u.robot_id)))
 
     def _placings(self, work: Work) -> list[_Placing]:
-        """Return the team as it is, and as it would be if one of those that go first were where it wants to be."""
+        """Return the team as it is, and as it would be if one of those that go first were where it wants to be.
+
+        Those that have been held for long go first; of two of them, as always.
+        """
         now = {update.robot_id: update.at for update in self._team.updates if update.at != NO_CELL}
-        held = [update for update in self._team.updates if update.held is True]
-        before = [update for update in (*held, *self._before(work)) if update.robot_id in now]
+        before = [update for update in self._before(work, helped=True) if update.robot_id in now]
         if self._base_cell != NO_CELL:
             now[_BASE] = self._base_cell
         head = _BASE if _BASE in now else before[0].robot_id if before else self._robot_id

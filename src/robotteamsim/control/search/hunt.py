@@ -69,8 +69,10 @@ class Hunt:
         self._fix: _core.control.VoiceFix | None = None
         self._source: Hunted | None = None
         self._was_heard = False
-        self._left: list[Hunted] = []
-        """Sources that were not heard on the way to them, before a voice was heard again: the same one, or another."""
+        self._left: dict[int, Hunted] = {}
+        """Sources that were not heard on the way to them, before a voice was heard again, by cell: the first one there.
+
+        The voice that was heard again is the same one, or another."""
         self._prior: np.ndarray | None = None
         self._visited: set[int] = set()
         self._heard_at: set[Vector] = set()
@@ -96,10 +98,10 @@ class Hunt:
                 self.forget()
                 if not self._left:
                     return None
-                self._source = self._left.pop()
+                self._source = self._left.popitem()[1]
             return replace(self._source, follow_m=None)
-        if self._source is not None and not self._was_heard and self._source not in self._left:
-            self._left.append(self._source)
+        if self._source is not None and not self._was_heard:
+            self._left.setdefault(self._source.cell, self._source)
         self._was_heard = True
         if self._fix is None or epoch != self._epoch or self._prior is None:
             self._epoch = epoch
@@ -130,7 +132,9 @@ class Hunt:
 
     def note_found(self, place: Vector, within_m: float) -> None:
         """Forget the voices whose sources are near a victim who has been found. Args: place: in `map` [m]."""
-        self._left = [left for left in self._left if math.dist(left.source_m, place) > within_m]
+        near = [cell for cell, left in self._left.items() if math.dist(left.source_m, place) <= within_m]
+        for cell in near:
+            del self._left[cell]
         if self._source is not None and math.dist(self._source.source_m, place) <= within_m:
             self.forget()
 
