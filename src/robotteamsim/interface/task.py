@@ -25,7 +25,8 @@ class Task(msgspec.Struct, frozen=True):
     running:       False while the mission waits, is paused or has ended: robots stand still.
     epoch:         increases when the voice map or the target area changes; bests are then reset [5.3]. Steps of
                    a victim who walks do not increase it.
-    area_center_m: the area to explore, in `map` [m]; None if no area is left.
+    area_center_m: the area to explore, in `map` [m]; None if no area is left, or if robots choose theirs and this one
+                   has not, such as a relay.
     area_radius_m: its radius [m].
     undelivered:   discoveries that have not been delivered to the base or command centre; empty without one. A robot
                    learns of its own discoveries here, and of deliveries from the base's messages.

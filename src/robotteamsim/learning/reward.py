@@ -62,7 +62,10 @@ class SearchReward(Reward):
     @classmethod
     def lack_of(cls, scenario: Scenario) -> str:
         """See `Reward`."""
-        is_empty = not scenario.mission.areas and not scenario.num_victims
+        mission = scenario.mission
+        if mission.areas and mission.area_order != "given":
+            return f"mission.area_order: {mission.area_order}; expected given, because agents choose no areas"
+        is_empty = not mission.areas and not scenario.num_victims
         return "mission.areas: none, and there are no victims; expected some of them" if is_empty else ""
 
     def of_step(self, record: StepRecord) -> np.ndarray:

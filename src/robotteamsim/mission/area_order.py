@@ -38,13 +38,13 @@ class AreaOrder:
 
     @property
     def target(self) -> int:
-        """Index of the area to explore; -1 if none is left, or if each robot chooses its own."""
+        """Index of the area that the task names; -1 if none is left, or if each robot chooses its own."""
         return self._left[0] if self._left and self._is_given else -1
 
     @property
-    def first_left(self) -> Area | None:
-        """The first area that is left; None if none is."""
-        return self._areas[self._left[0]] if self._left else None
+    def area(self) -> Area | None:
+        """The area that the task names; None if `target` is -1."""
+        return self._areas[self.target] if self.target >= 0 else None
 
     @property
     def explored(self) -> tuple[bool, ...]:

@@ -296,7 +296,7 @@ class Mission:
         goes_on = self._rescue is not None or self._somebody_flees
         if self._ends_in_safety and self.victims and all(s in OUT_OF_DANGER for s in self._victims.states):
             self._finish("victims_safe")
-        elif self._areas and self._order.first_left is None and not (goes_on or self._base.undelivered):
+        elif self._areas and self._order.num_explored == len(self._areas) and not (goes_on or self._base.undelivered):
             self._finish("areas_explored")
         elif self._elapsed_ns >= self._time_limit_ns:
             self._finish("time_limit")
@@ -355,7 +355,7 @@ class Mission:
 
     def _make_task(self) -> Task:
         """Return the task of the team, and store it."""
-        area = self._order.first_left
+        area = self._order.area
         self.task = Task(
             running=self._state == "running",
             epoch=self._epoch,

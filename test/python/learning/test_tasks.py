@@ -324,6 +324,10 @@ def test_graphs_of_patrolling_sim_are_patrolled():
             "--set: mission.areas: none, and there are no victims; expected some of them",
         ),
         (
+            lambda: parallel_env(**task("garage_search", "garage_sar", ["mission.area_order=nearest"])),
+            "--set: mission.area_order: nearest; expected given, because agents choose no areas",
+        ),
+        (
             lambda: parallel_env(**task("explore", load("garage_sar", ["mission.areas=[]"]))),
             "garage_sar.yaml: mission.coverage: none; expected a section, such as {radius_m: 2.5}",
         ),

@@ -79,12 +79,12 @@ def test_areas_that_robots_choose_count_in_any_order(hall_scenario):
     course = Course(Mission(resolve(scenario.model_copy(update={"mission": chosen}))))
     course.step()
     assert (course.mission.status.target_area, course.mission.task.explored_by) == (-1, (-1, -1))
-    assert course.mission.task.area_center_m == EAST_M  # for those who do not choose
+    assert (course.mission.task.area_center_m, course.mission.task.area_radius_m) == (None, 0.0)
     assert course.kinds(decisions=[report(0, EAST_M), report(1, EAST_M)]) == []  # each robot has its own areas
     assert course.kinds(positions=[FAR_M, WEST_M]) == ["area_explored"]
     task = course.mission.task
     # The robots learn of it over the network, so it changes nothing for them.
-    assert (task.explored_by, task.epoch, task.area_center_m) == ((-1, 1), 0, EAST_M)
+    assert (task.explored_by, task.epoch, task.area_center_m) == ((-1, 1), 0, None)
     assert course.mission.status.explored == (False, True)
     assert course.kinds(positions=[FAR_M, WEST_M]) == []
     assert course.kinds(positions=[EAST_M]) == ["area_explored", "end"]
