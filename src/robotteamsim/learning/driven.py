@@ -8,14 +8,8 @@ from functools import partial
 from robotteamsim.control import Guard, make_controller
 from robotteamsim.control.runtime.base_station import StandingBase, with_base
 from robotteamsim.interface import Controller, Decision, Message, Observation, Task
-from robotteamsim.scenario import Scenario
 from robotteamsim.setup import Setup
 from robotteamsim.simulation.controllers import TeamInputs
-
-
-def driven_ids(scenario: Scenario) -> list[int]:
-    """Return the ids of the robots that obey actions: all but the base and relays."""
-    return [i for i in range(scenario.num_robots - scenario.relays.count) if i != scenario.base]
 
 
 class _Obeying:
@@ -38,7 +32,7 @@ class DrivenControllers:
     def __init__(self, setup: Setup) -> None:
         """Make the controllers. Raises: RobotTeamSimError: the user's mistake."""
         scenario, robots = setup.scenario, range(len(setup.robots))
-        self._driven = driven_ids(scenario)
+        self._driven = scenario.searcher_ids
         self._commanded = [Decision() for _ in robots]
         deciding = [i for i in robots if i not in self._driven or scenario.base is not None]
         self._deciding = {i: self._controller(i, setup) for i in deciding}

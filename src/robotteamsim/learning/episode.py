@@ -12,7 +12,7 @@ from gymnasium.spaces import Box, Discrete
 
 from robotteamsim.learning.act import Act, Commands
 from robotteamsim.learning.arrays import array_of, numbers_of, shown
-from robotteamsim.learning.driven import DrivenControllers, driven_ids
+from robotteamsim.learning.driven import DrivenControllers
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.observe import LARGEST_PART, MOST_TEAMMATES, Observe, Percepts, in_bounds
 from robotteamsim.learning.reward import Reward, SearchReward
@@ -96,7 +96,7 @@ class Episode:
         scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
         check_headless(scenario)
         self.scenario, self.rules = scenario, rules
-        self.robot_ids = driven_ids(scenario)
+        self.robot_ids = list(scenario.searcher_ids)
         """The agents."""
         if not self.robot_ids:
             raise LearningError(scenario.origin.line("robots.count: no robot can be driven", "robots.count"))

@@ -31,8 +31,7 @@ class AreaOrder:
         """The id of the robot that explored each area, -1 if none has; empty in the given order."""
         self._tried: set[int] = set()
         """The areas that were passed over since the last one was explored."""
-        num_searchers = scenario.num_robots - scenario.relays.count
-        self._reporters = [robot_id for robot_id in range(num_searchers) if robot_id != scenario.base]
+        self._reporters = scenario.searcher_ids
         self._closed: dict[int, Point | None] = {}
         """The centre of the area in each robot's last report [m]; None if it reported none."""
 

@@ -226,6 +226,11 @@ class Scenario(Model):
         """Number of robots, present at the start or not."""
         return self.robots.count if isinstance(self.robots, Team) else len(self.robots)
 
+    @property
+    def searcher_ids(self) -> tuple[int, ...]:
+        """The ids of the robots that are neither the base nor a relay, present at the start or not."""
+        return tuple(i for i in range(self.num_robots - self.relays.count) if i != self.base)
+
     def hot_for_c(self, robot_id: int) -> float:
         """Return from which temperature on a member of the team avoids places, if they sense heat [degC]."""
         if self.firefighters is not None and robot_id in self.firefighter_ids:

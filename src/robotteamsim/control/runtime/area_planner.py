@@ -17,18 +17,11 @@ from robotteamsim.interface import EVERYBODY, Controller, Decision, Message, Obs
 from robotteamsim.interface.area_news import AreaNews, area_news, area_news_in
 from robotteamsim.interface.closed_area import closed_area_in
 from robotteamsim.scenario.controllers.patrolling import SebsControl
-from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
 BestArea = Callable[[Sequence[int], Vector], int]
 """Returns the best of some areas, by their indices, for a robot at a position in `map` [m]."""
-
-
-def plans_areas(robot_id: int, scenario: Scenario) -> bool:
-    """Whether a member of the team chooses its areas: a robot that is neither the base nor a relay."""
-    searchers = scenario.num_robots - scenario.relays.count
-    return scenario.mission.area_order != "given" and robot_id < searchers and robot_id != scenario.base
 
 
 class AreaPlanner:

@@ -8,7 +8,7 @@ from importlib.metadata import EntryPoint, entry_points
 
 from robotteamsim.control.people.dispatch import DispatchController
 from robotteamsim.control.people.firefighter import FirefighterController
-from robotteamsim.control.runtime.area_planner import AreaPlanner, plans_areas
+from robotteamsim.control.runtime.area_planner import AreaPlanner
 from robotteamsim.control.runtime.base_station import StandingBase, controls_base, with_base
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.extras import missing_extra
@@ -67,7 +67,7 @@ def make_controller(robot_id: int, setup: Setup, arrival: int = 1) -> Controller
         kind = f"{type(made).__module__}.{type(made).__name__}"
         raise ScenarioError(f"{scenario.name}: control.algorithm: '{name}' makes a {kind}, which {problem}")
     complete = made if scenario.base is None else with_base(made, robot_id, scenario)
-    if not plans_areas(robot_id, scenario):
+    if scenario.mission.area_order == "given" or robot_id not in scenario.searcher_ids:
         return complete
     return AreaPlanner(complete, robot_id, setup, getattr(made, "best_area", None))
 

@@ -396,13 +396,13 @@ class WorkChoice:
                 linked = self._linked("wait")
                 if cell != start and (linked is None or linked[cell]):
                     self._drive_to(cell, position, self._usable)
-            elif self._connected is None and self._is_last_area_explored:
+            elif self._connected is None and self._is_last_area_taken:
                 self._listen_meanwhile(position, start, time_s)
         elif self._team.all_wait and self._has_been_idle(_IDLE_S, time_s):
             self.done = self._reason()
 
     @property
-    def _is_last_area_explored(self) -> bool:
+    def _is_last_area_taken(self) -> bool:
         """Whether a teammate drives to the last area now."""
         return self._areas.is_last and any(update.work == "area" for update in self._team.updates)
 
