@@ -63,15 +63,17 @@ class RuledOut {
   void Add(const HeardNote& note, const HeardKey& key);
   void Grow();
   std::size_t PlaceOf(const HeardKey& key) const;
+  std::size_t EmptyPlace(std::size_t hash) const;
   bool RulesOut(const HeardNote& note, const base::Point& place) const;
   std::int64_t BucketOf(double x, double y, int d_column, int d_row) const;
 
   double radius_m_, cell_m_, next_to_m_, bucket_m_;
-  std::vector<HeardKey> known_;
-  /// A hash table with open addressing: indices in `known_` plus 1; 0: empty. Robots of a large team add a hundred
+  std::vector<HeardNote> notes_;
+  std::vector<std::size_t> hashes_;  // of the keys of `notes_`
+  /// A hash table with open addressing: indices in `notes_` plus 1; 0: empty. Robots of a large team add a hundred
   /// notes every second, and each has its own table: std::unordered_set took most of that time.
   std::vector<std::uint32_t> table_;
-  std::unordered_map<std::int64_t, std::vector<HeardNote>> buckets_;
+  std::unordered_map<std::int64_t, std::vector<std::uint32_t>> buckets_;  // indices in `notes_`
 };
 
 }  // namespace robotteamsim::control

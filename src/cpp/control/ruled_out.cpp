@@ -68,7 +68,8 @@ std::int64_t RuledOut::BucketOf(double x, double y, int d_column, int d_row) con
 }
 
 void RuledOut::Clear() {
-  known_.clear();
+  notes_.clear();
+  hashes_.clear();
   table_.assign(kSmallestTable, 0);
   buckets_.clear();
 }
@@ -76,22 +77,33 @@ void RuledOut::Clear() {
 void RuledOut::Add(const HeardNote& note, const HeardKey& key) {
   const std::size_t place = PlaceOf(key);
   if (table_[place] != 0) return;
-  known_.push_back(key);
-  table_[place] = static_cast<std::uint32_t>(known_.size());
-  buckets_[BucketOf(note.position.x, note.position.y, 0, 0)].push_back(note);
-  if (2 * known_.size() > table_.size()) Grow();
+  buckets_[BucketOf(note.position.x, note.position.y, 0, 0)].push_back(static_cast<std::uint32_t>(notes_.size()));
+  notes_.push_back(note);
+  hashes_.push_back(key.hash);
+  table_[place] = static_cast<std::uint32_t>(notes_.size());
+  if (2 * notes_.size() > table_.size()) Grow();
 }
 
 void RuledOut::Grow() {
   table_.assign(2 * table_.size(), 0);
-  for (std::size_t i = 0; i < known_.size(); ++i) table_[PlaceOf(known_[i])] = static_cast<std::uint32_t>(i + 1);
+  for (std::size_t i = 0; i < notes_.size(); ++i) table_[EmptyPlace(hashes_[i])] = static_cast<std::uint32_t>(i + 1);
 }
 
 /// Returns the place of a key in the table, or the empty place for it.
 std::size_t RuledOut::PlaceOf(const HeardKey& key) const {
   const std::size_t mask = table_.size() - 1;
   std::size_t place = key.hash & mask;
-  while (table_[place] != 0 && !(known_[table_[place] - 1] == key)) place = (place + 1) & mask;
+  for (; table_[place] != 0; place = (place + 1) & mask) {
+    const std::size_t index = table_[place] - 1;
+    if (hashes_[index] == key.hash && HeardKey(notes_[index]) == key) break;
+  }
+  return place;
+}
+
+std::size_t RuledOut::EmptyPlace(std::size_t hash) const {
+  const std::size_t mask = table_.size() - 1;
+  std::size_t place = hash & mask;
+  while (table_[place] != 0) place = (place + 1) & mask;
   return place;
 }
 
@@ -109,8 +121,8 @@ bool RuledOut::Covers(const base::Point& place) const {
     for (const int d_row : {-1, 0, 1}) {
       const auto bucket = buckets_.find(BucketOf(place.x, place.y, d_column, d_row));
       if (bucket == buckets_.end()) continue;
-      for (const HeardNote& note : bucket->second) {
-        if (RulesOut(note, place)) return true;
+      for (const std::uint32_t index : bucket->second) {
+        if (RulesOut(notes_[index], place)) return true;
       }
     }
   }

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import ctypes
+import gc
 import math
 
 import networkx
@@ -16,6 +18,14 @@ from robotteamsim.scenario.sections import Network
 from robotteamsim.setup import resolve
 
 HERE = (10.0, 50.0)
+
+
+class _MallInfo(ctypes.Structure):
+    """What glibc's mallinfo2 returns: ten numbers, the bytes of mapped blocks as field 4, those in use as field 7."""
+
+    _fields_ = [(f"field_{i}", ctypes.c_size_t) for i in range(10)]
+
+
 TREE = {"kept_link": "tree"}
 
 
@@ -123,6 +133,23 @@ def test_silence_rules_out_everything_around(ruled_out):
     ruled_out.add((5.0, 5.0), None)
     assert ruled_out.covers((6.4, 5.0))
     assert not ruled_out.covers((6.6, 5.0))
+
+
+def test_note_takes_at_most_80_bytes(ruled_out):
+    # 40 bytes per note, its hash, its number in a bucket, and two numbers of the hash table: 65. It was 128.
+    libc = ctypes.CDLL(None)
+    libc.mallinfo2.restype = _MallInfo
+
+    def used() -> int:
+        info = libc.mallinfo2()
+        return info.field_4 + info.field_7  # mapped, and in use
+
+    gc.collect()
+    before, count = used(), 2**16
+    for i in range(count):
+        ruled_out.add((0.25 * (i % 256), 0.25 * (i // 256)), None if i % 3 else (1.0, 1.0))
+    assert 40 <= (used() - before) / count <= 80
+    assert ruled_out.covers((60.0, 60.0))
 
 
 def test_nothing_is_ruled_out_where_that_is_switched_off(hall_scenario):
