@@ -1,5 +1,5 @@
 """Heat release rate of fires on grids of several sizes: in a hall, in the open, next to a wall and in a corner, and in
-garage_rescue.
+garage_rescue; from few cells on, second by second.
 
 `python bench/fire_growth.py > bench/results/fire_growth.csv`
 """
@@ -69,6 +69,10 @@ def main() -> None:
                 garage = load("garage_rescue", [f"fire.{k}" for k in (f"cell_m={cell_m}", f"growth_sd={growth_sd}")])
                 garage = garage.model_copy(update={"run": garage.run.model_copy(update={"seed": seed})})
                 rows.writerow(["garage_rescue", cell_m, growth_sd, seed, 300, f"{heat_mw(garage, [300])[0]:.3f}"])
+    # Deviation depends on how many cells burn, not on their size.
+    times_s = list(range(1, 361))
+    for time_s, megawatts in zip(times_s, heat_mw(in_hall("hall", 1.0, 0.0, SEEDS[0]), times_s), strict=True):
+        rows.writerow(["hall", 1.0, 0.0, SEEDS[0], time_s, f"{megawatts:.6f}"])
 
 
 if __name__ == "__main__":

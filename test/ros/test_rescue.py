@@ -44,3 +44,18 @@ def test_rescue_in_lockstep_has_the_bits_events_and_topics_of_the_headless_missi
         counts = [{c.topic: c.msgcount for c in bag.connections} for bag in (recorded, written)]
     assert counts[0] == counts[1]
     assert counts[0]["/world/people"] > 0
+
+
+@pytest.mark.parametrize("hosted", ["nodes", "inside"])
+def test_people_alone_in_lockstep_have_the_events_and_egress_of_the_headless_mission(hosted, tmp_path):
+    settings = "mission.time_limit_s=50"
+    command = (*ROSLAUNCH, "robotteamsim", "mission.launch", "scenario:=office_egress", "rviz:=false", "lockstep:=true")
+    with running((*command, "speed:=0", f"set:={settings}", f"controllers:={hosted}", "out:=out"), tmp_path) as program:
+        assert program.wait() == 0, program.output
+    found = json.loads((tmp_path / "out" / "mission.json").read_text())
+    events = EventList()
+    headless = Simulation(load("office_egress", [settings])).run([events])
+    assert found["result"]["trajectory_hash"] == headless.trajectory_hash
+    assert [tuple(event.values()) for event in found["events"]] == shown(events.events)
+    assert found["result"]["egress"]["out"] == headless.egress.num_out
+    assert sum(headless.egress.num_out.values()) > 10

@@ -52,7 +52,8 @@ class Fire {
   /// Throws std::invalid_argument: a size or a number is wrong.
   Fire(const Links& links, std::vector<Fuel> fuels, const std::vector<int>& fuel_of_cell, double gap);
 
-  /// Begins a fire in a cell; returns false if it has no fuel, or burns or has burnt already.
+  /// Sets fire to a cell; returns whether a fire begins there. None does where there is no fuel, where it burns or has
+  /// burnt already, and in a fuel with a curve that has been lit before.
   bool Ignite(int padded);
 
   /// Lets the fire burn and spread for some time [s].

@@ -11,13 +11,17 @@ namespace robotteamsim::hazards {
 
 inline constexpr double kNever = std::numeric_limits<double>::infinity();
 
+/// Cells along an axis of the longest step in a common direction: the shortest paths are at most 1.3 % longer than the
+/// straight line.
+inline constexpr int kLongestStep = 3;
+
 /// A step between two cells along which fire spreads over fuel, in whole cells.
 struct Direction {
   int dx = 0;
   int dy = 0;
 };
 
-/// Returns the 32 directions of at most three cells per axis, counter-clockwise from -pi.
+/// Returns the 32 directions of at most kLongestStep cells per axis, counter-clockwise from -pi.
 std::vector<Direction> CommonDirections();
 
 /// Returns the area that a front of speed 1 encloses after a time of 1: that of the polygon with a corner at the

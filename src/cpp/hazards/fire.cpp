@@ -13,9 +13,7 @@
 namespace robotteamsim::hazards {
 namespace {
 
-constexpr double kMostGap = 100.0;       // cells
-constexpr double kLongestGrowth = 1e12;  // s
-constexpr int kLongestStep = 3;          // cells along an axis, of common directions
+constexpr double kMostGap = 100.0;  // cells
 
 // The steps to neighbours follow the straight line as closely as steps to the east, north, west and south can.
 std::vector<int> SingleSteps(int dx, int dy) {
@@ -42,7 +40,6 @@ void CheckFuel(const Fuel& fuel) {
   base::CheckPositive(fuel.load_kj, "load_kj");
   base::CheckPositive(fuel.peak_kw, "peak_kw");
   base::CheckPositive(fuel.growth_kw_s2, "growth_kw_s2");
-  if (!(TimeToPeak(fuel) <= kLongestGrowth)) throw std::invalid_argument("growth_kw_s2 is too small for peak_kw");
 }
 
 // Returns the regions of the cells, with a border; -1 without fuel: fuels of growth are one region where no wall, door
@@ -114,13 +111,14 @@ Fire::Fire(const Links& links, std::vector<Fuel> fuels, const std::vector<int>& 
 
 bool Fire::Ignite(int padded) {
   if (fuel_of_.at(padded) < 0 || states_[padded] != Burning::kNot) return false;
-  // A fuel with a curve of its own has one fire.
-  if (curves_[fuel_of_[padded]].empty()) {
+  // A fuel with a curve of its own has one fire, which the cell joins.
+  const bool begins = curves_[fuel_of_[padded]].empty() || front_of_region_[region_of_[padded]] < 0;
+  if (begins) {
     Begin(padded, time_s_);
   } else {
     Arrive(padded, time_s_);
   }
-  return true;
+  return begins;
 }
 
 void Fire::Advance(const Links& links, double seconds) {
@@ -271,7 +269,8 @@ std::pair<double, int> Fire::NextFront() {
         CurveOf(front).empty()
             ? front.last_s + (free_.At(front.num_cells) - free_.At(front.num_cells - 1)) * CrossingTime(next->padded)
             : front.begin_s + CurveOf(front).TimeOf(front.num_cells * fuels_[fuel_of_[next->padded]].peak_kw);
-    found = std::min(found, {std::max(due_s, time_s_), i});
+    const double at_s = std::max(due_s, time_s_);
+    if (at_s - front.begin_s < CurveOf(front).EndTime()) found = std::min(found, {at_s, i});
   }
   return found;
 }

@@ -206,7 +206,8 @@ def load_building(name: str, overrides: Sequence[str] = ()) -> Scenario:
     of, changes = BUILDINGS.get(name, (name, ()))
     loaded = scenario.load(of, [*changes, *overrides])
     if not isinstance(loaded.robots, Team):
-        raise CampaignError(f"{name}: robots: a list; expected a team, whose number of robots the benchmark varies")
+        found = "a list" if loaded.team_size else "none"
+        raise CampaignError(f"{name}: robots: {found}; expected a team, whose number of robots the benchmark varies")
     if loaded.schedule:
         raise CampaignError(f"{name}: schedule: {len(loaded.schedule)} events; expected none in a benchmark")
     return loaded

@@ -6,14 +6,10 @@ import math
 from collections.abc import Iterator
 
 from robotteamsim.mission.events import NOBODY, VictimSafe
-from robotteamsim.mission.rescue import VictimNews
-from robotteamsim.mission.status import IN_CARE, OUT_OF_DANGER
-from robotteamsim.mission.victims import Victims
+from robotteamsim.mission.status import NOT_ALONE
+from robotteamsim.mission.victims import VictimNews, Victims
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.rescue import Exit
-
-_NOT_ALONE = OUT_OF_DANGER | IN_CARE
-"""Who does not leave any more, or not without help."""
 
 
 def exit_at(exits: tuple[Exit, ...], place_m: Point) -> str | None:
@@ -26,13 +22,16 @@ class Exits:
 
     def __init__(self, exits: tuple[Exit, ...]) -> None:
         self._exits = exits
+        self._judged = -1
+        """Version of the victims."""
 
     def left(self, victims: Victims) -> Iterator[VictimNews]:
         """Yield who is in an exit now. The caller applies each change of the victims before it takes the next one."""
-        if not self._exits:
+        if not self._exits or victims.version == self._judged:
             return
+        self._judged = victims.version
         for index, victim in enumerate(victims.all):
-            if victims.states[index] in _NOT_ALONE:
+            if victims.states[index] in NOT_ALONE:
                 continue
             name = exit_at(self._exits, victim.position)
             if name is not None:

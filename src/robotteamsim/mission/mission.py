@@ -17,9 +17,9 @@ from robotteamsim.mission.events import Event
 from robotteamsim.mission.exits import Exits
 from robotteamsim.mission.input import MissionInput
 from robotteamsim.mission.monitors import LinkMonitor, TeamMonitor, WorldMonitor
-from robotteamsim.mission.rescue import Rescue, VictimNews
+from robotteamsim.mission.rescue import Rescue
 from robotteamsim.mission.status import IN_CARE, OUT_OF_DANGER, SAVED, MissionEnd, MissionState, MissionStatus
-from robotteamsim.mission.victims import Casualties, Victims
+from robotteamsim.mission.victims import Casualties, VictimNews, Victims
 from robotteamsim.network.messages import Message, Refusal, Traffic
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.sections import Victim
@@ -137,7 +137,7 @@ class Mission:
         self._base.forget("victim", name)
         index = self._victims.place(name, position_m)
         if self._rescue is not None:
-            self._rescue.forget(index, name)
+            self._rescue.forget(index)
         self._places = self._all_places()
         self._heard_places_m.clear()
         self._add(events.VictimPlaced(name, position_m))
@@ -196,7 +196,7 @@ class Mission:
             self._judge_messages(now.network.traffic)
         for change in self._team.changes(now.decisions, now.present):
             self._add(change)
-        self._judge_end()
+        self._judge_end(now)
 
     def _judge_harm(self, casualties: Casualties, field: HazardField) -> None:
         harmed = casualties.judge(field, self._victims)
@@ -204,8 +204,9 @@ class Mission:
             for lost in self._egress.expose(self._elapsed_ns / 1e9, field, self._victims, casualties):
                 self._add(lost)
         for index, state, event in harmed:
+            self._victims.collapse(event.victim)
             if self._rescue is not None:
-                self._rescue.harm(index, event.victim, state)
+                self._rescue.harm(index, state)
             # Those whom a firefighter has reached stay in their care until they die.
             in_care = self._victims.states[index] in IN_CARE
             if not (in_care and state == "collapsed"):
@@ -233,8 +234,7 @@ class Mission:
 
     def _needs_robot(self, index: int, now: MissionInput) -> bool:
         """Whether a robot saves a victim by reaching them: not those who flee, unless they are enclosed or collapse."""
-        victim, state = self.victims[index], self._victims.states[index]
-        return state not in OUT_OF_DANGER and (not victim.flees or state == "collapsed" or victim.name in now.enclosed)
+        return self._victims.states[index] not in OUT_OF_DANGER and self._victims.needs_help(index, now.enclosed)
 
     def _save(self, index: int, robot_id: int) -> None:
         victim = self.victims[index]
@@ -292,15 +292,16 @@ class Mission:
                 self._refusals.add(refusal)
                 self._add(events.MessageTooLarge(refusal.num_bytes, refusal.limit_bytes, robot_id=refusal.sender))
 
-    def _judge_end(self) -> None:
-        goes_on = self._rescue is not None or self._somebody_flees
+    def _judge_end(self, now: MissionInput) -> None:
+        somebody_flees = self._has_exits and self._victims.somebody_flees(now.enclosed)
+        goes_on = self._rescue is not None or somebody_flees
         if self._ends_in_safety and self.victims and all(s in OUT_OF_DANGER for s in self._victims.states):
             self._finish("victims_safe")
         elif self._areas and self._order.num_explored == len(self._areas) and not (goes_on or self._base.undelivered):
             self._finish("areas_explored")
         elif self._elapsed_ns >= self._time_limit_ns:
             self._finish("time_limit")
-        elif self._world.is_empty and self._has_team and not self._somebody_flees:
+        elif self._world.is_empty and self._has_team and not somebody_flees:
             self._finish("none_left")
         elif goes_on:
             return  # firefighters and people go on without robots
@@ -308,14 +309,6 @@ class Mission:
             self._finish("all_excluded")
         elif self._team.done and not self._base.undelivered:
             self._finish("search_over", self._team.done)
-
-    @property
-    def _somebody_flees(self) -> bool:
-        """Whether somebody may still reach an exit by themselves."""
-        return self._has_exits and any(
-            victim.flees and state in ("waiting", "heard")
-            for victim, state in zip(self.victims, self._victims.states, strict=True)
-        )
 
     def _finish(self, end: MissionEnd, why: str = "") -> None:
         self._state, self._end = "ended", end

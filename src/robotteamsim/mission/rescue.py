@@ -13,7 +13,6 @@ from robotteamsim.control.people.messages import parse_firefighter_update
 from robotteamsim.interface.task import Assistance
 from robotteamsim.mission.egress import AT_CENTRE
 from robotteamsim.mission.events import (
-    Happening,
     VictimCarried,
     VictimLeft,
     VictimLocated,
@@ -21,10 +20,12 @@ from robotteamsim.mission.events import (
     VictimReached,
     VictimSafe,
 )
+from robotteamsim.mission.exits import exit_at
 from robotteamsim.mission.input import MissionInput
 from robotteamsim.mission.status import VictimState
-from robotteamsim.mission.victims import Victims
+from robotteamsim.mission.victims import VictimNews, Victims
 from robotteamsim.scenario.base import Point
+from robotteamsim.scenario.rescue import Exit
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.sensing.sight import Sight
@@ -34,20 +35,6 @@ _UNKNOWN: tuple[VictimState, ...] = ("waiting", "heard", "collapsed")
 _WAITING: tuple[VictimState, ...] = (*_UNKNOWN, "located", "reported")
 _ROBOTS = -1
 """Replaces the id of a robot: all robots together know where a victim was last seen; each firefighter knows alone."""
-
-
-class VictimNews(msgspec.Struct, frozen=True):
-    """What happens to a victim in a step.
-
-    index: of the victim.       state: from now on; None: as before.
-    event: None if this is none.
-    found: by whom and where the victim was located, which is a discovery; None: it is none.
-    """
-
-    index: int
-    state: VictimState | None = None
-    event: Happening | None = None
-    found: tuple[int, Point] | None = None
 
 
 class Rescue:
@@ -64,9 +51,9 @@ class Rescue:
         self._section, self._reach_m = mission.rescue, mission.save_distance_m
         self._firefighters = scenario.firefighter_ids
         self._sight = Sight(scenario.plan, mission.rescue, scenario.team_size, scenario.run.seed)
-        self._safe_places = [(way_out.name, way_out.center, way_out.radius_m) for way_out in mission.exits]
         assert scenario.base is not None, "firefighters need a command centre"
-        self._safe_places.append((AT_CENTRE, setup.start_m(scenario.base), mission.rescue.safe_m))
+        centre = Exit(name=AT_CENTRE, center=setup.start_m(scenario.base), radius_m=mission.rescue.safe_m)
+        self._safe_places = (*mission.exits, centre)
         self._helps: dict[int, Assistance] = {}
         """By index of the victim."""
         self._reached_s: dict[int, float] = {}
@@ -76,25 +63,22 @@ class Rescue:
         """Where a victim was located last, by observer and victim."""
         self._located_s: dict[int, float] = {}
         """When a victim was located last, by index [s of the mission]."""
-        self._collapsed: set[str] = set()
 
     @property
     def assistance(self) -> tuple[Assistance, ...]:
         """The firefighters who help somebody, in the order of the victims."""
         return tuple(help_ for _, help_ in sorted(self._helps.items()))
 
-    def harm(self, index: int, name: str, state: VictimState) -> None:
+    def harm(self, index: int, state: VictimState) -> None:
         """Note that a victim has collapsed or died."""
-        self._collapsed.add(name)
         if state == "dead":
             self._helps.pop(index, None)
         elif index in self._helps:
             self._helps[index] = msgspec.structs.replace(self._helps[index], collapsed=True)
 
-    def forget(self, index: int, name: str) -> None:
+    def forget(self, index: int) -> None:
         """Forget everything about a victim, who is somewhere else now."""
         self._helps.pop(index, None)
-        self._collapsed.discard(name)
         self._last_seen_m = {key: place for key, place in self._last_seen_m.items() if key[1] != index}
 
     def judge(self, time_s: float, now: MissionInput, victims: Victims) -> Iterator[VictimNews]:
@@ -121,7 +105,7 @@ class Rescue:
         for robot_id, index in speakers:
             if index is None or index in located or math.isnan(there_m[robot_id, 0]):
                 continue
-            if self._needs_help(victims.all[index], now.enclosed):
+            if victims.needs_help(index, now.enclosed):
                 located.add(index)
                 yield self._located(index, robot_id, now.voices[robot_id].local_best_m, "voice", victims.all[index])
 
@@ -137,7 +121,7 @@ class Rescue:
         wanted = [
             index
             for index, victim in enumerate(victims.all)
-            if states[index] in _WAITING and index not in self._helps and self._needs_help(victim, enclosed)
+            if states[index] in _WAITING and index not in self._helps and victims.needs_help(index, enclosed)
         ]
         seen_m = [victims.all[index].position for index in wanted]
         visibility_m = None if now.smoke is None else now.smoke.visibility_m(there_m)
@@ -182,7 +166,7 @@ class Rescue:
             if math.isnan(there_m[assistance.robot_id, 0]):
                 del self._helps[index]
                 name = victims.all[index].name
-                state: VictimState = "collapsed" if name in self._collapsed else "waiting"
+                state: VictimState = "collapsed" if name in victims.collapsed else "waiting"
                 yield VictimNews(index, state, VictimLeft(name, robot_id=assistance.robot_id))
 
     def _reached(
@@ -196,12 +180,12 @@ class Rescue:
             near = [
                 (math.dist((x, y), victim.position), index)
                 for index, victim in enumerate(victims.all)
-                if victims.states[index] in _WAITING and self._needs_help(victim, enclosed)
+                if victims.states[index] in _WAITING and victims.needs_help(index, enclosed)
             ]
             if near and min(near)[0] <= self._reach_m:
                 index = min(near)[1]
                 name = victims.all[index].name
-                self._helps[index] = Assistance(robot_id, name, moving=False, collapsed=name in self._collapsed)
+                self._helps[index] = Assistance(robot_id, name, moving=False, collapsed=name in victims.collapsed)
                 self._reached_s[index] = time_s
                 yield VictimNews(index, "reached", VictimReached(name, robot_id=robot_id))
 
@@ -217,13 +201,9 @@ class Rescue:
         for index, victim in enumerate(victims.all):
             if victims.states[index] != "carried":
                 continue
-            reached = (name for name, place, within in self._safe_places if math.dist(victim.position, place) <= within)
-            if (way_out := next(reached, None)) is not None:
+            if (way_out := exit_at(self._safe_places, victim.position)) is not None:
                 helper = self._helps.pop(index)
                 yield VictimNews(index, "safe", VictimSafe(victim.name, way_out, robot_id=helper.robot_id))
-
-    def _needs_help(self, victim: Victim, enclosed: frozenset[str]) -> bool:
-        return not victim.flees or victim.name in enclosed or victim.name in self._collapsed
 
     def _observer(self, robot_id: int) -> int:
         return robot_id if robot_id in self._firefighters else _ROBOTS

@@ -26,6 +26,8 @@ OUT_OF_DANGER: frozenset[VictimState] = SAVED | {"dead"}
 """States that do not change any more."""
 IN_CARE: frozenset[VictimState] = frozenset(("reached", "carried"))
 """States of victims whom a firefighter has reached."""
+NOT_ALONE: frozenset[VictimState] = OUT_OF_DANGER | IN_CARE
+"""States of victims who do not leave any more, or not without help."""
 
 COMPLETED: frozenset[MissionEnd] = frozenset(("areas_explored", "victims_safe", "search_over"))
 """Ends of missions that were not cut short."""

@@ -2,14 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
+
+import msgspec
 
 from robotteamsim.hazards import Dose, Doses, HazardField
-from robotteamsim.mission.events import VictimCollapsed, VictimDied
-from robotteamsim.mission.status import OUT_OF_DANGER, SILENT, VictimState
+from robotteamsim.mission.events import Happening, VictimCollapsed, VictimDied
+from robotteamsim.mission.status import NOT_ALONE, OUT_OF_DANGER, SILENT, VictimState
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.victims import Victim
+
+
+class VictimNews(msgspec.Struct, frozen=True):
+    """What happens to a victim in a step.
+
+    index: of the victim.       state: from now on; None: as before.
+    event: None if this is none.
+    found: by whom and where the victim was located, which is a discovery; None: it is none.
+    """
+
+    index: int
+    state: VictimState | None = None
+    event: Happening | None = None
+    found: tuple[int, Point] | None = None
 
 
 class Victims:
@@ -20,6 +36,10 @@ class Victims:
         """At their current positions."""
         self.states: list[VictimState] = ["waiting"] * len(victims)
         """Of each; changed by `change`."""
+        self.collapsed: set[str] = set()
+        """Names of those who have collapsed, whatever has happened to them since."""
+        self.version = 0
+        """Number of changes of places and states."""
         self._note_who_calls()
 
     def index(self, name: str) -> int | None:
@@ -32,6 +52,8 @@ class Victims:
         index = len(self.all) if found is None else found
         self.all = (*self.all[:index], Victim(name=name, position=position_m), *self.all[index + 1 :])
         self.states[index : index + 1] = ["waiting"]
+        self.collapsed.discard(name)
+        self.version += 1
         self._note_who_calls()
         return index
 
@@ -46,6 +68,7 @@ class Victims:
         if moved == self.all:
             return False
         self.all = moved
+        self.version += 1
         self._note_who_calls()
         return True
 
@@ -53,10 +76,26 @@ class Victims:
         """Set a victim's state; return whether they have fallen silent or call again, which changes the voice map."""
         was_silent = self.states[index] in SILENT
         self.states[index] = state
+        self.version += 1
         if was_silent == (state in SILENT):
             return False
         self._note_who_calls()
         return True
+
+    def collapse(self, name: str) -> None:
+        """Note that somebody has collapsed or died: they walk no more."""
+        self.collapsed.add(name)
+
+    def needs_help(self, index: int, enclosed: Container[str]) -> bool:
+        """Return whether a victim cannot leave by themselves. Args: enclosed: to whom no path to an exit is open."""
+        victim = self.all[index]
+        return not victim.flees or victim.name in enclosed or victim.name in self.collapsed
+
+    def somebody_flees(self, enclosed: Container[str]) -> bool:
+        """Return whether somebody in the building may still reach an exit by themselves."""
+        return any(
+            state not in NOT_ALONE and not self.needs_help(index, enclosed) for index, state in enumerate(self.states)
+        )
 
     def _note_who_calls(self) -> None:
         named = zip(self.all, self.states, strict=True)

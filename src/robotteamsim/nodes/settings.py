@@ -70,7 +70,7 @@ class Settings:
     @property
     def is_another_world(self) -> bool:
         """Whether time and all robots are elsewhere."""
-        return len(self.elsewhere) == self.num_robots
+        return bool(self.elsewhere) and len(self.elsewhere) == self.num_robots
 
     @property
     def by_tf(self) -> bool:

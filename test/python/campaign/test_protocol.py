@@ -151,6 +151,7 @@ def test_all_controllers_of_a_patrol_have_the_same_starts():
         ({"seed": -1}, "--seed: -1 is not between 0 and 2^53"),
         ({"buildings": ("gargage",)}, "gargage: no shipped scenario of this name"),
         ({"buildings": ("warehouse_push",)}, "warehouse_push: robots: a list; expected a team"),
+        ({"buildings": ("office_egress",)}, "office_egress: robots: none; expected a team"),
     ],
 )
 def test_mistake_in_a_protocol_is_one_line_with_the_option(changes, line):

@@ -132,6 +132,31 @@ def test_own_curve_keeps_its_last_value_and_begins_when_fire_arrives():
     assert hazards.heat_release_kw == pytest.approx(62.5 + 100.0, rel=1e-9)
 
 
+def test_second_ignition_of_an_own_curve_begins_no_fire():
+    fire = {"fuel": [{**SOFA, "hrr": CURVE}], "ignitions": [{"position": [10.2, 10.2]}]}
+    hazards, begin = fire_of(HALL, fire), 1
+    for seconds in (50, 400):  # it burns; it has burnt out
+        begin = advance(hazards, seconds, begin=begin)
+        hazards.ignite((9.0, 10.2))
+        assert [place.position_m for place in hazards.ignited] == [(10.25, 10.25)]
+    advance(hazards, 10, begin=begin)
+    assert hazards.heat_release_kw == 0.0
+    assert (hazards.field.states == BURNT_OUT).sum() == 10
+
+
+def test_fire_that_arrives_after_the_end_of_an_own_curve_burns_and_passes_nothing():
+    """A shelf lies on both sides of a wall. Its west part burns from 0 to 21 s; a carpet burns up to its east part."""
+    shelf = {"name": "shelf", "polygon": [[5, 0], [7, 0], [7, 2], [5, 2]], "hrr": [[0, 4000], [20, 4000], [21, 0]]}
+    carpet = {"name": "carpet", "polygon": [[8, 0], [9, 0], [9, 1], [8, 1]], "growth": "ultra_fast"}
+    lights = [{"position": [5.2, 0.2]}, {"position": [8.2, 0.2]}]
+    hazards = fire_of(door_of_kind("fireproof"), {"fuel": [shelf, carpet], "ignitions": lights})
+    advance(hazards, 300, Doors(door=True))
+    states = hazards.field.states
+    assert (states[:4, 10:12] == BURNT_OUT).all()
+    assert (states[:2, 16:18] != NOT_BURNING).all()
+    assert (states[:4, 12:14] == NOT_BURNING).all()
+
+
 @pytest.mark.parametrize(
     ("keys", "message"),
     [

@@ -69,6 +69,48 @@ def test_areas_do_not_end_a_mission_while_somebody_flees():
     assert result.egress.rset_s == pytest.approx(9.0, abs=0.3)
 
 
+ROOM = {
+    **CORRIDOR,
+    "walls": [{"name": "low", "from": [10, 0], "to": [10, 2]}, {"name": "high", "from": [10, 4], "to": [10, 6]}],
+    "doors": [{"name": "door", "from": [10, 2], "to": [10, 4], "closed": True}],
+}
+"""The exit is west of a closed door, and ann is east of it."""
+
+
+def test_areas_end_a_mission_though_somebody_is_enclosed():
+    robots = {"plan": ROOM, "robots": [{"start_pose": [5.0, 1.0, 0.0]}], "control": {"algorithm": "random_walk"}}
+    result = run([ann()], robots, areas=[{"name": "here", "center": [5.0, 1.0], "radius_m": 2.0}])
+    assert result.end == "areas_explored"
+    assert result.time_s < 2.0
+
+
+def test_mission_goes_on_while_somebody_who_was_located_flees_though_the_team_has_left():
+    sections = {
+        "plan": ROOM,
+        "command_centre": [7.0, 1.0],
+        "firefighters": {"count": 1, "start": [16.0, 1.0, 0.0]},
+        "robots": {"count": 0},
+    }
+    simulation = Simulation(egress([ann()], sections, saved_by="firefighter"))
+    while "located" not in simulation.mission.status.victims:
+        simulation.step()
+    simulation.set_door("door", closed=False)
+    for member in range(simulation.scenario.team_size):
+        simulation.remove_robot(member)
+    while simulation.mission.status.state != "ended":
+        simulation.step()
+    assert simulation.mission.status.end == "victims_safe"
+    assert simulation.mission.egress.num_out == {"west": 1}
+
+
+@pytest.mark.parametrize(("opens", "end", "rset_s"), [([], "time_limit", None), ([30.0], "victims_safe", 39.0)])
+def test_one_who_is_enclosed_may_leave_when_a_door_opens(opens, end, rset_s):
+    schedule = [{"at_s": at_s, "door": "door", "closed": False} for at_s in opens]
+    result = run([ann()], {"plan": ROOM, "schedule": schedule})
+    assert result.end == end
+    assert result.egress.rset_s == (None if rset_s is None else pytest.approx(rset_s, abs=0.3))
+
+
 def test_command_centre_is_no_exit_of_those_who_flee():
     """The way leads through the centre, which is safe for those whom a firefighter brings only."""
     sections = {

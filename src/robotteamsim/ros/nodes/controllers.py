@@ -25,13 +25,14 @@ ENDING_S = 0.5
 def main() -> None:
     """Run all controllers in this process, or fork one for each robot but the first, whose controller runs here."""
     wait_for_master()
-    if _parameter(ros1_setting_name("controllers"), "nodes") == "team":
-        importlib.import_module("robotteamsim.ros.nodes.controller").main_of_team()
-        return
+    is_team = _parameter(ros1_setting_name("controllers"), "nodes") == "team"
     try:
-        num_robots = read_ros1_scenario(_parameter).team_size
+        num_robots = 1 if is_team else read_ros1_scenario(_parameter).team_size
     except RobotTeamSimError:
         num_robots = 1  # whose node reports the mistake
+    if is_team or num_robots == 0:  # a launch ends with this process, also where people are alone
+        importlib.import_module("robotteamsim.ros.nodes.controller").main_of_team()
+        return
     children = [_fork(robot_id) for robot_id in range(1, num_robots)]
     threading.Thread(target=_end_with_any, args=(children,), daemon=True).start()
     _run_controller(0)
