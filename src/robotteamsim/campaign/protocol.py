@@ -205,8 +205,9 @@ def load_building(name: str, overrides: Sequence[str] = ()) -> Scenario:
     """Return the scenario of a building. Raises: ScenarioError, CampaignError: it has no team, or a schedule."""
     of, changes = BUILDINGS.get(name, (name, ()))
     loaded = scenario.load(of, [*changes, *overrides])
-    if not isinstance(loaded.robots, Team):
-        found = "a list" if loaded.team_size else "none"
+    is_team = isinstance(loaded.robots, Team)
+    if not is_team or not loaded.num_robots:
+        found = "none" if is_team else "a list"
         raise CampaignError(f"{name}: robots: {found}; expected a team, whose number of robots the benchmark varies")
     if loaded.schedule:
         raise CampaignError(f"{name}: schedule: {len(loaded.schedule)} events; expected none in a benchmark")
