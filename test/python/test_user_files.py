@@ -55,10 +55,10 @@ _READERS = {
     "hazards/fds.py": "results of FDS",
     "learning/policy_file.py": "a policy (`policy.pt`)",
     "map_import/cells.py": "image (PNG",
-    "recording/bag_file.py": "bag (ROS 1, MCAP)",
-    "recording/bag_reader.py": "bag (ROS 1, MCAP)",
-    "recording/bag_writer.py": "bag (ROS 1, MCAP)",  # what an earlier program has left
-    "recording/mcap_writer.py": "bag (ROS 1, MCAP)",
+    "recording/bag_file.py": "bag (ROS 1, MCAP, SQLite",
+    "recording/bag_reader.py": "bag (ROS 1, MCAP, SQLite",
+    "recording/bag_writer.py": "bag (ROS 1, MCAP, SQLite",  # what an earlier program has left
+    "recording/mcap_writer.py": "bag (ROS 1, MCAP, SQLite",
     "recording/results.py": "`mission.json`",
     "scenario/dxf.py": "drawing (DXF)",
     "scenario/patrol.py": "patrol graph",

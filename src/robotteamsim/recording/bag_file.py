@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 from pathlib import Path, PurePath
 from typing import Any, BinaryIO
+from urllib.parse import quote
 
 from rosbags.interfaces.typing import StatResult
 
@@ -23,7 +24,7 @@ class BagFile:
         self.stem, self.suffix = path.stem, path.suffix
 
     def __str__(self) -> str:
-        return str(self._path)
+        return quote(str(self._path))  # rosbags opens files of SQLite by URI, with # and ? as they are
 
     def __truediv__(self, key: BagFile | PurePath | str) -> BagFile:
         return BagFile(self._path / str(key))
@@ -42,11 +43,15 @@ class BagFile:
 
     def read_text(self, encoding: str | None = None) -> str:
         """See `Path`."""
-        return self._path.read_text(encoding)
+        with open_regular(self._path) as file:
+            return file.read().decode(encoding or "utf-8")
 
     def open(self, *_: Any, **__: Any) -> BinaryIO:
         """Open the file for reading in binary. Raises: OSError."""
-        return CheckedReader(open_regular(self._path).detach(), self.stat().st_size)
+        file = open_regular(self._path)
+        if self.suffix == ".zstd":  # is read in blocks, which may end after the file
+            return file
+        return CheckedReader(file.detach(), self.stat().st_size)
 
 
 class CheckedReader(io.BufferedReader):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import itertools
+import sys
 from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -14,8 +15,14 @@ from rosbags.interfaces import MessageDefinition, MessageDefinitionFormat
 from rosbags.typesys import Stores, get_types_from_idl, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
+if sys.version_info >= (3, 14):
+    from compression import zstd
+else:
+    from backports import zstd
+
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.bag_file import BagFile, DamagedFileError
+from robotteamsim.recording.bag_paths import METADATA
 from robotteamsim.recording.bag_types import bag_typestore
 from robotteamsim.recording.mcap_writer import SUFFIX
 from robotteamsim.user_files import open_regular
@@ -26,16 +33,16 @@ Decode = Callable[[bytes, str], Any]
 
 
 class _Format(NamedTuple):
-    """What differs between ROS 1 bags and MCAP files.
+    """What differs between the formats.
 
-    magic:   the first bytes of each file.
-    decoder: returns a function that reads the messages of a connection; None if its type cannot be read.
-    remedy:  the program that makes a damaged file readable.
+    magic:  the first bytes of each file; b"" for a folder.
+    name:   of a file.  suffix: the end of its name, by which rosbags knows the format.
+    remedy: the program that makes a damaged file readable.
     """
 
     magic: bytes
-    reader: Callable[[BagFile], Reader]
-    decoder: Callable[[Any], Decode | None]
+    name: str
+    suffix: str
     remedy: str
 
 
@@ -48,9 +55,11 @@ class _Part(NamedTuple):
 
 
 class BagReader:
-    """Reads the messages of ROS 1 bags and of MCAP files of ROS 2, compressed or not; a context manager.
+    """Reads the messages of ROS 1 bags, and of folders, MCAP and .db3 files of ROS 2; a context manager.
 
-    Several paths are the parts of one recording (`rosbag record --split`), in any order.
+    They may be compressed. Several paths are the parts of one recording (`rosbag record --split`), in any order.
+    late_ns: by topic, the time from the stamp of the header to that of recording [ns], of the message read so far in
+             which it was the shortest; clocks that differ make it large. Messages without a stamp have none.
     """
 
     def __init__(self, paths: Sequence[Path]) -> None:
@@ -58,6 +67,7 @@ class BagReader:
         self._stack = contextlib.ExitStack()
         self._parts: list[_Part] = []
         self._decoders: dict[Any, Decode | None] = {}
+        self.late_ns: dict[str, int] = {}
 
     def __enter__(self) -> BagReader:
         """Open the files. Raises: RecordingError: not a bag, no index, or files that are not parts of one recording."""
@@ -111,41 +121,84 @@ class BagReader:
             if not chosen:
                 continue  # rosbags reads all connections if none is chosen
             with _damage_reported(part):
+                absent = {connection.topic for connection in chosen if connection.msgcount}
                 for connection, time_ns, data in part.reader.messages(chosen):
-                    if connection.topic not in topics:
+                    topic = connection.topic
+                    if topic not in topics:
                         raise ValueError("the index names another connection")
+                    absent.discard(topic)
                     decode = self._decoder(part, connection)
-                    assert decode is not None, f"{connection.topic} is not known"
+                    assert decode is not None, f"{topic} is not known"
                     message: Any = decode(data, connection.msgtype)
-                    yield connection.topic, _stamp_ns(message) or time_ns, message
+                    if stamp_ns := _stamp_ns(message):
+                        late_ns = time_ns - stamp_ns
+                        self.late_ns[topic] = min(late_ns, self.late_ns.get(topic, late_ns), key=abs)
+                    yield topic, stamp_ns or time_ns, message
+                if absent:
+                    raise DamagedFileError(f"the messages of {min(absent)} are listed, but not there")
 
     def _decoder(self, part: _Part, connection: Any) -> Decode | None:
         """Return the function that reads the messages of a connection, or None if they cannot be read."""
         key = part.format.magic, connection.msgtype, connection.digest, connection.msgdef
         if key not in self._decoders:
-            self._decoders[key] = part.format.decoder(connection)
+            self._decoders[key] = (_ros1_decoder if part.format is _ROS1 else _cdr_decoder)(connection)
         return self._decoders[key]
 
 
 @contextlib.contextmanager
 def _open(path: Path) -> Iterator[_Part]:
     """Open one bag. Raises: RecordingError."""
-    try:
-        with open_regular(path) as file:
-            begin = file.read(max(len(one.magic) for one in _FORMATS))
-    except OSError as error:
-        raise RecordingError(f"{path}: cannot be read: {error.strerror or error}; expected a bag") from None
-    known = next((one for one in _FORMATS if begin.startswith(one.magic)), None)
-    if known is None:
-        why = "is neither a ROS 1 bag nor an MCAP file" if begin else "is empty, expected a bag"
-        raise RecordingError(f"{path}: {why}")
-    part = _Part(path, known.reader(BagFile(path)), known)
+    known = _format_of(path)
+    part = _Part(path, (rosbag1.Reader if known is _ROS1 else rosbag2.Reader)(BagFile(path)), known)
     with _damage_reported(part):
         part.reader.open()
     try:
         yield part
     finally:
         part.reader.close()
+
+
+def _format_of(path: Path) -> _Format:
+    """Return the format of a file or folder. Raises: RecordingError: it is not a bag of ROS."""
+    if path.is_dir():
+        if (path / METADATA).is_file():
+            return _FOLDER
+        raise RecordingError(
+            f"{path}: is a folder without {METADATA}; expected a bag (`ros2 bag reindex {path}` writes the file, or "
+            "give the bags in the folder)"
+        )
+    try:
+        with open_regular(path) as file:
+            begin = file.read(_BEGIN)
+    except OSError as error:
+        raise RecordingError(f"{path}: cannot be read: {error.strerror or error}; expected a bag") from None
+    if begin.startswith(_ZSTD) or path.name == METADATA:
+        raise RecordingError(f"{path}: cannot be read alone; expected the folder that contains it, with {METADATA}")
+    known = next((one for one in _FILES if begin.startswith(one.magic)), None)
+    if known is None:
+        why = f"is none of {', '.join(one.name for one in _FILES)}" if begin else "is empty, expected a bag"
+        raise RecordingError(f"{path}: {why}")
+    if not path.name.endswith(known.suffix):
+        raise RecordingError(f"{path}: is {known.name}; expected a name that ends in {known.suffix}")
+    if known is _MCAP:
+        _check_profile(path, begin)
+    return known
+
+
+def _check_profile(path: Path, begin: bytes) -> None:
+    """Raises: RecordingError: an MCAP file does not say that its messages are those of ROS 2.
+
+    After the magic bytes come opcode and length of the header, and the length of the profile [MCAP specification,
+    Header (op=0x01)].
+    """
+    size = int.from_bytes(begin[17:21], "little")
+    profile = begin[21 : 21 + size]
+    if len(profile) != size or profile == b"ros2" or len(begin) < 21:
+        return  # or damaged, which rosbags reports
+    if profile == b"ros1":
+        raise RecordingError(f"{path}: is an MCAP file with messages of ROS 1; expected those of ROS 2, or a ROS 1 bag")
+    name = profile.decode("utf-8", "backslashreplace")
+    raise RecordingError(f"{path}: is an MCAP file of another kind, such as JSON: its profile is '{name}', not 'ros2'")
 
 
 @contextlib.contextmanager
@@ -161,6 +214,8 @@ def _damage_reported(part: _Part) -> Iterator[None]:
             why = f"is damaged: {error}"
         elif isinstance(error, MemoryError):  # a compressed part claims more than fits, or the bag is honest and large
             why = "is damaged, or has more data than the memory can hold"
+        elif isinstance(error, KeyError) and part.format is _MCAP:  # also the encoding of a schema
+            why = "is damaged, or has messages that are not of ROS 2"
         elif isinstance(error, rosbag1.ReaderError | rosbag2.ReaderError):
             # After a colon come Python's values and texts of other libraries.
             why = f"cannot be read: {' '.join(str(error).partition(':')[0].split()).rstrip('.')}"
@@ -184,18 +239,19 @@ def _ros1_decoder(connection: Any) -> Decode | None:
     return None if types is None else types.deserialize_ros1
 
 
-def _mcap_reader(file: BagFile) -> Reader:
-    if file.suffix != SUFFIX:  # rosbags would not know the format.
-        raise RecordingError(f"{file}: is an MCAP file; expected a name that ends in {SUFFIX}")
-    return rosbag2.Reader(file)
-
-
 def _cdr_decoder(connection: Any) -> Decode | None:
-    """All types are read as the file defines them; messages of another encoding than CDR are not."""
+    """Types are read as the file defines them, or if it does not, as ours; messages of other encodings are not read."""
     if connection.ext.serialization_format != "cdr":
         return None
-    types = _own_types(Stores.EMPTY, connection.msgtype, connection.msgdef)
-    return None if types is None else types.deserialize_cdr
+    is_defined = connection.msgdef.format is not MessageDefinitionFormat.NONE  # not in .db3 files before ROS 2 Iron
+    types: Typestore | None = bag_typestore(Stores.ROS2_HUMBLE)
+    if is_defined:
+        types = _own_types(Stores.EMPTY, connection.msgtype, connection.msgdef)
+    if types is None or connection.msgtype not in types.types:
+        return None
+    read = types.deserialize_cdr
+    # Messages may be compressed one by one, which only the yaml of their folder says.
+    return lambda data, kind: read(zstd.decompress(data) if data.startswith(_ZSTD) else data, kind)
 
 
 # Cached, because rosbags compiles code for each type, which takes longer than reading a short recording.
@@ -217,12 +273,16 @@ def _own_types(ros: Stores, message_type: str, definition: MessageDefinition) ->
     return types if message_type in types.types else None
 
 
-_FORMATS = (
-    _Format(b"#ROSBAG V", rosbag1.Reader, _ros1_decoder, "`rosbag reindex {path}` recovers what can be read"),
-    _Format(
-        b"\x89MCAP0\r\n",
-        _mcap_reader,
-        _cdr_decoder,
-        f"`mcap recover {{path}} -o recovered{SUFFIX}` saves what can be read",
-    ),
+_BEGIN = 256
+"""Bytes of a file that show its format."""
+_ZSTD = b"\x28\xb5\x2f\xfd"
+"""The first bytes of a frame [RFC 8878, 3.1.1]; those of CDR are 0 and at most 11."""
+_FOLDER = _Format(
+    b"", "a folder", "", f"`ros2 bag reindex {{path}}` writes {METADATA} again, from files that are not damaged"
 )
+_ROS1 = _Format(b"#ROSBAG V", "a ROS 1 bag", "", "`rosbag reindex {path}` recovers what can be read")
+_MCAP = _Format(
+    b"\x89MCAP0\r\n", "an MCAP file", SUFFIX, f"`mcap recover {{path}} -o recovered{SUFFIX}` saves what can be read"
+)
+_SQLITE = _Format(b"SQLite format 3\0", "a file of SQLite", ".db3", "`sqlite3 {path} .recover` prints what can be read")
+_FILES = (_ROS1, _MCAP, _SQLITE)

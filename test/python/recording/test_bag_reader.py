@@ -108,12 +108,13 @@ def test_missing_file_is_rejected(tmp_path):
     assert refusal(path) == f"{path}: cannot be read: No such file or directory; expected a bag"
 
 
-def test_folder_is_rejected(tmp_path):
-    assert refusal(tmp_path) == f"{tmp_path}: cannot be read: Is a directory; expected a bag"
-
-
 @pytest.mark.parametrize(
-    ("content", "why"), [(b"", "is empty, expected a bag"), (b"PNG\r\n", "is neither a ROS 1 bag nor an MCAP file")]
+    ("content", "why"),
+    [
+        (b"", "is empty, expected a bag"),
+        (b"PNG\r\n", "is none of a ROS 1 bag, an MCAP file, a file of SQLite"),
+        (b"SQLite format 3\0", "is a file of SQLite; expected a name that ends in .db3"),
+    ],
 )
 def test_file_that_is_not_a_bag_is_rejected(tmp_path, content, why):
     path = tmp_path / "picture.bag"

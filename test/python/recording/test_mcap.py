@@ -66,17 +66,6 @@ def test_nothing_but_the_file_remains(mcap):
     assert list(mcap.parent.iterdir()) == [mcap]
 
 
-def test_file_of_another_program_without_ros_is_rejected(tmp_path):
-    path = tmp_path / "other.mcap"
-    with path.open("wb") as file:
-        writer = Writer(file)
-        writer.start(profile="", library="another")
-        writer.finish()
-    assert refusal(path) == (
-        f"{path}: cannot be read: Profile is not ros2; `mcap recover {path} -o recovered.mcap` saves what can be read"
-    )
-
-
 def test_file_of_another_name_is_rejected(mcap):
     path = mcap.rename(mcap.with_suffix(".bag"))
     assert refusal(path) == f"{path}: is an MCAP file; expected a name that ends in .mcap"
