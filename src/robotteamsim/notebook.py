@@ -14,7 +14,7 @@ from __future__ import annotations
 import html
 import json
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -113,13 +113,16 @@ def simulate(
     return Mission(_values_of_result(result), recording, result)
 
 
-def read_bag(path: str | os.PathLike[str], scenario: str | os.PathLike[str] | None = None) -> Mission:
-    """Read a mission from a bag or an MCAP file.
+def read_bag(
+    path: str | os.PathLike[str], scenario: str | os.PathLike[str] | None = None, odometry: Sequence[str] = ()
+) -> Mission:
+    """Read a mission from a bag: a file, or a folder of `ros2 bag record`.
 
     Args:   scenario: its building is drawn instead of the bag's /map.
+            odometry: the topics of the robots' poses; (): found by name and type.
     Raises: RecordingError, ScenarioError.
     """
-    run = read_run([Path(path)])
+    run = read_run([Path(path)], odometry)
     recording = recording_of(run, [Path(path)], None if scenario is None else load(scenario))
     return Mission(_values_of_run(run_totals(run)), recording)
 

@@ -17,6 +17,7 @@ from rich.progress import track
 from robotteamsim import scenario
 from robotteamsim.cli.output import OutputConsole, add_png_option, check_outputs
 from robotteamsim.cli.parser import UsageError, path_of, positive_number
+from robotteamsim.recording.bag_paths import files_of
 from robotteamsim.recording.files import write_atomically
 from robotteamsim.wording import counted, printable
 
@@ -35,18 +36,20 @@ _MP4_WIDTH_PX, _MP4_FRAMES_PER_S = 1280, 25
 
 _DESCRIPTION = """\
 Summarise bags: the course of the mission, the distances driven, the state of the network. Bags may
-come from ROS runs, headless runs, real robots or another simulator with the same topics: ROS 1 bags
-or MCAP files of ROS 2, compressed or not. Values that cannot be computed from a bag are omitted, and
-listed with the missing topic."""
+come from ROS runs, headless runs, real robots or another simulator with the same topics: bags of
+ROS 1, or folders, MCAP files and .db3 files of ROS 2, compressed or not. Values that cannot be
+computed from a bag are omitted, and listed with the missing topic."""
 
 _EPILOG = """\
 Topics: /mission/status, events, victims, areas; /network/state or links; for each robot odom or
-base_pose_ground_truth, contact, controller/status; /map, /tf. Paths are drawn from the true poses
-if the bag has them, else from odometry, transformed to map with /tf.
+base_pose_ground_truth, contact, controller/status; /map; tf of the team or in each robot's namespace.
+Paths are those of the true poses if the bag has them, else of odometry, transformed to map with tf,
+else of poses, else of tf alone.
 
 examples:
   robotteamsim analyse mission.bag
   robotteamsim analyse one.bag two.bag three.bag --json -
+  robotteamsim analyse rosbag2_2026_11_28-10_00_00 --odometry /robot1/wheels --odometry /robot2/wheels
   robotteamsim analyse mission.bag --png mission.png --csv tables
   robotteamsim analyse mission.bag --mp4 mission.mp4 --scenario garage_sar --seconds 30
   robotteamsim analyse mission.bag --mp4 mission.mp4 --scenario garage_sar --camera 0
@@ -60,6 +63,13 @@ def add_to(commands: Any) -> None:
     )
     parser.add_argument(
         "bags", nargs="+", type=path_of, metavar="BAG", help="one or more bags; several are summarised in one table"
+    )
+    parser.add_argument(
+        "--odometry",
+        action="append",
+        default=[],
+        metavar="TOPIC",
+        help="the topic of a robot's poses, once for each robot; default: found by name and type",
     )
     parser.add_argument(
         "--join", action="store_true", help="the bags are parts of one recording (rosbag record --split)"
@@ -93,11 +103,12 @@ def analyse(options: argparse.Namespace) -> int:
     loaded = scenario.load(options.scenario) if options.scenario else None
     check_outputs(
         _outputs(options),
-        [*options.bags, *(loaded.origin.files if loaded else ())],
+        [*(file for bag in options.bags for file in files_of(bag)), *(loaded.origin.files if loaded else ())],
         folders={"--csv": table_files(options.csv)} if options.csv else {},
     )
     plan = loaded.plan if loaded else None
-    runs = [read_run(paths) for paths in ([options.bags] if options.join else [[bag] for bag in options.bags])]
+    parts = [options.bags] if options.join else [[bag] for bag in options.bags]
+    runs = [read_run(paths, options.odometry) for paths in parts]
     if len({run.name for run in runs}) < len(runs):  # Folders distinguish bags of the same name.
         runs = [replace(run, name=str(bag.with_suffix(""))) for run, bag in zip(runs, options.bags, strict=True)]
     all_totals = [run_totals(run) for run in runs]

@@ -11,6 +11,7 @@ from robotteamsim import scenario
 from robotteamsim.cli.output import check_outputs
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of, positive_number, whole_number
 from robotteamsim.cli.run_command import TRAJECTORIES, add_scenario_options, check_code, load_scenario
+from robotteamsim.recording.bag_paths import files_of, is_bag
 from robotteamsim.recording.files import write_atomically
 from robotteamsim.recording.results import FILE_NAME, read_mission
 
@@ -20,8 +21,8 @@ if TYPE_CHECKING:
 
 _DESCRIPTION = """\
 Show a mission in the browser. A scenario runs live: pause it, open doors, move victims, change the
-noise. A bag, an MCAP file, or the folder of `run --out`, is played back. With --html, the mission is
-written to one file that any browser opens without a network, on phones as well."""
+noise. A bag, also a folder of `ros2 bag record`, or the folder of `run --out`, is played back. With
+--html, the mission is written to one file that any browser opens without a network, on phones as well."""
 
 _EPILOG = """\
 Only browsers on this machine can connect. A folder is simulated again from its mission.json, which
@@ -41,13 +42,14 @@ def add_to(commands: Any) -> None:
         "view", help="watch a mission in the browser, or write it as one HTML file", description=_DESCRIPTION,
         epilog=_EPILOG,
     )  # fmt: skip
-    parser.add_argument(
-        "target", metavar="TARGET", help=f"a bag, an MCAP file, a folder of `run --out`, or {SCENARIO_HELP}"
-    )
+    parser.add_argument("target", metavar="TARGET", help=f"a bag, a folder of `run --out`, or {SCENARIO_HELP}")
     add_scenario_options(parser)
     parser.add_argument("--html", type=path_of, metavar="FILE", help="write one self-contained page instead")
     parser.add_argument("--compare", metavar="TARGET", help="show a second mission next to the first")
     parser.add_argument("--scenario", metavar="SCENARIO", help="for bags: draw its building instead of the bag's /map")
+    parser.add_argument(
+        "--odometry", action="append", default=[], metavar="TOPIC", help="for bags: as in `robotteamsim analyse`"
+    )
     parser.add_argument(
         "--speed", type=positive_number, default=10.0, metavar="X", help="simulated over wall time; default 10"
     )
@@ -80,8 +82,9 @@ def _check(options: argparse.Namespace, targets: list[str]) -> None:
         raise UsageError(f"--port {options.port} is outside 0 to 65535")
     if not LEAST_SPEED <= options.speed <= MOST_SPEED:
         raise UsageError(f"--speed {options.speed:g} is outside {LEAST_SPEED:g} to {MOST_SPEED:g}")
-    if options.scenario and not any(map(_is_bag, targets)):
-        raise UsageError(f"--scenario {options.scenario}: only allowed for bags; got {', '.join(targets)}")
+    for option, value in (("--scenario", options.scenario), ("--odometry", ", ".join(options.odometry))):
+        if value and not any(map(_is_bag, targets)):
+            raise UsageError(f"{option} {value}: only allowed for bags; got {', '.join(targets)}")
     given = {"--seed": options.seed, "--noise": options.noise, "--robots": options.robots}
     changed = [option for option, value in given.items() if value is not None]
     changed += ["--set"] if options.overrides else []
@@ -94,7 +97,8 @@ def _inputs(options: argparse.Namespace, targets: list[str]) -> list[str | Path]
     files: list[str | Path] = []
     for target in map(Path, targets):
         # All files of a recorded mission belong together, although only one is read.
-        files += [target / FILE_NAME, *(target / TRAJECTORIES).glob("*")] if target.is_dir() else [target]
+        is_mission = target.is_dir() and not is_bag(target)
+        files += [target / FILE_NAME, *(target / TRAJECTORIES).glob("*")] if is_mission else files_of(target)
     loaded = [load_scenario(options, target) for target in targets if not _is_recorded(target)]
     loaded += [scenario.load(options.scenario)] if options.scenario else []
     return [*files, *(file for one in loaded for file in one.origin.files)]
@@ -147,20 +151,20 @@ def _is_recorded(target: str) -> bool:
 
 
 def _is_bag(target: str) -> bool:
-    return target.endswith((".bag", ".mcap"))
+    return is_bag(Path(target))
 
 
 def _recording(options: argparse.Namespace, target: str) -> Recording:
     """Read a bag, or simulate a scenario or the mission of a folder again."""
     from robotteamsim.view.recorder import record_mission
 
-    if Path(target).is_dir():
-        return _repeated(options, Path(target))
     if _is_bag(target):
         from robotteamsim.view.from_bag import recording_of_bag
 
         building = scenario.load(options.scenario) if options.scenario else None
-        return recording_of_bag([Path(target)], building)
+        return recording_of_bag([Path(target)], building, options.odometry)
+    if Path(target).is_dir():
+        return _repeated(options, Path(target))
     loaded = load_scenario(options, target)
     check_code(options, loaded)
     return record_mission(loaded)[0]

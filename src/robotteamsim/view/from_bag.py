@@ -41,13 +41,15 @@ _LONGEST_S = 86_400.0
 """A longer recording would make a page that no browser opens; it usually mixes two clocks [s]."""
 
 
-def recording_of_bag(paths: Sequence[Path], scenario: Scenario | None = None) -> Recording:
+def recording_of_bag(
+    paths: Sequence[Path], scenario: Scenario | None = None, odometry: Sequence[str] = ()
+) -> Recording:
     """Return the recording of a bag, or of the parts of one.
 
-    Args:   scenario: its building is drawn instead of the bag's /map.
+    Args:   scenario: its building is drawn instead of the bag's /map. odometry: as in `read_run`.
     Raises: RecordingError.
     """
-    return recording_of(read_run(paths), paths, scenario)
+    return recording_of(read_run(paths, odometry), paths, scenario)
 
 
 def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | None = None) -> Recording:

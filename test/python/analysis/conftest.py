@@ -85,10 +85,17 @@ def write_bag() -> Callable[..., Path]:
 
 @pytest.fixture(scope="session")
 def odometry() -> Callable[..., Any]:
-    """Make a nav_msgs/Odometry; `frame` replaces that of robot 0."""
-    make = BagTypes()
+    """Make a nav_msgs/Odometry; `frame` replaces that of robot 0, `make` makes it of ROS 2."""
+    of_ros1 = BagTypes()
 
-    def message(time_ns: int, x_m: float, y_m: float, yaw_rad: float = 0.0, frame: str = "robot_0/odom") -> Any:
+    def message(
+        time_ns: int,
+        x_m: float,
+        y_m: float,
+        yaw_rad: float = 0.0,
+        frame: str = "robot_0/odom",
+        make: BagTypes = of_ros1,
+    ) -> Any:
         reading = OdometryReading(PoseReading.from_pose(Pose(x_m, y_m, yaw_rad)), Twist())
         built = robots.odometry(make, time_ns, 0, reading)
         built.header.frame_id = frame

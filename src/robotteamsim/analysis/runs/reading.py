@@ -1,6 +1,8 @@
 """Reads a run from a bag, or from the parts of one."""
 
+import itertools
 import math
+import pickle
 import re
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
@@ -12,6 +14,7 @@ import numpy as np
 
 from robotteamsim.analysis.runs import tracks
 from robotteamsim.analysis.runs.gaps import Gap, missing_steps, usual_step_ns
+from robotteamsim.analysis.runs.path_topics import SOURCES, TF_TYPES, PathTopic, natural, path_topics
 from robotteamsim.analysis.runs.recorded_run import (
     Flags,
     RecordedArea,
@@ -29,13 +32,13 @@ from robotteamsim.interface import SwarmContext
 from robotteamsim.mission.egress import Egress, ExitEgress, PersonEgress
 from robotteamsim.mission.status import DeliveredDiscoveries
 from robotteamsim.network.compact import hops_among, row_bytes, unpacked
+from robotteamsim.recording.bag_paths import name_of
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.topics.mission import EGRESS, read_egress
 from robotteamsim.recording.topics.world import FIRE, ROBOTS, ROLES, SMOKE
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.scenario import Role
 
-TRUTH, ODOM = "base_pose_ground_truth", "odom"
 STATE, LINKS = "/network/state", "/network/links"
 
 _TEAM_TYPES = {
@@ -49,15 +52,11 @@ _TEAM_TYPES = {
     **{topic.name: topic.type_name for topic in (EGRESS, ROBOTS, FIRE, SMOKE)},
 }
 _ROBOT_TYPES = {
-    TRUTH: "nav_msgs/Odometry",
-    ODOM: "nav_msgs/Odometry",
     "contact": "robotteamsim/Contact",
     "controller/status": "robotteamsim/ControllerStatus",
 }
 _PATH_TOTALS = ("distance_m", "mean_speed_mps", "max_speed_mps")
 _TOTALS_OF_ROBOT = {
-    TRUTH: (*_PATH_TOTALS, "trajectory_hash"),
-    ODOM: _PATH_TOTALS,
     "contact": ("collisions", "contact_s"),
     "controller/status": ("excluded_s", "context"),
 }
@@ -67,7 +66,6 @@ _NETWORK_TOTALS = (
 )
 _TOTALS_OF_TEAM = {"/mission/status": (), STATE: _NETWORK_TOTALS, LINKS: _NETWORK_TOTALS}
 """Topics with one message per step, and the totals that depend on all of them."""
-_TF_TYPES = {"/tf": "tf2_msgs/TFMessage", "/tf_static": "tf2_msgs/TFMessage"}
 
 _LEAVES_OR_COMES = ("robot_removed", "robot_failed_by_heat", "firefighter_collapsed", "robot_spawned")
 _TIMELESS = ("/map", "/mission/areas", ROBOTS.name)
@@ -79,6 +77,9 @@ _MAX_DISORDER_NS = 10**9
 
 _MOST_M, _MOST_S = 1e6, 1e9
 """Limits of lengths [m] and times [s]; greater ones are impossible."""
+
+_CLOCKS_NS, _ONE_TIME_NS = 10 * 10**9, 86_400 * 10**9
+"""Clocks may differ by less than the first, which includes delays; above the second they are not of one kind."""
 
 Samples = Mapping[str, list[tuple[int, Any]]]
 """Stamps [ns] and values by topic."""
@@ -107,26 +108,31 @@ class _ControllerSample:
     context: tuple[float, ...] | None
 
 
-def read_run(paths: Sequence[Path]) -> RecordedRun:
+def read_run(paths: Sequence[Path], odometry: Sequence[str] = ()) -> RecordedRun:
     """Read one run from a bag, or from the parts of one.
 
+    Args:   odometry: the topics of the robots' poses; (): those of `path_topics`.
     Raises: RecordingError: a bag cannot be read, contains no run, or contains more than one.
     """
     with BagReader(paths) as bag:
         try:
-            return _read(bag, paths[0].name.removesuffix(".bag").removesuffix(".mcap"))
+            return _read(bag, name_of(paths[0]), odometry)
         except ContentError as error:
             raise RecordingError(f"{', '.join(map(str, paths))}: {error}") from None
 
 
-def _read(bag: BagReader, name: str) -> RecordedRun:
-    types = _types_to_read(bag.topics)
+def _read(bag: BagReader, name: str, odometry: Sequence[str]) -> RecordedRun:
+    try:
+        paths = path_topics(bag.topics, odometry)
+    except ValueError as error:
+        raise ContentError(str(error)) from None
+    types = _types_to_read(bag.topics, paths)
     unread = {topic for topic in types if not bag.is_known(topic)}
     samples: dict[str, list[tuple[int, Any]]] = defaultdict(list)
     transforms, ended_ns = tracks.Transforms(), math.inf
     for topic, stamp_ns, message in bag.messages(set(types) - unread):
-        if topic in _TF_TYPES:
-            transforms.add(message, is_static=topic == "/tf_static")
+        if types[topic] in TF_TYPES:
+            transforms.add(topic, message)
             continue
         if topic in _AT_END and stamp_ns > ended_ns:
             continue
@@ -140,48 +146,60 @@ def _read(bag: BagReader, name: str) -> RecordedRun:
             unread.add(topic)
         except ValueError as error:
             raise ContentError(f"{topic}: {error}") from None
-    return _run(name, samples, transforms, tuple(sorted(unread)), bag.topics)
+    if not paths:
+        paths = {namespace: PathTopic(f"{namespace}/tf", "tf") for namespace in sorted(transforms.bases, key=natural)}
+        samples |= {paths[namespace].name: of_base for namespace, of_base in transforms.bases.items()}
+    names = {path.name for path in paths.values()}
+    notes = _differing_clocks({topic: late_ns for topic, late_ns in bag.late_ns.items() if topic in names})
+    once = {topic: _in_order(topic, _without_copies(topic, all_of)) for topic, all_of in samples.items() if all_of}
+    for topic in sorted(names & set(once)):
+        if copies := len(samples[topic]) - len(once[topic]):
+            notes.append(f"{topic}: {copies} of {len(samples[topic])} messages are copies; each counts once")
+    return _run(name, once, paths, transforms, tuple(sorted(unread)), tuple(notes), bag.topics)
 
 
-def _types_to_read(topics: Mapping[str, str]) -> dict[str, str]:
-    """Return the topics to read and their types; /tf is read only if some robot's true poses are not recorded."""
+def _types_to_read(topics: Mapping[str, str], paths: Mapping[str, PathTopic]) -> dict[str, str]:
+    """Return the topics to read and their types; tf is read only if some robot's true poses are not recorded."""
     types = {topic: kind for topic, kind in _TEAM_TYPES.items() if topics.get(topic) == kind}
     if STATE in types:
         types.pop(LINKS, None)  # The matrices contain the links.
-    needs_tf = False
-    for namespace in _namespaces(topics):
+    for namespace, path in paths.items():
+        types[path.name] = topics[path.name]
         of_robot = {f"{namespace}/{name}": kind for name, kind in _ROBOT_TYPES.items()}
-        if topics.get(f"{namespace}/{TRUTH}") == _ROBOT_TYPES[TRUTH]:
-            del of_robot[f"{namespace}/{ODOM}"]
-        else:
-            needs_tf = True
         types |= {topic: kind for topic, kind in of_robot.items() if topics.get(topic) == kind}
-    if needs_tf:
-        types |= {topic: kind for topic, kind in _TF_TYPES.items() if topics.get(topic) == kind}
+    if not paths or any(path.source != "truth" for path in paths.values()):
+        names = ("tf", "tf_static")
+        types |= {
+            topic: kind for topic, kind in topics.items() if kind in TF_TYPES and topic.rpartition("/")[2] in names
+        }
     return types
 
 
-def _namespaces(topics: Mapping[str, str]) -> list[str]:
-    """Return the namespaces with odometry or true poses, in natural order: robot_2 before robot_10."""
-    found = {
-        topic.rpartition("/")[0]
-        for topic, kind in topics.items()
-        if kind == _ROBOT_TYPES[ODOM] and topic.rpartition("/")[2] in (TRUTH, ODOM)
-    }
-    return sorted(found, key=lambda name: [int(p) if p.isdigit() else p for p in re.split(r"(\d+)", name)])
+def _differing_clocks(late_ns: Mapping[str, int]) -> list[str]:
+    """Return a line for each topic of poses whose stamps are of another clock. Args: as `BagReader.late_ns`."""
+    if not late_ns:
+        return []
+    best = min(late_ns, key=lambda topic: abs(late_ns[topic]))
+    behind_ns = {topic: late - late_ns[best] for topic, late in late_ns.items()}
+    return [
+        f"{topic}: its clock is {abs(by_ns) / 1e9:.1f} s {'behind' if by_ns > 0 else 'ahead of'} that of {best}, "
+        "by the times of recording"
+        for topic, by_ns in behind_ns.items()
+        if abs(by_ns) > _CLOCKS_NS and abs(late_ns[best]) < _ONE_TIME_NS  # else the time is simulated
+    ]
 
 
 def _run(
     name: str,
     samples: Samples,
+    paths: Mapping[str, PathTopic],
     transforms: tracks.Transforms,
     unread: tuple[str, ...],
+    notes: tuple[str, ...],
     topics: Mapping[str, str],
 ) -> RecordedRun:
-    samples = {topic: _in_order(topic, of_topic) for topic, of_topic in samples.items() if of_topic}
     samples = _until_end(samples)
-    namespaces = _namespaces(dict.fromkeys(samples, _ROBOT_TYPES[ODOM]))
-    by_namespace = {namespace: _robot(namespace, samples, transforms) for namespace in namespaces}
+    by_namespace = {namespace: _robot(namespace, path, samples, transforms) for namespace, path in paths.items()}
     robots = tuple(filter(None, by_namespace.values()))
     mission = tuple(status for _, status in samples.get("/mission/status", []))
     network = next((_network(topic, samples[topic]) for topic in (STATE, LINKS) if topic in samples), None)
@@ -192,7 +210,7 @@ def _run(
         more = ", .." if len(topics) > 6 else ""
         shown = [f"{topic} of type {kind}" for topic, kind in list(topics.items())[:6]]
         found = f"found {', '.join(shown)}{more}" if topics else "the bag is empty"
-        raise ContentError(f"expected odom or {TRUTH} of a robot, /mission/status or {STATE}; {found}")
+        raise ContentError(f"expected odometry, poses or tf of a robot, /mission/status or {STATE}; {found}")
     first_ns, end_ns = int(min(np.min(pair) for pair in stamps)), int(max(np.max(pair) for pair in stamps))
     started = next((status for status in mission if status.state == "running"), None)
     return RecordedRun(
@@ -210,17 +228,27 @@ def _run(
         egress=_last(samples, EGRESS.name),
         fire=_last(samples, FIRE.name),
         smoke=_last(samples, SMOKE.name),
-        gaps=_gaps(samples, by_namespace, next((each.stamp_ns for each in mission if each.state == "ended"), None)),
+        gaps=_gaps(
+            samples, paths, by_namespace, next((each.stamp_ns for each in mission if each.state == "ended"), None)
+        ),
+        notes=notes,
     )
 
 
-def _gaps(samples: Samples, by_namespace: Mapping[str, RecordedRobot | None], end_ns: int | None) -> tuple[Gap, ...]:
+def _gaps(
+    samples: Samples,
+    paths: Mapping[str, PathTopic],
+    by_namespace: Mapping[str, RecordedRobot | None],
+    end_ns: int | None,
+) -> tuple[Gap, ...]:
     """Return the gaps of all topics with one message per step. Args: end_ns: stamp of the mission's end, if any."""
     topics: list[tuple[str, str, tuple[str, ...], tuple[Absence, ...]]]
     topics = [(topic, "", totals, ()) for topic, totals in _TOTALS_OF_TEAM.items()]
     for namespace, robot in by_namespace.items():
         if robot is not None:
-            of_robot = _TOTALS_OF_ROBOT.items()
+            path, of_robot = paths[namespace], _TOTALS_OF_ROBOT.items()
+            of_path = (*_PATH_TOTALS, "trajectory_hash") if path.source == "truth" else _PATH_TOTALS
+            topics.append((path.name, robot.name, of_path, robot.track.absences))
             topics += [(f"{namespace}/{kind}", robot.name, totals, robot.track.absences) for kind, totals in of_robot]
     stamps_ns = {topic: np.unique([stamp_ns for stamp_ns, _ in samples.get(topic, [])]) for topic, *_ in topics}
     steps_ns = {topic: usual_step_ns(of_topic) for topic, of_topic in stamps_ns.items()}
@@ -252,25 +280,38 @@ def _until_end(samples: Samples) -> Samples:
     return {topic: of_topic for topic, of_topic in cut.items() if of_topic}
 
 
+def _without_copies(topic: str, samples: list[tuple[int, Any]]) -> list[tuple[int, Any]]:
+    """Return the samples of a topic without those that were there before, with the same stamp and value."""
+    least_ns = 0 if topic == "/mission/events" else 1  # Several events may have one stamp.
+    if topic in _TIMELESS or min(_steps_ns(samples), default=least_ns) >= least_ns:
+        return samples
+    return list({(stamp_ns, pickle.dumps(value)): (stamp_ns, value) for stamp_ns, value in samples}.values())
+
+
 def _in_order(topic: str, samples: list[tuple[int, Any]]) -> list[tuple[int, Any]]:
-    stamps_ns = np.array([stamp for stamp, _ in samples])
-    if len(stamps_ns) > 1 and topic not in _TIMELESS:
-        fall = int(np.argmin(np.diff(stamps_ns)))
-        if stamps_ns[fall + 1] < stamps_ns[fall] - _MAX_DISORDER_NS:
-            before_s, after_s = stamps_ns[fall] / 1e9, stamps_ns[fall + 1] / 1e9
+    for (before_ns, _), step_ns in zip(samples, _steps_ns(samples), strict=False):
+        if step_ns < -_MAX_DISORDER_NS and topic not in _TIMELESS:
+            before_s, after_s = before_ns / 1e9, (before_ns + step_ns) / 1e9
             raise ContentError(
                 f"{topic}: time goes back from {before_s:.1f} to {after_s:.1f} s; expected one run per bag"
             )
     return sorted(samples, key=lambda sample: sample[0])
 
 
-def _robot(namespace: str, samples: Samples, transforms: tracks.Transforms) -> RecordedRobot | None:
-    truth, odom = samples.get(f"{namespace}/{TRUTH}"), samples.get(f"{namespace}/{ODOM}")
+def _steps_ns(samples: list[tuple[int, Any]]) -> list[int]:
+    return [after_ns - before_ns for (before_ns, _), (after_ns, _) in itertools.pairwise(samples)]
+
+
+def _robot(namespace: str, path: PathTopic, samples: Samples, transforms: tracks.Transforms) -> RecordedRobot | None:
     name = namespace.strip("/") or "robot"
     number = re.fullmatch(r"robot_(\d+)", name)
     robot_id = int(number[1]) if number else None
     absences = _absences([item for item in samples.get("/mission/events", []) if item[1].robot_id == robot_id])
-    track = tracks.from_truth(truth, absences) if truth else tracks.from_odometry(odom or [], transforms, absences)
+    poses = samples.get(path.name, [])
+    if path.source == "truth":
+        track = tracks.from_truth(poses, absences)
+    else:
+        track = tracks.from_odometry(poses, transforms, absences, namespace=namespace, source=path.source)
     if track is None:
         return None
     contact, statuses = samples.get(f"{namespace}/contact"), samples.get(f"{namespace}/controller/status", [])
@@ -321,7 +362,8 @@ def _network(topic: str, samples: list[tuple[int, Any]]) -> RecordedNetwork:
 
 
 def _pose_sample(stamp_ns: int, message: Any) -> tracks.PoseSample:
-    position, q = message.pose.pose.position, message.pose.pose.orientation
+    pose = getattr(message.pose, "pose", message.pose)
+    position, q = pose.position, pose.orientation
     return tracks.PoseSample(message.header.frame_id.lstrip("/"), position.x, position.y, q.x, q.y, q.z, q.w)
 
 
@@ -429,7 +471,7 @@ def _finite(name: str, value: float, most: float) -> float:
 
 
 _CONVERTERS: dict[str, Callable[[int, Any], Any]] = {
-    "nav_msgs/Odometry": _pose_sample,
+    **dict.fromkeys(SOURCES, _pose_sample),
     "nav_msgs/OccupancyGrid": _grid,
     "robotteamsim/Contact": lambda stamp_ns, message: message.in_contact,
     "robotteamsim/ControllerStatus": _controller_sample,

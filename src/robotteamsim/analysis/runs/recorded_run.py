@@ -141,13 +141,14 @@ class RecordedEvent:
 class RecordedRun:
     """One run, up to the end of its mission if it has one.
 
-    name:      name of the bag without .bag or .mcap.
+    name:      name of the bag without its suffix.
     statuses, events, victims: in order of their stamps [ns]; empty if the bag lacks them.
     start_ns:  stamp of time 0: the start of the mission, or the first message if there is no mission.
     end_ns:    stamp of the last message of the run.
     unread:    topics whose type, or version of the type, is unknown.
     egress, fire, smoke: the last ones; None if the bag lacks them. Grids as in /fire/grid and /smoke/grid.
     gaps:      topics with one message per step that lack some.
+    notes:     lines about copies of messages, and clocks that differ.
     """
 
     name: str
@@ -165,6 +166,7 @@ class RecordedRun:
     fire: OccupancyGrid | None = None
     smoke: OccupancyGrid | None = None
     gaps: tuple[Gap, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def time_s(self, stamps_ns: np.ndarray) -> np.ndarray:
         """Return the times of stamps, counted from the start [s]."""

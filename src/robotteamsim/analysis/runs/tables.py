@@ -275,7 +275,7 @@ def _number(value: float | None, form: str, mark: str = "") -> str:
 
 
 def _print_omitted(console: Console, totals: RunTotals, prefix: str) -> None:
-    lines = [f"omitted: {line}" for line in totals.omitted]
+    lines = [*totals.notes, *(f"omitted: {line}" for line in totals.omitted)]
     lines += [f"{gap.topic}: {gap.missing} of {gap.expected} steps missing" for gap in totals.gaps[:MAX_GAPS]]
     if len(totals.gaps) > MAX_GAPS:
         lines.append(f"and {counted(len(totals.gaps) - MAX_GAPS, 'more topic')} with missing steps")

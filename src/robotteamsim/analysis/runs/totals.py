@@ -5,13 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from robotteamsim.analysis.runs.gaps import Gap
-from robotteamsim.analysis.runs.reading import TRUTH
 from robotteamsim.analysis.runs.recorded_run import Flags, RecordedContext, RecordedNetwork, RecordedRobot, RecordedRun
+from robotteamsim.analysis.runs.tracks import FASTEST_MPS
 from robotteamsim.interface import SwarmContext
 from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.events import failure_of
 from robotteamsim.network import newly_endangered
 from robotteamsim.simulation.trial import TrajectoryHash
+from robotteamsim.wording import counted
 
 SPEED_WINDOW_S = 1.0
 """Speeds are means over this time: over shorter times, a real robot's odometry is mostly noise."""
@@ -89,6 +90,7 @@ class RunTotals:
     omitted:         what could not be computed, and the missing topic.
     controllers_failed: number of times that a controller was stopped.  controller_failed: the first one and its reason.
     gaps:            topics that lack steps, and the totals that are computed without them.
+    notes:           copies of messages, clocks that differ, jumps of the odometry.
     """
 
     bag: str
@@ -102,6 +104,7 @@ class RunTotals:
     controllers_failed: int = 0
     controller_failed: str = ""
     gaps: tuple[Gap, ...] = ()
+    notes: tuple[str, ...] = ()
 
     def lacks_steps(self, total: str, robot: str | None = None) -> bool:
         """Whether a total is computed from a topic with gaps. Args: robot: its name; None: of any robot or the team."""
@@ -144,6 +147,7 @@ def run_totals(run: RecordedRun) -> RunTotals:
         controllers_failed=len(failed),
         controller_failed=failure_of(failed[0]) if failed else "",
         gaps=run.gaps,
+        notes=(*run.notes, *(line for robot in run.robots for line in _jumps(run, robot))),
     )
 
 
@@ -267,6 +271,15 @@ def _trajectory_hash(run: RecordedRun) -> str | None:
     return computed.hexdigest()
 
 
+def _jumps(run: RecordedRun, robot: RecordedRobot) -> list[str]:
+    """Return a line if poses jumped, as after a reset of the odometry."""
+    if not robot.track.jumps:
+        return []
+    count, (stamp_ns, length_m) = counted(len(robot.track.jumps), "jump"), robot.track.jumps[0]
+    first = f"the first of {length_m:.1f} m at {run.time_s(np.array(stamp_ns)):.1f} s"
+    return [f"{robot.name}: {count} faster than {FASTEST_MPS:g} m/s, {first}: resets of the odometry, not driven"]
+
+
 def _omitted(run: RecordedRun) -> tuple[str, ...]:
     """Return one line for each value that cannot be computed, with the missing topic."""
     lines = [f"{topic}: unknown type, or unknown version of the type" for topic in run.unread]
@@ -277,8 +290,8 @@ def _omitted(run: RecordedRun) -> tuple[str, ...]:
     if run.network is None:
         lines.append("network: no /network/state")
     if not run.robots and (run.network is None or run.network.adjacency.shape[1]):
-        lines.append(f"paths, distances, speeds: no {TRUTH} and no odom of any robot")
-    if lost := [robot.track.frame for robot in run.robots if not robot.track.is_on_map]:
+        lines.append("paths, distances, speeds: no odometry, poses or tf of any robot")
+    if lost := dict.fromkeys(robot.track.frame for robot in run.robots if not robot.track.is_on_map):
         lines.append(f"paths on the floor plan: no transform from map to {', '.join(lost)} on /tf")
     lines += _missing("collisions", "contact", [r.name for r in run.robots if r.contact is None], len(run.robots))
     lines += _missing(

@@ -3,15 +3,13 @@
 import itertools
 import math
 from collections import defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from robotteamsim.message_parts import MAP_FRAME
-
-Source = Literal["truth", "odom and tf", "odom"]
 
 BEFORE_ALL_NS = -(2**62)
 """Stamp of transforms that are valid at all times."""
@@ -19,6 +17,14 @@ AFTER_ALL_NS = 2**62
 
 Absence = tuple[int, int]
 """Stamps at which a robot left and at which it came again [ns]."""
+Jump = tuple[int, float]
+"""Stamp of the first pose after a jump [ns], and its length [m]."""
+
+FASTEST_MPS, _SHORTEST_JUMP_M = 20.0, 0.5
+"""No robot is faster: twice the limit of a scenario. Shorter jumps are the jitter of stamps."""
+_FARTHEST_M = 1e9
+"""Farther than any place on the Earth, also in UTM coordinates: such poses are as impossible as NaN."""
+_BASES = ("base_footprint", "base_link")
 
 
 class PoseSample(NamedTuple):
@@ -37,6 +43,7 @@ class PoseSample(NamedTuple):
 class Track:
     """The path of a robot.
 
+    source:    "truth", "odom", "pose" or "tf"; "odom and tf" if tf has placed it in the map.
     frame:     "map", or the frame of the odometry if no transform from map to it is recorded.
     stamps_ns: int64, shape (n,), ascending.
     poses:     float64, shape (n, 3): x, y [m], yaw [rad] in `frame`.
@@ -44,20 +51,24 @@ class Track:
     driven_m:  float64, shape (n,): length of the path so far [m], in the frame of the odometry if there is one, because
                that frame may jump in the map.
     absences:  intervals in which the robot was absent, in order.
+    jumps:     faster than any robot, such as resets of the odometry: not driven.
     """
 
-    source: Source
+    source: str
     frame: str
     stamps_ns: np.ndarray
     poses: np.ndarray
     turns: np.ndarray
     driven_m: np.ndarray
     absences: tuple[Absence, ...] = ()
+    jumps: tuple[Jump, ...] = ()
 
     @property
     def breaks(self) -> list[int]:
-        """Indices of poses that are not connected to the previous one, because the robot came again there."""
-        return [index for index in _came(self.stamps_ns, self.absences) if 0 < index < len(self.stamps_ns)]
+        """Indices of poses that are not connected to the previous one: the robot came again there, or jumped."""
+        jumped = np.searchsorted(self.stamps_ns, [stamp_ns for stamp_ns, _ in self.jumps]).tolist()
+        found = sorted({*_came(self.stamps_ns, self.absences), *jumped})
+        return [index for index in found if 0 < index < len(self.stamps_ns)]
 
     def line(self, begin: int, end: int) -> np.ndarray:
         """Return the positions of the poses begin <= index < end, with NaN at the breaks, shape (m, 2) [m]."""
@@ -79,27 +90,45 @@ class Track:
 
 
 class Transforms:
-    """Poses of frames in `map`, from /tf and /tf_static."""
+    """Poses of frames in `map`, and of the robots' bases in their parents, from the topics tf and tf_static."""
 
     def __init__(self) -> None:
-        self._places: dict[str, list[tuple[int, float, float, float]]] = defaultdict(list)
+        self._places: dict[tuple[str, str], list[tuple[int, float, float, float]]] = defaultdict(list)
+        self.bases: dict[str, list[tuple[int, PoseSample]]] = defaultdict(list)
+        """Poses in the parent frame by the namespace of the robot: that of the topic, or the prefix of the frame."""
 
-    def add(self, message: Any, is_static: bool) -> None:
+    def add(self, topic: str, message: Any) -> None:
         """Add the transforms of a tf2_msgs/TFMessage."""
+        namespace, _, kind = topic.rpartition("/")
         for transform in message.transforms:
-            if transform.header.frame_id.lstrip("/") == MAP_FRAME:
-                stamp = transform.header.stamp
-                stamp_ns = BEFORE_ALL_NS if is_static else stamp.sec * 10**9 + stamp.nanosec
-                place, q = transform.transform.translation, transform.transform.rotation
+            parent, child = transform.header.frame_id.lstrip("/"), transform.child_frame_id.lstrip("/")
+            prefix, _, name = child.rpartition("/")
+            is_base = name in _BASES and parent.rpartition("/")[2] not in _BASES
+            if parent != MAP_FRAME and not is_base:
+                continue
+            stamp = transform.header.stamp
+            stamp_ns = BEFORE_ALL_NS if kind == "tf_static" else stamp.sec * 10**9 + stamp.nanosec
+            place, q = transform.transform.translation, transform.transform.rotation
+            if parent == MAP_FRAME:
                 yaw_rad = float(_yaw_rad(q.x, q.y, q.z, q.w))
-                self._places[transform.child_frame_id.lstrip("/")].append((stamp_ns, place.x, place.y, yaw_rad))
+                self._places[namespace, child].append((stamp_ns, place.x, place.y, yaw_rad))
+            if is_base and kind == "tf":
+                sample = PoseSample(parent, place.x, place.y, q.x, q.y, q.z, q.w)
+                self.bases[namespace or (prefix and f"/{prefix}")].append((stamp_ns, sample))
 
-    def of(self, frame: str) -> tuple[np.ndarray, np.ndarray] | None:
-        """Return stamps [ns], ascending, and x, y [m], yaw [rad] of a frame in `map`, or None if it is unknown."""
-        if frame not in self._places:
-            return None
-        places = sorted(self._places[frame])
-        return np.array([place[0] for place in places]), np.array([place[1:] for place in places])
+    def of(self, frame: str, namespace: str) -> tuple[np.ndarray, np.ndarray] | None:
+        """Return stamps [ns], ascending, and x, y [m], yaw [rad] of a robot's frame in `map`, or None if it is unknown.
+
+        The tf of the nearest namespace counts; there, the frame may lack the namespace as its prefix.
+        """
+        names = (frame, frame.removeprefix(f"{namespace.strip('/')}/"))
+        while True:
+            for name in names:
+                if places := sorted(self._places.get((namespace, name), [])):
+                    return np.array([place[0] for place in places]), np.array([place[1:] for place in places])
+            if not namespace:
+                return None
+            namespace = namespace.rpartition("/")[0]
 
 
 def from_truth(samples: Sequence[tuple[int, PoseSample]], absences: tuple[Absence, ...] = ()) -> Track | None:
@@ -109,11 +138,16 @@ def from_truth(samples: Sequence[tuple[int, PoseSample]], absences: tuple[Absenc
 
 
 def from_odometry(
-    samples: Sequence[tuple[int, PoseSample]], transforms: Transforms, absences: tuple[Absence, ...] = ()
+    samples: Sequence[tuple[int, PoseSample]],
+    transforms: Transforms,
+    absences: tuple[Absence, ...] = (),
+    *,
+    namespace: str = "",
+    source: str = "odom",
 ) -> Track | None:
     """Return the track of an odometry: in `map` from the first transform of its frame on, else in its own frame."""
-    track = _track("odom", samples, absences)
-    placed = transforms.of(track.frame) if track else None
+    track = _track(source, samples, absences)
+    placed = transforms.of(track.frame, namespace) if track else None
     if track is None or placed is None:
         return track
     place_stamps_ns, places = placed
@@ -132,19 +166,26 @@ def from_odometry(
         )
     )
     turns, driven_m = track.turns[first:], track.driven_m[first:]
-    return Track("odom and tf", MAP_FRAME, stamps_ns, on_map, turns, driven_m, absences)
+    source = source if source == "tf" else f"{source} and tf"
+    return Track(source, MAP_FRAME, stamps_ns, on_map, turns, driven_m, absences, track.jumps)
 
 
-def _track(source: Source, samples: Sequence[tuple[int, PoseSample]], absences: tuple[Absence, ...]) -> Track | None:
+def _track(source: str, samples: Sequence[tuple[int, PoseSample]], absences: tuple[Absence, ...]) -> Track | None:
     """Return the track of recorded poses in their own frame, without NaN, which lost robots publish; None: no poses."""
-    finite = [(stamp_ns, pose) for stamp_ns, pose in samples if all(map(math.isfinite, pose[1:]))]
+    finite = [(stamp_ns, pose) for stamp_ns, pose in samples if all(abs(value) < _FARTHEST_M for value in pose[1:])]
     if not finite:
         return None
     stamps_ns = np.array([stamp_ns for stamp_ns, _ in finite])
     values = np.array([pose[1:] for _, pose in finite])
     poses = np.column_stack((values[:, :2], _yaw_rad(*values[:, 2:].T)))
-    driven_m = _driven_m(poses, _came(stamps_ns, absences))
-    return Track(source, finite[0][1].frame, stamps_ns, poses, values[:, 4:], driven_m, absences)
+    steps_m, came = _steps_m(poses), _came(stamps_ns, absences)
+    steps_m[[index for index in came if index < len(steps_m)]] = 0.0
+    possible_m = np.maximum(np.diff(stamps_ns, prepend=stamps_ns[0]) / 1e9 * FASTEST_MPS, _SHORTEST_JUMP_M)
+    jumped = np.flatnonzero(steps_m > possible_m)
+    jumps = tuple(zip(stamps_ns[jumped].tolist(), steps_m[jumped].tolist(), strict=True))
+    steps_m[jumped] = 0.0
+    # The sum has the order of the trial's own totals, for the same bits.
+    return Track(source, finite[0][1].frame, stamps_ns, poses, values[:, 4:], np.cumsum(steps_m), absences, jumps)
 
 
 def _came(stamps_ns: np.ndarray, absences: Sequence[Absence]) -> list[int]:
@@ -154,16 +195,10 @@ def _came(stamps_ns: np.ndarray, absences: Sequence[Absence]) -> list[int]:
     return indices
 
 
-def _driven_m(poses: np.ndarray, came: Iterable[int]) -> np.ndarray:
-    """Return the length of the path so far; the sum has the order of the trial's own totals, for the same bits.
-
-    Args: came: indices of poses that are not connected to the previous one.
-    """
+def _steps_m(poses: np.ndarray) -> np.ndarray:
+    """Return the length of the step to each pose."""
     places = poses[:, :2].tolist()
-    steps_m = [math.dist(place, before) for before, place in itertools.pairwise(places)]
-    driven_m = np.array([0.0, *steps_m])
-    driven_m[[index for index in came if index < len(driven_m)]] = 0.0
-    return np.cumsum(driven_m)
+    return np.array([0.0, *(math.dist(place, before) for before, place in itertools.pairwise(places))])
 
 
 def _yaw_rad(x: Any, y: Any, z: Any, w: Any) -> Any:
