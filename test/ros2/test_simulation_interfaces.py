@@ -300,6 +300,29 @@ def test_entities_are_robots_victims_and_objects_and_filtered(standard):
         assert len(message) < 400
 
 
+@pytest.mark.parametrize(
+    ("posix", "found"),
+    [
+        ("robot_[[:digit:]]", "robot_0 robot_1 robot_2"),
+        ("[[:alpha:]]+_1$", "victim_1 robot_1"),
+        ("^[^[:space:]v]", "robot_0 robot_1 robot_2"),
+        ("[[:digit:]v]_[[:digit:]]", ""),
+        (r"[\d]", ""),  # in POSIX a backslash or a d
+        ("[]m[]_[12-3]", "victim_1 victim_2 victim_3"),
+        ("_(0|[[:alpha:]])$|m_[^1-3[:upper:]]", "victim_4 robot_0"),
+    ],
+)
+def test_filters_are_extended_regular_expressions_of_posix(standard, posix, found):
+    assert standard.entities(filter=posix) == found.split()
+
+
+def test_class_of_characters_that_there_is_not_is_one_line(standard):
+    for part in ("[:number:]", "[.a.]", "[=a=]"):
+        code, message = standard.entities(filter=f"[{part}]")
+        assert (code, message.partition(" is ")[0]) == (FAILED, f"filters.filter: '[{part}]': {part}")
+        assert "expected one of alnum, alpha" in message
+
+
 def test_states_are_the_true_ones_in_the_frame_of_the_map(standard, peer):
     truth = peer.listen("/robot_0/base_pose_ground_truth", "nav_msgs/Odometry")
     peer.wait_until(lambda: peer.node.count_publishers("/robot_0/base_pose_ground_truth"), "the topic")

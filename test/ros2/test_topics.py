@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import itertools
+import math
+import shlex
+from pathlib import Path
 
 import pytest
 from peer import ALL, ALL_LATCHED, MISSION, Peer
@@ -117,6 +120,22 @@ def test_tf_leads_from_the_map_to_each_robot_unless_another_node_locates_it(tmp_
             step(peer)
     links = [(link.header.frame_id, link.child_frame_id) for link in own[-1].transforms]
     assert links == [("map", "odom"), ("odom", "base_footprint")]
+
+
+def test_start_for_nav2_leaves_the_map_to_it_and_sends_infinity_for_no_return(tmp_path, peer):
+    page = (Path(__file__).parents[2] / "docs" / "ros2.md").read_text()
+    command = page.partition("## nav2 and slam_toolbox")[2].partition("```sh\n")[2].partition("```")[0]
+    start = shlex.split(command)
+    assert start[:3] == ["python3", *MISSION[1:]]
+    with running((*MISSION, *start[3:]), tmp_path):
+        transforms = peer.listen("/tf", "tf2_msgs/TFMessage")
+        scans = peer.listen("/robot_0/base_scan", "sensor_msgs/LaserScan")
+        peer.wait_until(lambda: len(transforms) > 5 and len(scans) > 5, "some steps")
+    assert "map" not in {one.header.frame_id for message in transforms for one in message.transforms}
+    scan = scans[-1]
+    assert max(one for one in scan.ranges if math.isfinite(one)) < scan.range_max
+    assert math.inf in scan.ranges
+    assert scan.scan_time == pytest.approx(0.1)
 
 
 def test_clock_shows_the_time_to_nodes_with_simulated_time(paused, peer):

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import functools
 import io
+import itertools
+import logging
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -19,13 +23,21 @@ from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.user_files import open_regular
 
+_logger = logging.getLogger(__name__)
 _KEY = "fire.fds"
-_TEMPERATURE = "TEMPERATURE"
+_TEMPERATURE, _VISIBILITY = "TEMPERATURE", "VISIBILITY"
+_UNITS = {_TEMPERATURE: "C", "SOOT DENSITY": "kg/m3", "EXTINCTION COEFFICIENT": "1/m", _VISIBILITY: "m"}
+"""The units of FDS (data.f90 at 00879a5d) of the quantities that are read: temperature, and what shows smoke."""
 _G_PER_KG = 1e3
 _MIN_VISIBILITY_M = 1e-3
 _MOST_SOOT_G_M3 = 1e9
+_SAME_HEIGHT_M = 0.01
 _ROUNDING = 1e-6
-"""Values of FDS may be below 0 by so little."""
+"""Values of FDS may be below 0 by so little, and the relative rounding of a visibility at its maximum."""
+
+_MISC = re.compile(r"^\s*&MISC\b((?:'[^']*'|\"[^\"]*\"|![^\n]*+|[^'\"!/])*+)/", re.MULTILINE)
+"""The namelist MISC of FDS's input file; a slash in a text or a comment does not end it."""
+_Convert = Callable[[np.ndarray], np.ndarray]
 
 _LINE_COUNTS = {
     ".smv": {"TRN": 1, "CLASS_OF_PARTICLES": 3, "CLASS_OF_HUMANS": 3, "PRT5": 2, "EVA5": 2},
@@ -35,21 +47,12 @@ _LINE_COUNTS = {
 many lines after that the number is. In a .bnd file the other numbers are not whole."""
 
 
-def _soot_of(fire: Fire) -> dict[str, Callable[[np.ndarray], np.ndarray]]:
-    """Return the quantities that show smoke, and how each becomes soot [g/m^3]."""
-    extinction_m2_g, c = fire.soot.extinction_m2_g, fire.soot.visibility_c
-    return {
-        "SOOT DENSITY": lambda kg_m3: kg_m3 * _G_PER_KG,
-        "EXTINCTION COEFFICIENT": lambda per_m: per_m / extinction_m2_g,
-        "VISIBILITY": lambda metres: c / np.maximum(metres, _MIN_VISIBILITY_M) / extinction_m2_g,
-    }
-
-
 class FdsHazards:
-    """Fire and smoke of a run of FDS, in cells of the plan: each has the values of the point nearest to its centre.
+    """Fire and smoke of a run of FDS, in cells of the plan: each has the values at its centre.
 
     Its clock, and with it the fire, begins at `fire.fds_ignition_s`; until then the field is as at its time 0. Between
-    two times of the results, values are interpolated linearly; after the last one they stay.
+    two times of the results, and between nodes or centres of cells of FDS, temperature and soot are interpolated
+    linearly; after the last time they stay.
     """
 
     def __init__(self, scenario: Scenario, building: Building) -> None:
@@ -60,8 +63,7 @@ class FdsHazards:
         self._fire, self._step_ns = fire, scenario.run.step_ns
         self._ignition_ns = round(fire.fds_ignition_s * 1e9)
         self._ambient = ambient_field(fire, building)
-        self._temperature, self._smoke, smoke = building.shared(_samples, fire)
-        self._soot_of = _soot_of(fire)[smoke]
+        self._temperature, self._soot = building.shared(_samples, fire)
         self.field = self._at(0.0)
         self.version = 1
         """Of the last update."""
@@ -102,90 +104,179 @@ class FdsHazards:
         time_s = max(time_s - self._ignition_ns / 1e9, 0.0)
         temperatures_c = self._temperature.at(time_s).astype(np.float32)
         states = np.where(temperatures_c >= self._fire.heat.flame_c, BURNING, 0).astype(np.uint8)
-        soot_g_m3 = self._soot_of(self._smoke.at(time_s)).astype(np.float32)
+        soot_g_m3 = self._soot.at(time_s).astype(np.float32)
         origin_m, resolution_m = self._ambient.origin_m, self._ambient.resolution_m
         return HazardField(origin_m, resolution_m, temperatures_c, soot_g_m3, states, self._fire)
 
 
 class _Samples:
-    """The values of a slice in the cells of a grid, over time."""
+    """Temperature or soot in the cells of a grid, over time."""
 
-    def __init__(self, found: Any, cells: HazardField, outside: float) -> None:
-        """Args: outside: the value of cells that the slice does not cover."""
-        self._times_s = np.asarray(found.times, dtype=np.float64)
+    def __init__(self, found: Any, root: str, cells: HazardField, outside: float, convert: _Convert) -> None:
+        """Read a slice. Args: root: folder of the run.  outside: the value of cells that the slice does not cover."""
+        parts = _by_mesh(found, root)
+        times_s = [np.asarray(part.times, dtype=np.float64) for part in parts]
+        if not np.isfinite(np.concatenate(times_s)).all():
+            raise ValueError("a time is not finite")
+        # A run that goes on, or was ended, has written more frames of some meshes than of others.
+        self._times_s = functools.reduce(np.intersect1d, times_s, times_s[0])
+        if not len(self._times_s):
+            raise ValueError("there are no times yet")
         rows, cols = cells.states.shape
         x = cells.origin_m[0] + cells.resolution_m * (np.arange(cols) + 0.5)
         y = cells.origin_m[1] + cells.resolution_m * (np.arange(rows) + 0.5)
         self.values = np.full((len(self._times_s), rows, cols), outside, dtype=np.float32)
         """Of all times, float32, shape (times, rows, cols)."""
-        for part in found.subslices:
-            points = part.get_coordinates()
-            covered_x, near_x = _nearest(points["x"], x)
-            covered_y, near_y = _nearest(points["y"], y)
-            data = np.asarray(part.data)  # by time, x and y
-            picked = data[:, near_x[covered_x]][:, :, near_y[covered_y]]
-            self.values[np.ix_(np.arange(len(data)), covered_y, covered_x)] = picked.transpose(0, 2, 1)
-        if not len(self._times_s):
-            raise ValueError("there are no times yet")
-        if not np.isfinite(self._times_s).all():
-            raise ValueError("a time is not finite")
+        for part in parts:
+            points, nodes = (part.subslices[0].get_coordinates(ignore_cell_centered=nodes) for nodes in (False, True))
+            in_x, in_y = _within(nodes["x"], x), _within(nodes["y"], y)
+            frames = np.intersect1d(self._times_s, part.times, return_indices=True)[2]
+            for values, frame in zip(self.values, frames, strict=True):
+                given = convert(np.asarray(part.subslices[0].data[frame], dtype=np.float64))  # by x and y
+                along_x = _between(given, points["x"], x[in_x])
+                values[np.ix_(in_y, in_x)] = _between(along_x.T, points["y"], y[in_y])
 
     def at(self, time_s: float) -> np.ndarray:
         """Return the values at a time, float64, shape (rows, cols)."""
-        after = int(np.searchsorted(self._times_s, time_s, side="right"))
-        if after == 0 or after == len(self._times_s):
-            nearest: np.ndarray = self.values[min(after, len(self._times_s) - 1)].astype(np.float64)
-            return nearest
-        begin_s, end_s = self._times_s[after - 1 : after + 1]
-        fraction = (time_s - begin_s) / (end_s - begin_s)
-        before, now = self.values[after - 1].astype(np.float64), self.values[after].astype(np.float64)
-        # Where both are infinite, as the visibility outside the slice, their difference is not a number.
-        values: np.ndarray = np.where(before == now, before, before + fraction * (now - before))
+        values: np.ndarray = _between(self.values, self._times_s, np.array([time_s]))[0]
         return values
 
 
-def _samples(building: Building, fire: Fire) -> tuple[_Samples, _Samples, str]:
-    """Return temperature and smoke of the results in `fire.fds`, and the name of the quantity that shows smoke."""
+def _by_mesh(found: Any, root: str) -> list[Any]:
+    """Return the part of a slice in each mesh as a slice of its own; the times of a whole one are those of one part."""
+    quantity = found.quantity
+    of_all = {"quantity": quantity.name, "short_name": quantity.short_name, "unit": quantity.unit}
+    own = ("mesh", "filename", "dimension", "extent", "bound_indices")
+    parts = [of_all | {key: getattr(part, key) for key in own} for part in found.subslices]
+    return [type(found)(root, found.id, found.cell_centered, [part]) for part in parts]
+
+
+def _within(nodes: Sequence[float], places: np.ndarray) -> np.ndarray:
+    """Return the indices of the places between the first and the last node."""
+    return np.flatnonzero((places >= nodes[0] - _ROUNDING) & (places <= nodes[-1] + _ROUNDING))
+
+
+def _between(values: np.ndarray, points: Sequence[float] | np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return values at places along the first axis, linear between its points, constant beyond them, as float64."""
+    at = np.asarray(points, dtype=np.float64)
+    after = np.clip(np.searchsorted(at, places), min(1, len(at) - 1), len(at) - 1)
+    before = np.maximum(after - 1, 0)
+    width = np.where(after > before, at[after] - at[before], 1.0)
+    share = np.clip((places - at[before]) / width, 0.0, 1.0).reshape(-1, *[1] * (values.ndim - 1))
+    between: np.ndarray = values[before] * (1.0 - share) + values[after] * share
+    return between
+
+
+def _samples(building: Building, fire: Fire) -> tuple[_Samples, _Samples]:
+    """Return the temperature [degC] and the soot [g/m^3] of the results in `fire.fds`."""
     assert fire.fds is not None
-    slices = _horizontal_slices(fire.fds)
-    kinds = _soot_of(fire)
-    smoke = next((name for name in kinds if _find(slices, name)), None)
-    for wanted, found in ((_TEMPERATURE, _find(slices, _TEMPERATURE)), (", ".join(kinds), smoke)):
-        if not found:
-            known = ", ".join(sorted({_name(each) for each in slices})) or "none"
-            raise _mistake(f"'{fire.fds}' has no horizontal slice of {wanted}; found {known}")
-    assert smoke is not None
-    ambient = ambient_field(fire, building)
-    try:
-        temperature = _Samples(_find(slices, _TEMPERATURE), ambient, fire.heat.ambient_c)
-        shown = _Samples(_find(slices, smoke), ambient, np.inf if smoke == "VISIBILITY" else 0.0)
-    except Exception as error:  # the data are read only now, see `_horizontal_slices`
+    run, ambient = _run(fire.fds), ambient_field(fire, building)
+    root = str(run.root_path)
+    try:  # the data are read only now
+        heat, smoke = _at_one_height([each for each in run.slices if each.orientation == 3], fire)
+        temperature = _Samples(heat, root, ambient, fire.heat.ambient_c, lambda values: values)
+        soot = _Samples(smoke, root, ambient, 0.0, _soot_of(smoke, fire, Path(run.smv_file_path)))
+    except PlacementError:
+        raise
+    except Exception as error:
         raise _unreadable(fire.fds, error) from None
     if not np.isfinite(temperature.values).all():
         raise _mistake(f"'{fire.fds}': a temperature is not finite")
-    if np.isnan(shown.values).any() or (smoke != "VISIBILITY" and np.isinf(shown.values).any()):
-        raise _mistake(f"'{fire.fds}': a value of {smoke} is not finite")
-    if (shown.values < -_ROUNDING).any():
-        raise _mistake(f"'{fire.fds}': a value of {smoke} is {shown.values.min():g}; expected at least 0")
-    np.maximum(shown.values, 0.0, out=shown.values)
-    with np.errstate(over="ignore"):
-        most_g_m3 = kinds[smoke](shown.values).max()
-    if not most_g_m3 < _MOST_SOOT_G_M3:
-        raise _mistake(f"'{fire.fds}': {smoke} means more than {_MOST_SOOT_G_M3:g} g/m^3 of soot")
-    return temperature, shown, smoke
+    return temperature, soot
 
 
-def _nearest(points: Sequence[float], places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return the indices of the places within the points' range, and for each place the index of the nearest point."""
-    sorted_points = np.asarray(points, dtype=np.float64)
-    half = 0.5 * (sorted_points[1] - sorted_points[0]) if len(sorted_points) > 1 else 0.0
-    is_covered = (places >= sorted_points[0] - half) & (places <= sorted_points[-1] + half)
-    nearest = np.abs(places[:, None] - sorted_points[None, :]).argmin(axis=1)
-    return np.flatnonzero(is_covered), nearest
+def _soot_of(smoke: Any, fire: Fire, smv: Path) -> _Convert:
+    """Return what converts values of a slice of smoke to soot [g/m^3]."""
+    kind, extinction_m2_g = _kind(_name(smoke)), fire.soot.extinction_m2_g
+    factor, most_m = _visibility(smv) if kind == _VISIBILITY else (0.0, 0.0)
+
+    def soot_g_m3(values: np.ndarray) -> np.ndarray:
+        if not np.isfinite(values).all():
+            raise _mistake(f"'{fire.fds}': a value of {kind} is not finite")
+        if (values < -_ROUNDING).any():
+            raise _mistake(f"'{fire.fds}': a value of {kind} is {values.min():g}; expected at least 0")
+        if kind == "SOOT DENSITY":
+            soot = _G_PER_KG * values
+        elif kind == _VISIBILITY:  # at its maximum, FDS means clear air
+            is_smoke = values < most_m * (1.0 - _ROUNDING)
+            soot = np.where(is_smoke, factor / np.maximum(values, _MIN_VISIBILITY_M), 0.0) / extinction_m2_g
+        else:
+            soot = values / extinction_m2_g
+        if not soot.max() < _MOST_SOOT_G_M3:
+            raise _mistake(f"'{fire.fds}': {kind} means more than {_MOST_SOOT_G_M3:g} g/m^3 of soot")
+        return np.maximum(soot, 0.0)
+
+    return soot_g_m3
 
 
-def _horizontal_slices(folder: str) -> list[Any]:
-    """Return the horizontal slices in a folder. Raises: PlacementError: there is no run of FDS, or no fdsreader."""
+def _at_one_height(slices: Sequence[Any], fire: Fire) -> tuple[Any, Any]:
+    """Return the slices of temperature and smoke: at one height if there are such, nearest to that of the scenario.
+
+    Raises: PlacementError: there is none, or its unit is not that of FDS.
+    """
+    heat = _named(slices, _TEMPERATURE)
+    smokes = [name for name in _UNITS if name != _TEMPERATURE]
+    smoke: list[Any] = next(filter(None, (_named(slices, name) for name in smokes)), [])
+    for wanted, found in ((_TEMPERATURE, heat), (", ".join(smokes), smoke)):
+        if not found:
+            known = ", ".join(sorted({_name(each) for each in slices})) or "none"
+            raise _mistake(f"'{fire.fds}' has no horizontal slice of {wanted}; found {known}")
+
+    def distance(pair: tuple[Any, Any]) -> tuple[bool, float]:
+        one_m, other_m = map(_height_m, pair)
+        return abs(one_m - other_m) > _SAME_HEIGHT_M, abs(one_m - fire.fds_height_m) + abs(other_m - fire.fds_height_m)
+
+    chosen = min(itertools.product(heat, smoke), key=distance)
+    for each in chosen:
+        unit, expected = each.quantity.unit.strip(), _UNITS[_kind(_name(each))]
+        if unit != expected:
+            raise _mistake(f"'{fire.fds}': the unit of {_name(each)} is '{unit}'; expected '{expected}'")
+    if distance(chosen)[0]:
+        heights = " and ".join(f"{_name(each)} at {_height_m(each):.2f} m" for each in chosen)
+        _logger.warning("%s: '%s' has no temperature and smoke at one height; read %s", _KEY, fire.fds, heights)
+    return chosen
+
+
+def _named(slices: Sequence[Any], quantity: str) -> list[Any]:
+    """Return the slices of a quantity: with exactly this name, of soot, or of the first other species."""
+    names = [name for name in map(_name, slices) if _kind(name) == quantity]
+    best = min(names, key=lambda name: (name != quantity, name != f"SOOT {quantity}"), default=None)
+    return [each for each in slices if _name(each) == best]
+
+
+def _visibility(smv: Path) -> tuple[float, float]:
+    """Return C and the maximum [m] of FDS's visibility, C / K: from the input file that a .smv file names."""
+    keys = {
+        "VISIBILITY_FACTOR": 3.0,
+        "MAXIMUM_VISIBILITY": 30.0,
+    }  # defaults: cons.f90 at 002ad224, read.f90 at 520b2f8c
+    named = (after.strip() for line, after in itertools.pairwise(_lines(smv)) if line.strip() == "INPF")
+    path = smv.with_name(Path(next(named, f"{smv.stem}.fds")).name)
+    if not path.is_file():
+        given = ", ".join(f"{key} {value:g}" for key, value in keys.items())
+        _logger.warning("%s: '%s' is missing; visibility is read with FDS's defaults, %s", _KEY, path, given)
+        return keys["VISIBILITY_FACTOR"], keys["MAXIMUM_VISIBILITY"]
+    misc = " ".join(_MISC.findall("".join(_lines(path)).upper()))
+    factor, most_m = (_number(path, misc, key, default) for key, default in keys.items())
+    return factor, most_m
+
+
+def _number(path: Path, misc: str, key: str, default: float) -> float:
+    """Return a number of a namelist in Fortran. Raises: PlacementError: it is not a number above 0."""
+    found = re.search(rf"\b{key}\s*=\s*([^\s,]*)", re.sub(r"'[^']*'|\"[^\"]*\"|![^\n]*", " ", misc))
+    if found is None:
+        return default
+    try:
+        number = float(found[1].replace("D", "E"))
+    except ValueError:
+        number = 0.0
+    if not 0.0 < number < np.inf:
+        raise _mistake(f"'{path}': {key} is '{found[1]}'; expected a number above 0")
+    return number
+
+
+def _run(folder: str) -> Any:
+    """Return the run of FDS in a folder. Raises: PlacementError: there is none, or no fdsreader."""
     try:
         import fdsreader
     except ImportError as error:
@@ -203,8 +294,7 @@ def _horizontal_slices(folder: str) -> list[Any]:
     fdsreader.settings.IGNORE_ERRORS = True
     try:
         _check_counts(Path(folder))
-        found = fdsreader.Simulation(folder).slices
-        return [each for each in found if each.orientation == 3]
+        return fdsreader.Simulation(folder)
     except PlacementError:
         raise
     except Exception as error:  # fdsreader has no error class for files that it cannot read
@@ -217,8 +307,7 @@ def _check_counts(folder: Path) -> None:
         places = _LINE_COUNTS.get(path.suffix)
         if places is None:
             continue
-        with io.TextIOWrapper(open_regular(path), errors="replace") as file:
-            lines = [line.split() for line in file]
+        lines = [line.split() for line in _lines(path)]
         for number, words in enumerate(lines, start=1):
             for keyword, offset in places.items():
                 if " ".join(words).startswith(keyword) and (count := _first_number(lines, number + offset)) > len(
@@ -227,6 +316,11 @@ def _check_counts(folder: Path) -> None:
                     raise _mistake(
                         f"'{path}', line {number + offset}: says that {count} lines follow; the file has {len(lines)}"
                     )
+
+
+def _lines(path: Path) -> list[str]:
+    with io.TextIOWrapper(open_regular(path), errors="replace") as file:
+        return file.readlines()
 
 
 def _first_number(lines: Sequence[Sequence[str]], number: int) -> int:
@@ -242,13 +336,18 @@ def _unreadable(folder: str, error: Exception) -> PlacementError:
     return _mistake(f"'{folder}' cannot be read as results of FDS: {reason}")
 
 
-def _find(slices: Sequence[Any], quantity: str) -> Any:
-    """Return the first slice of a quantity, also of one species such as soot; None if there is none."""
-    return next((each for each in slices if _name(each).endswith(quantity)), None)
-
-
 def _name(found: Any) -> str:
     return str(found.quantity.name).strip().upper()
+
+
+def _kind(name: str) -> str:
+    """Return the quantity that a name is of: FDS writes a species before the quantity, such as SOOT VISIBILITY."""
+    ends = (quantity for quantity in _UNITS if quantity != _TEMPERATURE and name.endswith(f" {quantity}"))
+    return next(ends, name)
+
+
+def _height_m(found: Any) -> float:
+    return float(found.subslices[0].get_coordinates()["z"][0])
 
 
 def _mistake(text: str) -> PlacementError:

@@ -124,7 +124,8 @@ class TeamOutputs(RobotOutputs):
         for i, sensor, outputs in self._sensors:
             measured = readings.sensors.get(i, {})
             if sensor.name in measured and any(output.wanted for output in outputs.values()):
-                for name, message in sensor.messages(self._make, step.sim_time_ns, i, measured[sensor.name]).items():
+                reading, step_s = measured[sensor.name], self._source.setup.scenario.run.step_s
+                for name, message in sensor.messages(self._make, step.sim_time_ns, i, reading, step_s).items():
                     outputs[name].publish(message)
         if self._localized:
             self._origins = [robots.odometry_origin(reading) for reading in readings]

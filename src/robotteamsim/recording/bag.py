@@ -93,4 +93,5 @@ class BagMessages:
         measured = record.readings[robot_id].sensors
         for sensor in self._robots[robot_id].sensors:
             if sensor.name in measured:
-                yield from sensor.messages(make, time_ns, robot_id, measured[sensor.name]).items()
+                step_s = self._scenario.run.step_s
+                yield from sensor.messages(make, time_ns, robot_id, measured[sensor.name], step_s).items()

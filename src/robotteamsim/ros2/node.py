@@ -256,7 +256,7 @@ class Ros2Node:
                     logger.warning("%s: ignoring %s; expected %s%s", topic, ", ".join(sent), type_name, hint)
 
     def _unstamped(self, receive: Callable[[bytes], None]) -> Callable[[bytes], None]:
-        """Return a receiver of TwistStamped, which nav2 publishes, that passes on what it takes for a Twist."""
+        """Return a receiver of TwistStamped that passes on what it takes for a Twist."""
 
         def unstamp(data: bytes) -> None:
             try:

@@ -47,6 +47,16 @@ CATEGORIES = {
     "object": EntityCategory.CATEGORY_DYNAMIC_OBJECT,
     "victim": EntityCategory.CATEGORY_HUMAN,
 }
+BRACKETS = re.compile(r"\\.|\[(\^?)(\]?(?:\[[:.=][^\]]*[:.=]\]|[^\]])*)\]", re.DOTALL)
+"""An escaped character, or a bracket expression of POSIX, which may begin with ] and contain [:digit:]."""
+IN_BRACKETS = re.compile(r"\[([:.=][^\]]*[:.=])\]|[][\\&~|]")
+"""A class of characters, or a character that Python would take for something else."""
+CLASSES = {
+    **{"alnum": "0-9A-Za-z", "alpha": "A-Za-z", "blank": r" \t", "cntrl": r"\x00-\x1f\x7f", "digit": "0-9"},
+    **{"graph": "!-~", "lower": "a-z", "print": " -~", "punct": r"!-/:-@\[-`{-~", "space": r"\t-\r "},
+    **{"upper": "A-Z", "xdigit": "0-9A-Fa-f"},
+}
+"""The classes of characters in the POSIX locale, as a set in Python has them."""
 FLAT = 1e-6
 """Largest height [m], and component of a quaternion about a horizontal axis, of a pose on the floor."""
 
@@ -259,8 +269,8 @@ def _filter(filters: Any) -> Callable[[str, Entity], bool]:
     if points and (filters.bounds.type != Bounds.TYPE_SPHERE or len(points) != 2):
         raise _unsupported("filters.bounds: expected a sphere: its centre, and a point whose x is the radius")
     try:
-        pattern = re.compile(filters.filter)
-    except (re.error, OverflowError, RecursionError) as error:
+        pattern = re.compile(BRACKETS.sub(_set_of, filters.filter))
+    except (re.error, OverflowError, RecursionError, ValueError) as error:
         raise ValueError(f"filters.filter: {filters.filter!r}: {error}") from None
     categories = {one.category for one in filters.categories} or CATEGORIES.values()
 
@@ -271,6 +281,21 @@ def _filter(filters: Any) -> Callable[[str, Entity], bool]:
         return all(distance_m <= points[1].x + entity.reach_m for distance_m in far_m)
 
     return holds
+
+
+def _set_of(found: re.Match[str]) -> str:
+    """Return Python's set for a bracket expression of POSIX. Raises: ValueError: a class that there is not."""
+    if found[2] is None:
+        return found[0]
+
+    def part(inner: re.Match[str]) -> str:
+        if inner[1] is None:
+            return f"\\{inner[0]}"  # stands for itself in POSIX, but not in Python
+        if (name := inner[1].strip(":")) not in CLASSES:
+            raise ValueError(f"[{inner[1]}] is not a class; expected one of {', '.join(CLASSES)}")
+        return CLASSES[name]
+
+    return f"[{found[1]}{IN_BRACKETS.sub(part, found[2])}]"
 
 
 def _state(time_ns: int, entity: Entity) -> EntityState:

@@ -226,6 +226,9 @@ class Fire(Model):
     fds_ignition_s: float = Field(
         default=0.0, ge=0.0, le=1e6, description="when the clock of FDS, which begins with the fire, begins [s]"
     )
+    fds_height_m: float = Field(
+        default=1.5, ge=-1000.0, le=1000.0, description="of several slices of FDS, those nearest to this z are read [m]"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Fire:
@@ -234,8 +237,10 @@ class Fire(Model):
             for key in ("fuel", "ignitions"):
                 if getattr(self, key):
                     raise wrong(key, "not allowed together with fds, whose fire is already computed")
-        elif self.fds_ignition_s:
-            raise wrong("fds_ignition_s", f"{self.fds_ignition_s:g} is only allowed together with fds")
+        else:
+            for key in ("fds_ignition_s", "fds_height_m"):
+                if (value := getattr(self, key)) != type(self).model_fields[key].default:
+                    raise wrong(key, f"{value:g} is only allowed together with fds")
         return self
 
     @property

@@ -74,6 +74,42 @@ def test_value_of_mujoco_gl_that_mujoco_refuses_is_one_line(command):
     assert "Traceback" not in done.stderr
 
 
+NO_EGL = """
+import sys
+
+class NoEgl:
+    def find_spec(self, name, path=None, target=None):
+        if name == "OpenGL.EGL":  # as on a bare Debian, where PyOpenGL finds no library
+            raise AttributeError("'NoneType' object has no attribute 'eglQueryString'")
+
+sys.meta_path.insert(0, NoEgl())
+from robotteamsim.cli import main
+sys.exit(main(sys.argv[1:]))
+"""
+
+
+@pytest.mark.parametrize(
+    ("camera", "status", "says"),
+    [
+        ([], 0, "tutorial_arena"),
+        (["--set", "robots.sensors=[{kind: camera, name: front}]"], 2, "apt-get install libegl1 libgl1-mesa-dri"),
+    ],
+)
+def test_only_cameras_need_egl(camera, status, says):
+    run = ["run", "tutorial_arena", "--set", "run.world=mujoco", "--set", "mission.time_limit_s=1", *camera]
+    done = subprocess.run(
+        [sys.executable, "-c", NO_EGL, *run],
+        env={name: value for name, value in os.environ.items() if name != "MUJOCO_GL"},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=120,
+    )
+    assert done.returncode == status, done.stderr
+    assert says in (done.stderr.splitlines()[-1] if status else done.stdout)
+    assert "Traceback" not in done.stderr
+
+
 def test_open_leaf_that_swings_is_at_its_open_place():
     door = "{name: gate, from: [4, 0], to: [5, 0], motion: swing}"
     walls = "{name: left, from: [0, 0], to: [4, 0]}, {name: right, from: [5, 0], to: [9, 0]}"

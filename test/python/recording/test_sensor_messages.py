@@ -70,6 +70,12 @@ def test_additional_scans_are_in_the_bag_in_the_steps_that_have_them(recorded):
     assert not {"/robot_1/rear", "/robot_1/slow"} & bag.keys()
 
 
+def test_scans_have_the_time_between_them(recorded):
+    _, bag = recorded
+    for topic, seconds in (("base_scan", 0.1), ("rear", 0.1), ("slow", 0.3)):
+        assert {message.scan_time for message in bag[f"/robot_0/{topic}"]} == {float(np.float32(seconds))}
+
+
 def test_frames_of_additional_sensors_are_in_the_bag(recorded):
     _, bag = recorded
     for message in bag["/tf"]:

@@ -104,6 +104,14 @@ def test_scan_keeps_its_bits_and_has_the_beams_of_the_laser(make):
         robots.read_ranges_m(scan, beams=5)
 
 
+def test_header_of_a_scan_means_as_many_beams_as_it_has(make):
+    for beams in (1, 2, 181):
+        scan = sent(robots.scan(make, TIME_NS, 0, Laser(beams=beams), np.zeros(beams, np.float32)))
+        # As Karto counts them: slam_toolbox at a3442d2, Karto.h, LaserRangeFinder::Update.
+        assert round((scan.angle_max - scan.angle_min) / scan.angle_increment) + 1 == beams
+        assert scan.angle_min == np.float32(-0.5 * math.pi)
+
+
 @pytest.mark.parametrize("kind", [Odometry, LaserScan, TwistMessage, Voice, Contact, Robots, NetworkMessages])
 def test_bytes_that_are_too_few_are_rejected(kind):
     data = serialized(kind())

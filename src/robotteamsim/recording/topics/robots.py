@@ -94,9 +94,9 @@ def read_odometry(message: Any) -> OdometryReading:
     )
 
 
-def scan(make: Make, time_ns: int, robot_id: int, laser: Laser, ranges_m: np.ndarray) -> Any:
-    """sensor_msgs/LaserScan, of `base_scan`."""
-    return laser.scan(make, header(make, time_ns, robot_frame(robot_id, "base_laser_link")), ranges_m)
+def scan(make: Make, time_ns: int, robot_id: int, laser: Laser, ranges_m: np.ndarray, step_s: float = 0.0) -> Any:
+    """sensor_msgs/LaserScan, of `base_scan`. Args: step_s: time between two scans [s]; 0: unknown."""
+    return laser.scan(make, header(make, time_ns, robot_frame(robot_id, "base_laser_link")), ranges_m, step_s)
 
 
 def _ranges_m(readings: TeamReadings | Sequence[RobotReading], robot_id: int) -> np.ndarray:
@@ -235,7 +235,12 @@ SCAN = Topic(
     "base_scan",
     "sensor_msgs/LaserScan",
     When.STEP,
-    lambda source, step, i: (i, source.setup.robots[i].laser, _ranges_m(step.readings, i)),
+    lambda source, step, i: (
+        i,
+        source.setup.robots[i].laser,
+        _ranges_m(step.readings, i),
+        source.setup.scenario.run.step_s,
+    ),
     scan,
     read=lambda message, setup, i: read_ranges_m(message, setup.robots[i].laser.beams),
 )

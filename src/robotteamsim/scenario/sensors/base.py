@@ -188,8 +188,8 @@ class Sensor(Model):
         """Names of its topics in the robot's namespace, and their types; `messages` has the same keys."""
         return {self.name: self.type_name}
 
-    def messages(self, make: Make, time_ns: int, robot_id: int, reading: Any) -> dict[str, Any]:
-        """Return its messages by the names of `topics`."""
+    def messages(self, make: Make, time_ns: int, robot_id: int, reading: Any, step_s: float = 0.0) -> dict[str, Any]:
+        """Return its messages by the names of `topics`. Args: step_s: length of a step [s]; 0: unknown."""
         return {self.name: self.message(make, time_ns, robot_id, reading)}
 
 

@@ -61,7 +61,9 @@ class Camera(MountedSensor):
         """See `Sensor`."""
         return carrier.image(self)
 
-    def messages(self, make: Make, time_ns: int, robot_id: int, reading: np.ndarray) -> dict[str, Any]:
+    def messages(
+        self, make: Make, time_ns: int, robot_id: int, reading: np.ndarray, step_s: float = 0.0
+    ) -> dict[str, Any]:
         """See `Sensor`."""
         image, info = self.topics
         return {

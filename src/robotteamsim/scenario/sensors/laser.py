@@ -16,7 +16,7 @@ from robotteamsim.scenario.sensors.base import BeamModel, Carrier, Fan, Moment, 
 class Laser(Model):
     """A planar laser range finder; it detects walls, doors, objects and robots."""
 
-    beams: int = Field(default=181, ge=1, le=10_000, description="number of beams, first at angle_min")
+    beams: int = Field(default=181, ge=1, le=10_000, description="number of beams, the first or only one at angle_min")
     angle_min_rad: float = Field(default=-1.5707963267948966, ge=-6.2832, le=6.2832, description="first beam [rad]")
     angle_max_rad: float = Field(default=1.5707963267948966, ge=-6.2832, le=6.2832, description="last beam [rad]")
     range_min_m: float = Field(default=0.05, ge=0.0, le=10.0, description="shortest range [m]")
@@ -60,16 +60,17 @@ class Laser(Model):
             no_return_m=math.inf if as_rep_117 else self.range_max_m,
         )
 
-    def scan(self, make: Make, header: Any, ranges_m: np.ndarray) -> Any:
-        """sensor_msgs/LaserScan."""
+    def scan(self, make: Make, header: Any, ranges_m: np.ndarray, scan_s: float) -> Any:
+        """sensor_msgs/LaserScan. Args: scan_s: time between two scans [s]."""
         return make(
             "sensor_msgs/LaserScan",
             header=header,
             angle_min=self.angle_min_rad,
-            angle_max=self.angle_max_rad,
+            # Not 0 for one beam: Karto divides by it, and expects (angle_max - angle_min) / angle_increment + 1 ranges.
+            angle_max=self.angle_max_rad if self.beams > 1 else self.angle_min_rad,
             angle_increment=(self.angle_max_rad - self.angle_min_rad) / max(self.beams - 1, 1),
             time_increment=0.0,
-            scan_time=0.0,
+            scan_time=scan_s,
             range_min=self.range_min_m,
             range_max=self.range_max_m,
             ranges=np.asarray(ranges_m, dtype=np.float32),
@@ -101,9 +102,15 @@ class MountedLaser(Laser, MountedSensor):
         noise_m = generator.normal(0.0, self.noise_m, self.beams) if self.noise_m > 0.0 else np.empty(0)
         return carrier.ranges_m(self.beam_model(self.left_m, self.yaw_rad), noise_m)
 
-    def message(self, make: Make, time_ns: int, robot_id: int, reading: np.ndarray) -> Any:
+    def message(self, make: Make, time_ns: int, robot_id: int, reading: np.ndarray, step_s: float = 0.0) -> Any:
         """See `Sensor`."""
-        return self.scan(make, self._header(make, time_ns, robot_id), reading)
+        return self.scan(make, self._header(make, time_ns, robot_id), reading, self.every_steps * step_s)
+
+    def messages(
+        self, make: Make, time_ns: int, robot_id: int, reading: np.ndarray, step_s: float = 0.0
+    ) -> dict[str, Any]:
+        """See `Sensor`."""
+        return {self.name: self.message(make, time_ns, robot_id, reading, step_s)}
 
     def reading(self, message: Any) -> np.ndarray:
         """See `Sensor`."""

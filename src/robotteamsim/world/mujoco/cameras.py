@@ -13,6 +13,7 @@ import numpy as np
 from robotteamsim.errors import CameraError
 from robotteamsim.scenario.sections import Robot
 from robotteamsim.scenario.sensors import Camera
+from robotteamsim.world.mujoco import INSTALL_EGL
 from robotteamsim.world.mujoco.lights import Lights
 from robotteamsim.world.mujoco.rays import Bodies
 from robotteamsim.world.mujoco.shapes import about_z
@@ -96,8 +97,8 @@ class Cameras:
             # The bindings of OpenGL raise errors of many types where a library or a device is missing.
             except Exception as error:
                 raise CameraError(
-                    f"robots.sensors: no image can be drawn ({type(error).__name__}); install EGL, on Debian "
-                    "`apt-get install libegl1 libgl1-mesa-dri`, and set MUJOCO_GL=egl if mujoco is imported first"
+                    f"robots.sensors: no image can be drawn ({type(error).__name__}); {INSTALL_EGL}, "
+                    "and set MUJOCO_GL=egl if mujoco is imported first"
                 ) from error
         return self._renderers[size]
 
