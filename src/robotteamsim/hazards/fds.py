@@ -74,14 +74,14 @@ class FdsHazards:
 
     def step(self, sim_time_ns: int, doors: ClosedDoors) -> bool:
         """Advance to the step with this stamp [ns]; return whether this was an update. Doors change nothing."""
-        self.updated = self._fire.updates_at(sim_time_ns, self._step_ns)
-        if not self.updated:
-            return False
-        self.field = self._at((sim_time_ns - self._step_ns) / 1e9)
-        self.version += 1
-        if not self.ignited and sim_time_ns - self._step_ns >= self._ignition_ns:
+        begin_ns = sim_time_ns - self._step_ns
+        if not self.ignited and begin_ns >= self._ignition_ns:
             self.ignited = (Ignited("", self._hottest_m()),)
-        return True
+        self.updated = self._fire.updates_at(sim_time_ns, self._step_ns)
+        if self.updated:
+            self.field = self._at(begin_ns / 1e9)
+            self.version += 1
+        return self.updated
 
     def ignite(self, position_m: Point) -> None:
         """Raises: ValueError: the results of FDS cannot be changed."""

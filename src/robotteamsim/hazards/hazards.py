@@ -27,6 +27,8 @@ _AIR_KJ_M3_K = 1.204 * 1.005
 class Hazards:
     """Simulated fire and smoke. It depends only on the scenario, the doors, and the ignitions.
 
+    What is ignited begins to burn at the end of the next update, or at time 0: t later, the field is that of t.
+
     Random stream: ("fire",), one number per place of fuel.
     """
 
@@ -64,6 +66,7 @@ class Hazards:
         """What has begun to burn so far, in order."""
         self._alight: set[int] = set()
         """Indices of the places of fuel in which something has burnt."""
+        self._ignite_due(0)
         self.field = self._read()
         """Of the last update."""
         self.version = 1
@@ -71,29 +74,30 @@ class Hazards:
 
     def step(self, sim_time_ns: int, doors: ClosedDoors) -> bool:
         """Advance to the step with this stamp [ns]; return whether this was an update, see `Fire.updates_at`."""
+        begin_ns = sim_time_ns - self._step_ns
         self.updated = updates(sim_time_ns, self._step_ns, self._update_ns)
-        if not self.updated:
-            return False
-        self._ignite_due(sim_time_ns - self._step_ns)
-        if doors.version != self._doors_version:
-            self._doors_version = doors.version
-            closed = doors.closed()
-            for index, door in enumerate(self._plan.doors):
-                self._core.set_door(index, closed[door.name])
-        if self.ignited:
-            self._core.advance(self._fire.update_s)
-            self.field = self._read()
-            self.version += 1
-            self._note_spread()
-        return True
+        if self.updated:
+            self._set_doors(doors)
+            if self.ignited:
+                self._core.advance(self._fire.update_s)
+                self._note_spread()
+        if self.updated or begin_ns == 0:
+            self._ignite_due(begin_ns)
+            if self.ignited:
+                self.field = self._read()
+                self.version += 1
+        return self.updated
 
     def ignite(self, position_m: Point) -> None:
-        """Set fire to a place in `map` [m]. Raises: ValueError: it is in a wall or outside, or nothing burns there."""
+        """Set fire to a place in `map` [m], in the next update.
+
+        Raises: ValueError: it is in a wall or outside, or nothing burns there.
+        """
         try:
             row, col = _burning_cell(self._plan, "ignite", position_m, self._cells, self._fuel)
         except PlacementError as error:
             raise ValueError(str(error)) from None
-        self._light(row, col)
+        self._ignitions.appendleft((0, row * self._cells.shape[1] + col))
 
     def burnt_doors(self) -> tuple[str, ...]:
         """Return the names of the doors that have burnt through."""
@@ -109,20 +113,26 @@ class Hazards:
         """Mass of the soot in the air [g]."""
         return float(np.sum(self._core.soot_g_m2())) * self._fire.cell_m**2
 
-    def _ignite_due(self, begin_ns: int) -> None:
-        while self._ignitions and self._ignitions[0][0] <= begin_ns:
-            self._light(*divmod(self._ignitions.popleft()[1], self._cells.shape[1]))
+    def _set_doors(self, doors: ClosedDoors) -> None:
+        if doors.version != self._doors_version:
+            self._doors_version = doors.version
+            closed = doors.closed()
+            for index, door in enumerate(self._plan.doors):
+                self._core.set_door(index, closed[door.name])
 
-    def _light(self, row: int, col: int) -> None:
-        """Set fire to a cell with fuel; no effect if it has burnt already."""
-        if self._core.ignite(row * self._cells.shape[1] + col):
-            self._note(int(self._fuel[row, col]), row, col, spread=False)
+    def _ignite_due(self, begin_ns: int) -> None:
+        """Set fire to the cells that are due in a step that begins at this time [ns], if they have not burnt yet."""
+        while self._ignitions and self._ignitions[0][0] <= begin_ns:
+            cell = self._ignitions.popleft()[1]
+            if self._core.ignite(cell):
+                row, col = divmod(cell, self._cells.shape[1])
+                self._note(int(self._fuel[row, col]), row, col, spread=False)
 
     def _note_spread(self) -> None:
         """Note the places of fuel that fire from elsewhere has reached in this update."""
         if len(self._alight) == len(self._fire.fuel):
             return
-        has_burnt = self.field.states != NOT_BURNING
+        has_burnt = self._core.states() != NOT_BURNING
         for index in np.unique(self._fuel[has_burnt]).tolist():
             if index not in self._alight:
                 row, col = np.argwhere(has_burnt & (self._fuel == index))[0].tolist()

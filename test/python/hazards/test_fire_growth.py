@@ -102,6 +102,15 @@ def test_own_curve_is_released_exactly():
     assert found_kw == pytest.approx([300.0, 600.0, 600.0, 450.0, 300.0, 3.0, 0.0], abs=1e-9)
 
 
+def test_time_of_a_curve_counts_from_its_ignition():
+    hazards = fire_of(HALL, {"fuel": [{**SOFA, "hrr": CURVE}], "ignitions": [{"at_s": 20, "position": [10.2, 10.2]}]})
+    begin = advance(hazards, 20)
+    assert len(hazards.ignited) == 1
+    assert (hazards.heat_release_kw, hazards.soot_g) == (0.0, 0.0)
+    advance(hazards, 50, begin=begin)
+    assert hazards.heat_release_kw == pytest.approx(300.0, rel=1e-9)
+
+
 def test_own_curve_burns_on_the_area_that_its_highest_rate_needs_and_is_then_burnt_out():
     hazards = fire_of(HALL, {"fuel": [{**SOFA, "hrr": CURVE}], "ignitions": [{"position": [10.2, 10.2]}]})
     begin = advance(hazards, 50)

@@ -78,8 +78,8 @@ def test_dose_by_heat_ends_the_available_time_of_who_stays_and_of_the_exit(tmp_p
     result, events = run(tmp_path, 0.0, HOT_C, 12.0)
     egress = result.egress
     ann, bob = egress.people
-    # The fire is found with the first update, after 1 s; so is the first dose.
-    assert egress.ignition_s == 1.0
+    # The first dose is that of the first update, after 1 s.
+    assert egress.ignition_s == 0.0
     expected_s = 60.0 * 0.3 / HEAT_PER_MIN
     assert (ann.exit, ann.untenable_s, ann.out_s) == ("east", None, pytest.approx(7.0, abs=0.5))
     assert ann.heat == pytest.approx(HEAT_PER_MIN / 60.0 * ann.out_s, abs=HEAT_PER_MIN / 60.0)
@@ -88,7 +88,7 @@ def test_dose_by_heat_ends_the_available_time_of_who_stays_and_of_the_exit(tmp_p
     assert bob.heat == pytest.approx(HEAT_PER_MIN * 11.0 / 60.0, abs=HEAT_PER_MIN / 60.0)
     assert egress.exits[0].untenable_s == bob.untenable_s
     assert egress.exits[0].heat == pytest.approx(bob.heat)
-    assert (egress.rset_s, egress.aset_s) == (None, bob.untenable_s - 1.0)
+    assert (egress.rset_s, egress.aset_s) == (None, bob.untenable_s)
     assert egress.num_out == {"east": 1}
     assert kinds(events, "ignition", "visibility_lost", "exit_untenable", "victim_safe") == [
         ("ignition", ""),

@@ -132,6 +132,16 @@ def test_fire_counts_in_a_study_without_robots():
     assert result.egress.rset_s == pytest.approx(14.0 - result.egress.ignition_s, abs=0.2)
 
 
+@pytest.mark.parametrize(("update_s", "at_s", "ignition_s"), [(1, 0, 0), (1, 3, 3), (1, 3.4, 4), (2, 0, 0), (2, 3, 4)])
+def test_egress_times_count_from_the_same_ignition_however_it_is_written(update_s, at_s, ignition_s):
+    fuel = {"name": "bin", "center": [19, 5], "radius_m": 0.5, "growth": "fast"}
+    fire = {"fuel": [fuel], "update_s": update_s}
+    listed = {"fire": {**fire, "ignitions": [{"at_s": at_s, "position": [19.1, 5.1]}]}}
+    scheduled = {"fire": fire, "schedule": [{"at_s": at_s, "ignite": [19.1, 5.1]}]}
+    results = [run([ann(flees_after_s=5.0)], sections) for sections in (listed, scheduled)]
+    assert [result.egress.ignition_s for result in results] == pytest.approx([ignition_s, ignition_s])
+
+
 @pytest.mark.parametrize(
     ("sections", "mission", "message"),
     [
