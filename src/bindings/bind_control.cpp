@@ -73,8 +73,8 @@ void BindNavigator(nb::module_& m) {
   nb::class_<control::NavigatorParameters> parameters(m, "NavigatorParameters");
   std::apply([&](const auto&... fields) { DefineFields(parameters, fields...); }, control::kNavigatorFields);
   nb::class_<control::LaserLayout>(m, "LaserLayout")
-      .def(nb::init<int, double, double, double, double>(), nb::kw_only(), "beams"_a, "angle_min_rad"_a,
-           "angle_max_rad"_a, "forward_m"_a, "range_max_m"_a);
+      .def(nb::init<int, double, double, double, double, double>(), nb::kw_only(), "beams"_a, "angle_min_rad"_a,
+           "angle_max_rad"_a, "forward_m"_a, "range_max_m"_a, "left_m"_a);
   nb::class_<Navigator>(m, "Navigator")
       .def(
           "__init__",

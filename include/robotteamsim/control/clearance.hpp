@@ -14,6 +14,7 @@ struct LaserLayout {
   double angle_max_rad = 1.5707963267948966;
   double forward_m = 0.0;  ///< ahead of base_link
   double range_max_m = 5.0;
+  double left_m = 0.0;  ///< left of base_link
 };
 
 /// A view of the ranges of one scan [m], in the order of its beams.

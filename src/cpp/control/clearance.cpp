@@ -47,6 +47,7 @@ ScanClearance::ScanClearance(const LaserLayout& layout) : layout_(layout) {
   base::Check(layout.angle_min_rad, "angle_min_rad");
   base::Check(layout.angle_max_rad, "angle_max_rad");
   base::Check(layout.forward_m, "forward_m");
+  base::Check(layout.left_m, "left_m");
   base::CheckNotNegative(layout.range_max_m, "range_max_m");
   const double step = layout.beams > 1 ? (layout.angle_max_rad - layout.angle_min_rad) / (layout.beams - 1) : 0.0;
   for (int beam = 0; beam < layout.beams; ++beam) {
@@ -64,14 +65,15 @@ std::vector<base::Point> ScanClearance::Hits(const Ranges& ranges, double max_di
 void ScanClearance::FindHits(const Ranges& ranges, double max_distance_m, std::vector<base::Point>* hits) const {
   if (ranges.size != directions_.size()) throw std::invalid_argument("there must be one range per beam");
   // A range this close to range_max_m is not a return: float32 may round range_max_m in either direction.
-  const double longest =
-      std::min(layout_.range_max_m * (1.0 - 1e-6), max_distance_m + std::abs(layout_.forward_m) + 1e-3);
+  const double aside_m = std::abs(layout_.forward_m) + std::abs(layout_.left_m);
+  const double longest = std::min(layout_.range_max_m * (1.0 - 1e-6), max_distance_m + aside_m + 1e-3);
   hits->clear();
   hits->reserve(ranges.size);
   for (std::size_t beam = 0; beam < ranges.size; ++beam) {
     const double range = ranges.data[beam];
     if (!(range < longest)) continue;
-    const base::Point hit{layout_.forward_m + range * directions_[beam].x, range * directions_[beam].y};
+    const base::Point hit{layout_.forward_m + range * directions_[beam].x,
+                          layout_.left_m + range * directions_[beam].y};
     if (hit.x * hit.x + hit.y * hit.y < max_distance_m * max_distance_m) hits->push_back(hit);
   }
 }

@@ -26,6 +26,7 @@ from robotteamsim.cli import (
     scenario_command,
     view_command,
 )
+from robotteamsim.cli.foreign_files import foreign_file
 from robotteamsim.cli.interrupt import HungUp, Terminated, signals_raised
 from robotteamsim.cli.output import close_stdout, open_streams
 from robotteamsim.cli.parser import Parser, UsageError
@@ -80,7 +81,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (Exception, KeyboardInterrupt) as error:
         if _DEBUG in words:
             traceback.print_exc()
-        return _reported(raised[-1] if raised else error)
+        foreign = foreign_file(words) if isinstance(error, RobotTeamSimError) else None
+        return _reported(raised[-1] if raised else UsageError(foreign) if foreign else error)
 
 
 @contextlib.contextmanager

@@ -14,7 +14,9 @@ from typing import TYPE_CHECKING, NoReturn
 from rich.console import Console
 
 from robotteamsim.cli.parser import PICTURES, UsageError, picture_of
+from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.recording.files import check_replaceable
+from robotteamsim.wording import printable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -104,6 +106,25 @@ def check_outputs(
         if file in used:
             raise UsageError(f"{option} {path}: would overwrite {used[file]}; choose another file")
         used[file] = f"the file of {option}"
+
+
+def warn(notes: Iterable[str]) -> None:
+    """Print the notes of a conversion."""
+    for note in notes:
+        print(f"robotteamsim: warning: {note}", file=sys.stderr)
+
+
+def mistakes_of(error: RobotTeamSimError) -> list[str]:
+    """Return the mistakes that an error names."""
+    return [str(error), *getattr(error, "__notes__", [])]
+
+
+def report_mistakes(mistakes: Sequence[str]) -> None:
+    """Report mistakes, in several files or in one. Raises: UsageError: the last one, if there is one."""
+    for mistake in mistakes[:-1]:
+        print(f"robotteamsim: {printable(mistake)}", file=sys.stderr)
+    if mistakes:
+        raise UsageError(mistakes[-1])
 
 
 def save(figure: Figure, path: Path) -> None:

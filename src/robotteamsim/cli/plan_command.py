@@ -1,14 +1,13 @@
-"""`robotteamsim plan`: import images and worlds of Stage, export scenarios to Gazebo and MuJoCo, draw floor plans."""
+"""`robotteamsim plan`: import images and Stage worlds, export to Stage, Gazebo and MuJoCo, draw floor plans."""
 
 import argparse
 import math
-import sys
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
-from robotteamsim.cli.output import add_png_option, check_outputs, save
+from robotteamsim.cli import stage_commands
+from robotteamsim.cli.output import add_png_option, check_outputs, save, warn
 from robotteamsim.cli.parser import PLAN_HELP, SCENARIO_HELP, UsageError, number, path_of, positive_number
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
@@ -25,7 +24,6 @@ from robotteamsim.scenario.map_image import (
     read_map,
     with_doors,
 )
-from robotteamsim.scenario.yaml_text import write
 from robotteamsim.setup import resolve
 from robotteamsim.wording import counted
 from robotteamsim.world.floor_parts import floor_parts, part_texts
@@ -44,16 +42,6 @@ examples:
   robotteamsim plan import house.png --metres-per-pixel 0.02 --thinnest-wall 0.08 --smallest-wall 0.5 \\
     --doors --png import.png         without text and thin lines, gaps as doors, and what became what
   robotteamsim plan import house.dxf --layer WALLS --layer PILLARS --wall-thickness 0.12"""
-
-_STAGE_TEXT = """\
-Convert a Stage world to a scenario and its floor plan: models with a bitmap, blocks or a
-boundary become walls and blocks, position models with a ranger become robots. A warning is
-printed for each setting that is converted differently; docs/stage.md lists what is supported."""
-
-_STAGE_EXAMPLES = """\
-examples:
-  robotteamsim plan import-stage office.world                office/office.yaml, office/plan.yaml
-  robotteamsim plan import-stage office.world --out DIR && robotteamsim run DIR/office.yaml"""
 
 _GAZEBO_TEXT = """\
 Write a scenario as a world of Gazebo 11 (SDF): floor, walls, doors with joints, objects, and
@@ -95,14 +83,7 @@ def add_to(commands: Any) -> None:
     )
     image.set_defaults(command=import_plan)
 
-    stage = actions.add_parser(
-        "import-stage", help="convert a Stage world to a scenario", description=_STAGE_TEXT, epilog=_STAGE_EXAMPLES
-    )
-    stage.add_argument("world", type=path_of, metavar="FILE.world", help="the world file")
-    stage.add_argument(
-        "--out", type=path_of, metavar="DIR", help="where to write; default a new folder named after the world"
-    )
-    stage.set_defaults(command=import_stage)
+    stage_commands.add_to(actions)
 
     gazebo = actions.add_parser(
         "export-gazebo", help="write a scenario as a Gazebo world", description=_GAZEBO_TEXT, epilog=_GAZEBO_EXAMPLES
@@ -272,34 +253,8 @@ def import_plan(options: argparse.Namespace) -> None:
         no_wall = None if image is None else left_out(image, rules)
         save(draw_import(plan, parts, image, no_wall), options.png)
     if num_left_out := len(found.doors) - len(plan.doors):
-        _warn([f"{counted(num_left_out, 'gap')} found next to which a leaf cannot turn: left open, without a door"])
-    _warn(f"no door leads from the largest part of the floor to {part}" for part in part_texts(parts[1:]))
-
-
-def import_stage(options: argparse.Namespace) -> None:
-    """Import a Stage world."""
-    from robotteamsim.stage import import_world  # late, because of OpenCV
-
-    name = options.world.stem
-    folder = options.out or Path(name)
-    plan_file, scenario_file = folder / "plan.yaml", folder / f"{name}.yaml"
-    if scenario_file == plan_file:
-        scenario_file = folder / "scenario.yaml"
-    for path in (plan_file, scenario_file) if options.out else (folder,):
-        if path.exists():
-            raise UsageError(f"{path} already exists; choose another folder with --out")
-    found = import_world(options.world)
-    _warn(found.notes)
-    keys = {"name": found.keys["name"], "plan": plan_file.name, **found.keys}
-    prepare_folder(folder)
-    with atomically(plan_file) as plan_part, atomically(scenario_file) as scenario_part:
-        scenario.write_floor_plan(found.plan, plan_part)
-        scenario_part.write_text(write(keys), encoding="utf-8")
-    robots, walls, blocks = found.scenario.num_robots, len(found.plan.walls), len(found.plan.blocks)
-    print(
-        f"{scenario_file}: {counted(robots, 'robot')}; "
-        f"{plan_file}: {counted(walls, 'wall')}, {counted(blocks, 'block')}"
-    )
+        warn([f"{counted(num_left_out, 'gap')} found next to which a leaf cannot turn: left open, without a door"])
+    warn(f"no door leads from the largest part of the floor to {part}" for part in part_texts(parts[1:]))
 
 
 def export_gazebo(options: argparse.Namespace) -> None:
@@ -308,7 +263,7 @@ def export_gazebo(options: argparse.Namespace) -> None:
 
     loaded = scenario.load(options.scenario, options.overrides)
     export = export_world(resolve(loaded), options.drive)
-    _warn(export.notes)
+    warn(export.notes)
     # The scenario's own name may not be a valid file name.
     path = options.out / f"{Path(options.scenario).stem}.world"
     check_outputs({"--out": path}, loaded.origin.files, new_folders=["--out"])
@@ -342,9 +297,3 @@ def render_plan(options: argparse.Namespace) -> None:
     plan, files = floor_plan_and_files(options.plan)
     check_outputs({"--png": options.png}, files)
     save(draw_plan(plan), options.png)
-
-
-def _warn(notes: Iterable[str]) -> None:
-    """Print the notes of a conversion."""
-    for note in notes:
-        print(f"robotteamsim: warning: {note}", file=sys.stderr)

@@ -4,8 +4,6 @@ import argparse
 import contextlib
 import json
 import os
-import sys
-from collections.abc import Sequence
 from itertools import takewhile
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -13,7 +11,7 @@ from typing import Any, NamedTuple
 from ruamel.yaml.error import YAMLError
 
 from robotteamsim import scenario
-from robotteamsim.cli.output import add_png_option, check_outputs, save
+from robotteamsim.cli.output import add_png_option, check_outputs, mistakes_of, report_mistakes, save
 from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of
 from robotteamsim.cli.run_command import add_code_option, add_set_option, check_code
 from robotteamsim.control.baselines.patrol_graph import patrol_graph
@@ -26,7 +24,7 @@ from robotteamsim.scenario.upgrade import upgraded
 from robotteamsim.scenario.yaml_text import mapping_of, read_text
 from robotteamsim.setup import Setup, resolve
 from robotteamsim.simulation import Simulation
-from robotteamsim.wording import counted, printable
+from robotteamsim.wording import counted
 from robotteamsim.world.floor_parts import FloorPart, part_texts, parts_without
 
 _SCHEMA_EPILOG = """\
@@ -77,7 +75,7 @@ def run_check(options: argparse.Namespace) -> None:
             check_code(options, loaded)
             setup = resolve(loaded)
         except ScenarioError as error:
-            mistakes += _lines(error)
+            mistakes += mistakes_of(error)
             continue
         if mistake := _mistake_in_setting_up(setup, name):
             mistakes.append(mistake)
@@ -90,19 +88,7 @@ def run_check(options: argparse.Namespace) -> None:
         )
         for part in part_texts(_unreachable(setup)):
             print(f"{name}: no robot can get to {part}, not even through doors")
-    _report(mistakes)
-
-
-def _lines(error: RobotTeamSimError) -> list[str]:
-    return [str(error), *getattr(error, "__notes__", [])]
-
-
-def _report(mistakes: Sequence[str]) -> None:
-    """Report mistakes in several files. Raises: UsageError: the last one, if there is one."""
-    for mistake in mistakes[:-1]:
-        print(f"robotteamsim: {printable(mistake)}", file=sys.stderr)
-    if mistakes:
-        raise UsageError(mistakes[-1])
+    report_mistakes(mistakes)
 
 
 def _unreachable(setup: Setup) -> tuple[FloorPart, ...]:
@@ -151,8 +137,8 @@ def run_upgrade(options: argparse.Namespace) -> None:
         try:
             upgrades[path.resolve()] = _upgrade(path)  # a link stays a link
         except RobotTeamSimError as error:
-            mistakes += _lines(error)
-    _report(mistakes)
+            mistakes += mistakes_of(error)
+    report_mistakes(mistakes)
     with contextlib.ExitStack() as stack:
         for path, upgrade in upgrades.items():
             if upgrade.changes:

@@ -109,7 +109,7 @@ def _casters(robot: PlacedRobot, radius_m: float) -> list[Element]:
 
 def _laser_disc(laser: Laser, height_m: float) -> Element:
     """Return a dark disc on the body, above the laser, so that one sees where the robot's front is."""
-    disc = Solid(height_m, height_m + _DISC_HEIGHT_M, radius_m=_DISC_RADIUS_M, x=laser.forward_m)
+    disc = Solid(height_m, height_m + _DISC_HEIGHT_M, radius_m=_DISC_RADIUS_M, x=laser.forward_m, y=laser.left_m)
     return disc.visual("laser_visual", INK)
 
 
@@ -127,7 +127,7 @@ def _ray_sensor(laser: Laser, step_s: float) -> Element:
     if laser.noise_m:
         kind, mean = element("type", text="gaussian"), values("mean", 0.0)
         ray.append(element("noise", kind, mean, values("stddev", laser.noise_m)))
-    place = pose(laser.forward_m, 0.0, laser.height_m)
+    place = pose(laser.forward_m, laser.left_m, laser.height_m)
     return element("sensor", place, values("update_rate", 1.0 / step_s), ray, name="base_scan", type="ray")
 
 

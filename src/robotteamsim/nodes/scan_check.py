@@ -62,7 +62,7 @@ class ScanCheck:
         )
 
     def _share_through_walls(self, pose: Pose, ranges_m: np.ndarray) -> float:
-        laser = pose @ Pose(self._laser.forward_m, 0.0, 0.0)
+        laser = pose @ Pose(self._laser.forward_m, self._laser.left_m, 0.0)
         longest_m = self._laser.range_max_m
         # A beam without a return is free up to the longest range. NaN shows nothing.
         free_m = np.clip(np.nan_to_num(ranges_m, nan=0.0, posinf=longest_m), 0.0, longest_m)

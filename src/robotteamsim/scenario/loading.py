@@ -21,7 +21,14 @@ from robotteamsim.scenario.overrides import Override, drop_foreign_keys
 from robotteamsim.scenario.patrol import read_patrol_graph
 from robotteamsim.scenario.problems import problems, validated
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.shipped import is_bare_name, shipped_map_name, shipped_plan, shipped_scenario
+from robotteamsim.scenario.shipped import (
+    is_bare_name,
+    map_names,
+    scenario_names,
+    shipped_map_name,
+    shipped_plan,
+    shipped_scenario,
+)
 from robotteamsim.scenario.yaml_text import check_depth, is_file, mapping_of, read_mapping, shown, write
 from robotteamsim.wording import counted
 
@@ -137,6 +144,13 @@ def floor_plan_and_files(path_or_name: str | os.PathLike[str]) -> tuple[FloorPla
     if is_bare_name(name) and not is_file(Path(name)):
         return _read_plan(shipped_plan(name), f"{name}/plan.yaml")
     return _read_plan(Path(name), name)
+
+
+def is_floor_plan(path_or_name: str) -> bool:
+    """Whether a name is that of a floor plan or of the yaml of a map. Raises: ScenarioError: it cannot be read."""
+    if is_bare_name(path_or_name) and not is_file(Path(path_or_name)):
+        return path_or_name in map_names() and path_or_name not in scenario_names()
+    return _is_plan(read_mapping(Path(path_or_name), path_or_name, "a scenario"))
 
 
 def dump(scenario: Scenario, *, inline_plan: bool = False) -> str:

@@ -1,5 +1,6 @@
-"""Importer of worlds of the Stage simulator [vaughan2008]."""
+"""Importer and exporter of worlds of the Stage simulator [vaughan2008]."""
 
+from robotteamsim.stage.exporting import StageExport, export_world
 from robotteamsim.stage.importing import StageImport, import_world
 
-__all__ = ["StageImport", "import_world"]
+__all__ = ["StageExport", "StageImport", "export_world", "import_world"]

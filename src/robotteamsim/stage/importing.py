@@ -1,5 +1,7 @@
 """Imports a Stage world file as a scenario and its floor plan."""
 
+import itertools
+import math
 import os
 import re
 from collections.abc import Iterator
@@ -8,19 +10,23 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import shapely
 from pydantic import ValidationError
 
 from robotteamsim.errors import PlacementError, ScenarioError
 from robotteamsim.scenario.building import building_of
-from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.plan import wall_corners
+from robotteamsim.scenario.door_places import misplaced_doors
+from robotteamsim.scenario.floor_plan import Block, FloorPlan
+from robotteamsim.scenario.plan import door_corners, wall_corners
 from robotteamsim.scenario.problems import problems, suggestion
 from robotteamsim.scenario.scenario import MAX_ROBOTS, Scenario
 from robotteamsim.scenario.sections import Mission, PlacedRobot, Run, Team
+from robotteamsim.stage.rangers import RANGERS
 from robotteamsim.stage.robots import DEVICES, RobotReader
-from robotteamsim.stage.solids import SolidReader
-from robotteamsim.stage.values import Notes, Values, checked, tidy
+from robotteamsim.stage.solids import BODIES, SolidReader
+from robotteamsim.stage.values import Notes, Pose2, Values, compose, tidy
 from robotteamsim.stage.world_file import Entity, read_world_file
+from robotteamsim.wording import printable
 from robotteamsim.world.placement import placed_robots
 
 _WITHOUT_EFFECT = """
@@ -31,18 +37,20 @@ _WITHOUT_EFFECT = """
     trail_interval trail_length update_interval velocity watts wheelbase"""
 """Keys of Stage without effect here: appearance, other sensors, Stage's own timing."""
 
-_TAKEN = """
-    acceleration_bounds bitmap boundary drive fov interval_sim localization localization_origin name noblocks noise
-    odom_error origin points pose quit_time range range_max range_min samples size unit_angle unit_length
-    velocity_bounds z"""
-_SILENT = re.compile(r"name|size|origin|z|point\[\d+\]")
+_SILENT = re.compile(r"name|size|origin|z|boundary|noblocks|pose|point\[\d+\]")
 """If these are not read, they only describe the appearance of a ranger or the name of a robot."""
 
 DEFAULT_STEP_MS = 100.0
 """Default of `interval_sim` (Stage 4)."""
 
-_NO_SECTION = ("block", "sensor", "window", "gripper", "actuator", "puck", "charger")
-_MODELS = ("model", "position", "ranger", "laser", *DEVICES, *_NO_SECTION)
+OUTSIDE_M = 5.0
+"""Floor of the plan around a robot that starts outside the walls."""
+
+_PARENTS = {
+    "block": ("model", "actuator", "gripper", "position", "ranger", "laser"),
+    "sensor": ("ranger",),
+}
+_MODELS = (*BODIES, *RANGERS, "position", *DEVICES, *_PARENTS, "window")
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,96 +58,141 @@ class StageImport:
     """The contents of a world file.
 
     plan:     the floor plan.
-    keys:     the scenario's keys as in YAML, without `plan`.
-    scenario: the same, checked.
+    keys:     the scenario's keys as in YAML, without `plan`; none without a robot.
+    scenario: the same, checked; None without a robot.
     notes:    one line each: what is interpreted differently, and per file what has no effect.
     """
 
     plan: FloorPlan
     keys: dict[str, Any]
-    scenario: Scenario
+    scenario: Scenario | None
     notes: tuple[str, ...]
 
 
-def import_world(world: str | os.PathLike[str]) -> StageImport:
+def import_world(world: str | os.PathLike[str], *, grey_as_stage: bool = False) -> StageImport:
     """Return the scenario of a Stage world file, interpreted as by Stage 4 and stage_ros.
 
-    Raises: ScenarioError: one line with file, line, key and what was expected. PlacementError: likewise, a robot is
-            outside the plan, in a wall or in another robot.
+    Args:   grey_as_stage: whether a pixel of a bitmap is solid if its first channel is below 128, as in Stage, and not
+                by the rule of every import.
+    Raises: ScenarioError: one line with file, line, key and what was expected; the exception's notes contain all
+            further refusals. PlacementError: likewise, robots are in walls or in other robots.
     """
-    path = Path(world)
+    path, notes = Path(world), Notes()
     root = read_world_file(path, os.fspath(world))
-    values, notes = Values(root), Notes()
-    _check_kinds(root, notes)
-    positions = root.of_kind("position")
-    if not 1 <= len(positions) <= MAX_ROBOTS:
-        raise ScenarioError(f"{path}: {len(positions)} robots (models of kind position); expected 1 to {MAX_ROBOTS}")
-    reader = RobotReader(values, notes, values.number(root, "interval_sim", "f", DEFAULT_STEP_MS))
-    robots = tuple(reader.read(position) for position in positions)
-    plan = _plan(root, path, max(robot.height_m for robot in robots), values, notes)
-    keys: dict[str, Any] = {"name": values.text(root, "name", path.stem), "robots": _team_or_list(robots)}
+    values = Values(root, notes)
+    _check_kinds(root, notes, on_robot=False)
+    positions = list(_positions(root, values, (0.0, 0.0, 0.0)))
+    if len(positions) > MAX_ROBOTS:
+        raise ScenarioError(f"{path}: {len(positions)} robots (models of kind position); expected at most {MAX_ROBOTS}")
+    keys: dict[str, Any] = {"name": printable(values.text(root, "name", path.stem))[:100] or path.stem}
+    step_s = tidy(values.number(root, "interval_sim", "f", DEFAULT_STEP_MS) / 1000.0)
+    run = notes.checked(Run, {"step_s": step_s}, {"step_s": (root, "interval_sim")})
     if root.get("interval_sim"):
-        step = {"step_s": tidy(values.number(root, "interval_sim", "f", 0.0) / 1000.0)}
-        keys["run"] = checked(Run, step, {"step_s": (root, "interval_sim")}).model_dump(include={"step_s"})
-    if values.number(root, "quit_time", "f", 0.0) != 0.0:
-        limit = {"time_limit_s": values.number(root, "quit_time", "f", 0.0)}
-        checked(Mission, limit, {"time_limit_s": (root, "quit_time")})
-        keys["mission"] = limit
-    _note_unread(root, values, notes)
-    scenario = checked(Scenario, {**keys, "plan": plan}, {"name": (root, "name")})
-    _check_poses(scenario, robots, positions)
+        keys["run"] = run.model_dump(include={"step_s"})
+    if (limit_s := values.number(root, "quit_time", "f", 0.0)) > 0.0:
+        mission = notes.checked(Mission, {"time_limit_s": limit_s}, {"time_limit_s": (root, "quit_time")})
+        keys["mission"] = mission.model_dump(include={"time_limit_s"})
+    reader, robots, placed = RobotReader(values, 1000.0 * run.step_s), [], []
+    for entity, parent in positions:
+        with notes.refusals():
+            robots.append(reader.read(entity, parent))
+            placed.append(entity)
+    starts = [robot.start_pose[:2] for robot in robots]
+    solids = SolidReader(path.parent, values, starts, grey_as_stage=grey_as_stage)
+    plan = _plan(root, path, robots, solids)
+    notes.raise_refusals()
+    _note_unread(root, values)
+    if not robots:
+        notes.say(root.place, "no robot (a model of kind position): only the floor plan is imported")
+        return StageImport(plan, {}, None, tuple(notes.lines()))
+    keys["robots"] = _team_or_list(robots)
+    scenario = notes.checked(Scenario, {**keys, "plan": plan}, {"name": (root, "name")})
+    _check_poses(scenario, robots, placed, notes)
     return StageImport(plan, keys, scenario, tuple(notes.lines()))
 
 
-def _check_kinds(root: Entity, notes: Notes) -> None:
-    """Reject unknown models and those that would change the world, and note those that are omitted."""
-    for entity in root.walk():
-        if entity is not root and entity.kind not in _MODELS:
-            near = suggestion(entity.kind, _MODELS)
-            raise entity.place.error(f"{entity.called}: unknown model '{entity.kind}'{near}")
-        if entity.kind not in ("world", "model"):
-            continue
-        allowed = ("position", "window") if entity is root else ("block",)
-        for child in entity.children:
-            if child.kind == "window" and entity is root:
-                notes.without_effect("window", child.place)
-            elif child.kind in ("ranger", "laser", *DEVICES):
-                notes.say(child.place, f"{child.called}: omitted: a '{child.kind}' that is not on a robot")
-            elif child.kind not in ("model", *allowed):
-                on = "is not simulated" if entity is root else f"on the model '{entity.called}' is not simulated"
-                raise child.place.error(f"{child.called}: a '{child.kind}' {on}")
+def _check_kinds(parent: Entity, notes: Notes, *, on_robot: bool) -> None:
+    """Refuse unknown models, and parts where Stage does not load them either; note those that are omitted."""
+    for child in parent.children:
+        if child.kind not in _MODELS:
+            near = suggestion(child.kind, _MODELS)
+            notes.refuse(child.place.error(f"{child.called}: unknown model '{child.kind}'{near}"))
+        elif child.kind in _PARENTS and parent.kind not in _PARENTS[child.kind]:
+            notes.refuse(
+                child.place.error(f"{child.called}: a '{child.kind}' that is not in a {_PARENTS[child.kind][0]}")
+            )
+        elif child.kind == "window":
+            notes.without_effect("window", child.place)
+        elif child.kind in (*RANGERS, *DEVICES) and not on_robot:
+            notes.say(child.place, f"{child.called}: omitted: a '{child.kind}' that is not on a robot")
+        _check_kinds(child, notes, on_robot=on_robot or child.kind == "position")
 
 
-def _plan(root: Entity, path: Path, tallest_m: float, values: Values, notes: Notes) -> FloorPlan:
-    """Return the floor plan: the bodies of all models, and their bounding rectangle."""
-    reader = SolidReader(path.parent, values, notes)
-    models = root.of_kind("model")
+def _positions(parent: Entity, values: Values, frame: Pose2) -> Iterator[tuple[Entity, Pose2]]:
+    """Yield the robots, also those on models, with the frame that their poses are given in."""
+    for child in parent.children:
+        if child.kind == "position":
+            yield child, frame
+        elif child.kind in BODIES:
+            with values.notes.refusals():
+                yield from list(_positions(child, values, compose(frame, values.pose(child, "pose")[0])))
+
+
+def _plan(root: Entity, path: Path, robots: list[PlacedRobot], reader: SolidReader) -> FloorPlan:
+    """Return the floor plan: the bodies of all models, and a rectangle that contains them and all robots.
+
+    Raises: ScenarioError: it is too large, or there is nothing.
+    """
+    models, notes = root.of_kind(*BODIES), reader.notes
     for model in models:
-        reader.add(model, (0.0, 0.0, 0.0), 0.0, tallest_m)
-    corners = [corner for wall in reader.walls for corner in wall_corners(wall)]
+        with notes.refusals():
+            reader.add(model, (0.0, 0.0, 0.0), 0.0, max((robot.height_m for robot in robots), default=math.inf))
+    corners = [*itertools.chain.from_iterable(reader.floor.values())]
     corners += [corner for block in reader.blocks for corner in block.polygon]
+    for wall in reader.walls:
+        corners += [wall.start, wall.end] if reader.floor else wall_corners(wall)
+    for door in reader.doors:
+        corners += [door.start, door.end]
+    inside = shapely.MultiPoint(corners).envelope
+    for robot in robots:
+        x_m, y_m, _ = robot.start_pose
+        if not inside.covers(shapely.Point(x_m, y_m)):
+            reach_m = robot.reach_m + OUTSIDE_M
+            corners += [(x_m - reach_m, y_m - reach_m), (x_m + reach_m, y_m + reach_m)]
+    notes.raise_refusals()
     if not corners:
-        raise ScenarioError(f"{path}: nothing bounds the world; expected a model with a bitmap, blocks or boundary 1")
+        raise ScenarioError(f"{path}: nothing to import: no robot, and no model with a bitmap, blocks or boundary 1")
+    solids = {"walls": reader.walls, "blocks": reader.blocks, "doors": reader.doors}
     low, high = (np.round(edge, 6).tolist() for edge in (np.min(corners, axis=0), np.max(corners, axis=0)))
-    keys = {"name": path.stem, "bounds": {"min": low, "max": high}, "walls": reader.walls, "blocks": reader.blocks}
+    keys = {"name": next(iter(reader.floor), path.stem), "bounds": {"min": low, "max": high}, **solids}
     try:
-        return FloorPlan.model_validate(keys)
+        plan = FloorPlan.model_validate(keys)
     except ValidationError as error:
-        raise models[0].place.error(f"{models[0].called}: {problems(error, FloorPlan)[0]}") from None
+        place = models[0].place if models else root.place
+        raise place.error(f"{(models or [root])[0].called}: {problems(error, FloorPlan)[0]}") from None
+    left_out = {index for index, _ in misplaced_doors(plan)}
+    shut = [plan.doors[index] for index in sorted(left_out) if plan.doors[index].closed]
+    shut_blocks = [Block(name=door.name, polygon=door_corners(door), height_m=door.height_m) for door in shut]
+    doors = tuple(door for index, door in enumerate(plan.doors) if index not in left_out)
+    return plan.model_copy(update={"blocks": (*plan.blocks, *shut_blocks), "doors": doors})
 
 
-def _check_poses(scenario: Scenario, robots: tuple[PlacedRobot, ...], positions: list[Entity]) -> None:
-    """Raise PlacementError, with its line of the world file, for a robot that does not fit where it starts."""
-    try:
-        placed_robots(scenario.model_copy(update={"robots": robots}), building_of(scenario.plan))
-    except PlacementError as error:
-        # Of a list of robots, the key is robots.<index>.start_pose.
-        index = int(error.key.split(".")[1])
-        text = str(error).removeprefix(f"{error.key}: ")
-        raise PlacementError(f"{positions[index].place_of('pose')}: pose: {text}") from None
+def _check_poses(scenario: Scenario, robots: list[PlacedRobot], positions: list[Entity], notes: Notes) -> None:
+    """Raise PlacementError, with its line of the world file, for the robots that do not fit where they start."""
+    left, building = list(zip(robots, positions, strict=True)), building_of(scenario.plan)
+    while left:
+        try:
+            placed_robots(scenario.model_copy(update={"robots": tuple(robot for robot, _ in left)}), building)
+            break
+        except PlacementError as error:
+            # Of a list of robots, the key is robots.<index>.start_pose.
+            text = str(error).removeprefix(f"{error.key}: ")
+            _, entity = left.pop(int(error.key.split(".")[1]))
+            notes.refuse(PlacementError(f"{entity.place_of('pose')}: pose: {text}"))
+    notes.raise_refusals()
 
 
-def _team_or_list(robots: tuple[PlacedRobot, ...]) -> Any:
+def _team_or_list(robots: list[PlacedRobot]) -> Any:
     """Return the robots as in YAML: a team if all are equal except for their poses, else a list."""
     data = [robot.model_dump(mode="json", exclude_unset=True) for robot in robots]
     poses = [robot.pop("start_pose") for robot in data]
@@ -150,29 +203,27 @@ def _team_or_list(robots: tuple[PlacedRobot, ...]) -> Any:
     return {"count": len(robots), "start_poses": poses, **spacing, **data[0]}
 
 
-def _note_unread(root: Entity, values: Values, notes: Notes) -> None:
-    """Note every property that was not read. Raises: ScenarioError: one of them would change the world."""
-    without_effect = _WITHOUT_EFFECT.split()
+def _note_unread(root: Entity, values: Values) -> None:
+    """Note every property that was not read, except those of models that are omitted."""
+    without_effect, notes = _WITHOUT_EFFECT.split(), values.notes
     for entity in _taken(root):
         for given in entity.properties.values():
             name = given.name
-            if values.was_read(given) or _SILENT.fullmatch(name):
+            if values.was_read(given) or _SILENT.fullmatch(name) or entity.kind in ("actuator", "gripper"):
                 continue
-            if name in ("bitmap", "boundary"):
-                raise given.place.error(f"{name}: only supported for models of kind 'model', not '{entity.kind}'")
             if name in without_effect:
                 notes.without_effect(name, given.place)
             elif name == "ctrl":
                 notes.say(given.place, "ctrl: omitted: Stage's controllers cannot run here; control.algorithm drives")
             else:
-                near = suggestion(name, [*without_effect, *_TAKEN.split()])
+                near = suggestion(name, [*without_effect, *sorted(values.names)])
                 notes.say(given.place, f"{name}: unknown key of a '{entity.kind}', in Stage and here{near}")
 
 
-def _taken(root: Entity) -> Iterator[Entity]:
+def _taken(entity: Entity, on_robot: bool = False) -> Iterator[Entity]:
     """Yield the entities that become part of the scenario."""
-    yield root
-    parts = {"position": ("ranger", "laser", "block"), "ranger": ("sensor",), "laser": (), "block": (), "sensor": ()}
-    for child in root.children:
-        if child.kind in parts.get(root.kind, ("model", "position", "block")):
-            yield from _taken(child)
+    yield entity
+    for child in entity.children:
+        is_sensor = child.kind in RANGERS and on_robot and (child.kind == "laser" or child.of_kind("sensor"))
+        if child.kind in (*BODIES, "position", "block", "sensor") or is_sensor:
+            yield from _taken(child, on_robot or child.kind == "position")

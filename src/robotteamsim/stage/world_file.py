@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
 import itertools
-import math
 import os
 import re
 from collections.abc import Iterator
@@ -117,14 +117,19 @@ def read_world_file(path: Path, file: str) -> Entity:
 
 # The grammar has four rules. With lark, limits, included files and messages with their line would still be ours.
 class _Parser:
-    """Recursive descent: items are `define`, properties and entities."""
+    """Recursive descent: items are `define`, properties and entities.
+
+    A definition is read again where it is used, so that it may contain what is defined later; of two with one name the
+    first counts (Stage 4.3, worldfile.cc: AddMacro, ParseTokenEntity).
+    """
 
     def __init__(self, tokens: list[Token], start: Place) -> None:
         self._tokens = tokens
         self._next = 0
         self._start = start
-        self._defined: dict[str, Entity] = {}
-        self._num_entities = 0
+        self._defined: dict[str, int] = {}
+        """By name, where the kind of a definition is among the tokens."""
+        self._num_entities = self._num_taken = 0
 
     def world(self) -> Entity:
         root = Entity("world", "world", self._start)
@@ -139,9 +144,14 @@ class _Parser:
         name, kind = self._word(start, "define"), self._word(start, "define")
         if not self._peek("mark", "("):
             raise kind.place.error(f"define: expected '(' after '{name.value} {kind.value}'")
-        entity = self._entity(kind, 1)
-        entity.called = name.value
-        self._defined[name.value] = entity
+        self._defined.setdefault(name.value, self._next - 1)
+        depth = 1
+        self._take()
+        while depth:
+            if self._next == len(self._tokens):
+                raise kind.place.error(f"{kind.value}: '(' is never closed")
+            token = self._take()
+            depth += {"(": 1, ")": -1}.get(token.value, 0) if token.kind == "mark" else 0
 
     def _item(self, parent: Entity, depth: int) -> None:
         name = self._take()
@@ -154,10 +164,13 @@ class _Parser:
             parent.properties[name.value] = Property(name.value, self._values(name), name.place)
 
     def _entity(self, name: Token, depth: int) -> Entity:
-        pattern = self._defined.get(name.value)
-        entity = self._copy(pattern, name, depth) if pattern else Entity(name.value, name.value, name.place)
-        entity.called, entity.place = name.value, name.place
         self._count(name, depth)
+        if name.value in self._defined:
+            here, self._next = self._next, self._defined[name.value] + 1
+            entity = self._entity(self._tokens[self._next - 1], depth + 1)
+            self._next, entity.called, entity.place = here, name.value, name.place
+        else:
+            entity = Entity(name.value, name.value, name.place)
         self._take()
         while not self._peek("mark", ")"):
             if self._next == len(self._tokens):
@@ -166,18 +179,14 @@ class _Parser:
         self._take()
         return entity
 
-    def _copy(self, pattern: Entity, name: Token, depth: int) -> Entity:
-        """Return a copy of a defined kind; its properties are the same ones."""
-        self._count(name, depth)
-        copies = [self._copy(child, name, depth + 1) for child in pattern.children]
-        return Entity(pattern.kind, pattern.called, pattern.place, dict(pattern.properties), copies)
-
     def _count(self, name: Token, depth: int) -> None:
         self._num_entities += 1
         if depth > MAX_DEPTH:
             raise name.place.error(f"{name.value}: nested more than {MAX_DEPTH} levels deep")
         if self._num_entities > MAX_ENTITIES:
             raise name.place.error(f"{name.value}: more than {MAX_ENTITIES} models and parts of models")
+        if self._num_taken > 2 * MAX_TOKENS:
+            raise name.place.error(f"{name.value}: definitions repeat more than {2 * MAX_TOKENS} words and numbers")
 
     def _values(self, name: Token) -> tuple[Value, ...]:
         if not self._peek("mark", "["):
@@ -193,15 +202,11 @@ class _Parser:
         if self._next == len(self._tokens):
             raise name.place.error(f"{name.value}: the file ends where a value was expected")
         token = self._take()
-        if token.kind == "text":
-            return token.value
-        try:
-            number = float(token.value) if token.kind == "number" else math.nan
-        except ValueError:
-            number = math.nan
-        if not math.isfinite(number):
+        if token.kind not in ("text", "number"):
             raise token.place.error(f"{name.value}: '{token.value}' is neither a number nor a text in quotes")
-        return number
+        with contextlib.suppress(ValueError):  # what is no number is a text, of which Stage reads the first digits
+            return float(token.value) if token.kind == "number" else token.value
+        return token.value
 
     def _word(self, start: Token, what: str) -> Token:
         token = self._take() if self._next < len(self._tokens) else start
@@ -215,6 +220,7 @@ class _Parser:
 
     def _take(self) -> Token:
         self._next += 1
+        self._num_taken += 1
         return self._tokens[self._next - 1]
 
 

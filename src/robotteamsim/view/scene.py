@@ -52,7 +52,7 @@ class RobotShape(msgspec.Struct, frozen=True):
     """A robot: its outline in base_link [m], empty for a disc, and its laser.
 
     number: its id, or its place in a recorded run if the bag gives it no id.
-    beams, angle_min_rad, angle_step_rad, forward_m, range_max_m: of the laser; no beams if it is unknown.
+    beams, angle_min_rad, angle_step_rad, forward_m, left_m, range_max_m: of the laser; no beams if it is unknown.
     role: a robot, or another member of the team.
     """
 
@@ -65,6 +65,7 @@ class RobotShape(msgspec.Struct, frozen=True):
     angle_min_rad: float = 0.0
     angle_step_rad: float = 0.0
     forward_m: float = 0.0
+    left_m: float = 0.0
     range_max_m: float = 0.0
     role: Role = "robot"
     number: int = 0
@@ -214,6 +215,7 @@ def _robot(name: str, index: int, robot: PlacedRobot, role: Role) -> RobotShape:
         angle_min_rad=laser.angle_min_rad,
         angle_step_rad=(laser.angle_max_rad - laser.angle_min_rad) / max(laser.beams - 1, 1),
         forward_m=laser.forward_m,
+        left_m=laser.left_m,
         range_max_m=laser.range_max_m,
         role=role,
         number=index,

@@ -31,6 +31,14 @@ TEST(ScanClearance, HitsLeaveOutBeamsWithoutReturn) {
   EXPECT_TRUE(ThreeBeams().Hits(std::vector<float>{2.0F, 2.0F, 2.0F}, 1.9).empty());
 }
 
+TEST(ScanClearance, HitsOfALaserBesideTheAxisAreInBaseLink) {
+  const ScanClearance beside({3, -kPi / 2, kPi / 2, 0.1, 5.0, 0.3});
+  const std::vector<base::Point> hits = beside.Hits(std::vector<float>{1.0F, 5.0F, 4.5F}, 5.0);
+  ASSERT_EQ(hits.size(), 2U);
+  EXPECT_NEAR(hits[0].y, 0.3 - 1.0, 1e-12);
+  EXPECT_NEAR(hits[1].y, 0.3 + 4.5, 1e-12);
+}
+
 /// What FreeDistance returns, one hit after the other, for a laser at base_link.
 double PlainFreeDistance(const std::vector<base::Point>& hits, double heading_rad, double radius_m,
                          double max_distance_m) {

@@ -84,7 +84,6 @@ def test_comments_in_any_encoding_are_passed_over(tmp_path):
         ("model()\n)\n", "a.world:2: ')': no '(' is open here"),
         ("model( [ 1 ] )", "a.world:1: '[': expected a key or the name of a model"),
         ("model( size [nan 1 1] )", "a.world:1: size: 'nan' is neither a number nor a text in quotes"),
-        ("model( size [1.2.3 1 1] )", "a.world:1: size: '1.2.3' is neither a number nor a text in quotes"),
         ("resolution 1e-3", "a.world:1: '1e' is not a number in Stage: expected digits, a point and a sign"),
         ("\nresolution", "a.world:2: resolution: the file ends where a value was expected"),
         ("model( size [ 1 1", "a.world:1: size: the file ends where a value was expected"),
@@ -124,13 +123,40 @@ def test_included_files_that_multiply_are_rejected(read, tmp_path):
 def test_definitions_that_multiply_are_rejected(read):
     kinds = "".join(f"define k{i + 1} model( k{i}() k{i}() k{i}() k{i}() )\n" for i in range(12))
     with pytest.raises(ScenarioError, match="more than 100000 models and parts of models"):
-        read("define k0 model()\n" + kinds)
+        read("define k0 model()\n" + kinds + "k12()")
 
 
 def test_definitions_nested_too_deeply_are_rejected(read):
     kinds = "".join(f"define k{i + 1} model( k{i}() )\n" for i in range(100))
     with pytest.raises(ScenarioError, match="nested more than 50 levels deep"):
-        read("define k0 model()\n" + kinds)
+        read("define k0 model()\n" + kinds + "k100()")
+
+
+def test_definition_of_itself_is_rejected(read):
+    with pytest.raises(ScenarioError, match=r"^a\.world:1: k: nested more than 50 levels deep"):
+        read("define k k( )\nk()")
+
+
+def test_long_definitions_that_are_used_often_are_rejected(read):
+    long = "define k model( " + "mass 1 " * 1000 + ")\n"
+    with pytest.raises(ScenarioError, match="definitions repeat more than 2000000 words and numbers"):
+        read(long + "k() " * 1100)
+
+
+def test_definition_is_resolved_where_it_is_used_and_the_first_one_counts(read):
+    """As in worldfile.cc of Stage 4.3: a definition is a range of tokens, and std::map::insert keeps the first."""
+    one, two = read(
+        "define big box( mass 5 wheel() )\ndefine box model( mass 2 )\ndefine box model( mass 3 color 1 )\n"
+        "define wheel ranger()\nbig()\nbox()"
+    ).children
+    assert (one.kind, one.called, two.kind) == ("model", "big", "model")
+    assert [entity.properties["mass"].values for entity in (one, two)] == [(5.0,), (2.0,)]
+    assert ([child.kind for child in one.children], "color" in two.properties) == (["ranger"], False)
+
+
+def test_definition_that_is_not_used_may_be_wrong(read):
+    """Stage only looks for its last parenthesis."""
+    assert read("define odd model( 3 ( ] ) )\nmodel()").children[0].kind == "model"
 
 
 def test_missing_world_file_is_reported():

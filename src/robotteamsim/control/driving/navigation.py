@@ -37,4 +37,5 @@ def laser_layout(laser: Laser) -> _core.control.LaserLayout:
         angle_max_rad=laser.angle_max_rad,
         forward_m=laser.forward_m,
         range_max_m=laser.range_max_m,
+        left_m=laser.left_m,
     )

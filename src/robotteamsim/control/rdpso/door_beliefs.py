@@ -54,13 +54,11 @@ class DoorBeliefs:
 
     def _seen_closed(self, door: Door, pose: Pose, ranges_m: np.ndarray) -> bool | None:
         """Return whether beams end at the leaf (True) or pass through it (False); None if too few agree."""
-        cos, sin = math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
-        laser_x = pose.x_m + cos * self._laser.forward_m
-        laser_y = pose.y_m + sin * self._laser.forward_m
+        laser = pose @ Pose(self._laser.forward_m, self._laser.left_m, 0.0)
         angles_rad = self._beam_angles_rad + pose.yaw_rad
         beam_x, beam_y = np.cos(angles_rad), np.sin(angles_rad)
         leaf_x, leaf_y = door.end[0] - door.start[0], door.end[1] - door.start[1]
-        to_x, to_y = door.start[0] - laser_x, door.start[1] - laser_y
+        to_x, to_y = door.start[0] - laser.x_m, door.start[1] - laser.y_m
         across = beam_x * leaf_y - beam_y * leaf_x
         # The range of a beam that grazes the leaf is uncertain.
         steep = np.abs(across) > 0.3 * math.hypot(leaf_x, leaf_y)

@@ -168,7 +168,7 @@ class Surroundings(_core.control.Surroundings):
             last_rad += (beams - 1) * stride * (laser.angle_max_rad - low_rad) / (laser.beams - 1)
         angles_rad = np.linspace(low_rad, laser.angle_max_rad, laser.beams)
         self._cos, self._sin = np.cos(angles_rad), np.sin(angles_rad)
-        self._forward_m, self._longest_m = laser.forward_m, laser.range_max_m * (1.0 - 1e-6)
+        self._mount_m, self._longest_m = (laser.forward_m, laser.left_m), laser.range_max_m * (1.0 - 1e-6)
         super().__init__(
             laser=laser_layout(laser.model_copy(update={"beams": beams, "angle_max_rad": last_rad})),
             stride=stride,
@@ -182,7 +182,7 @@ class Surroundings(_core.control.Surroundings):
         if not seen.any():
             return math.inf
         ranges_m = ranges_m[seen]
-        x_m, y_m = self._forward_m + ranges_m * self._cos[seen], ranges_m * self._sin[seen]
+        x_m, y_m = self._mount_m[0] + ranges_m * self._cos[seen], self._mount_m[1] + ranges_m * self._sin[seen]
         return float(np.hypot(x_m, y_m).min())
 
 

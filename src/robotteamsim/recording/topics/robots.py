@@ -162,7 +162,7 @@ def robot_transforms(make: Make, time_ns: int, robot_id: int, robot: Robot, odom
 
     The frames of additional sensors follow, base_link -> <name>_link -> <name>_optical_frame of cameras.
     """
-    laser = PoseReading(robot.laser.forward_m, 0.0, 0.0, 1.0)
+    laser = PoseReading(robot.laser.forward_m, robot.laser.left_m, 0.0, 1.0)
     links = [
         _transform(make, time_ns, robot_id, "odom", "base_footprint", odometry.pose),
         _transform(make, time_ns, robot_id, "base_footprint", "base_link", _IDENTITY),

@@ -22,6 +22,7 @@ class Laser(Model):
     range_min_m: float = Field(default=0.05, ge=0.0, le=10.0, description="shortest range [m]")
     range_max_m: float = Field(default=5.0, ge=SMALLEST, le=200.0, description="longest range [m]")
     forward_m: float = Field(default=0.1, ge=-5.0, le=5.0, description="ahead of base_link [m]")
+    left_m: float = Field(default=0.0, ge=-5.0, le=5.0, description="left of base_link [m]")
     height_m: float = Field(default=0.25, ge=0.0, le=2.0, description="above base_link, for tf [m]")
     no_return: Literal["range_max", "inf"] = Field(
         default="range_max", description="range without a return: range_max as in Stage, or inf as in REP-117"
@@ -41,7 +42,7 @@ class Laser(Model):
         """The directions of the beams from straight ahead, counter-clockwise, float64, shape (beams,) [rad]."""
         return np.linspace(self.angle_min_rad, self.angle_max_rad, self.beams)
 
-    def beam_model(self, left_m: float = 0.0, yaw_rad: float = 0.0) -> BeamModel:
+    def beam_model(self, yaw_rad: float = 0.0) -> BeamModel:
         """Return its beams. Without a return they read range_max, or +inf; too near range_min, or -inf (REP-117)."""
         as_rep_117 = self.no_return == "inf"
         fan = Fan(
@@ -49,7 +50,7 @@ class Laser(Model):
             angle_min_rad=yaw_rad + self.angle_min_rad,
             angle_max_rad=yaw_rad + self.angle_max_rad,
             forward_m=self.forward_m,
-            left_m=left_m,
+            left_m=self.left_m,
             height_m=self.height_m,
             range_max_m=self.range_max_m,
         )
@@ -100,7 +101,7 @@ class MountedLaser(Laser, MountedSensor):
     def measure(self, carrier: Carrier, generator: np.random.Generator) -> np.ndarray:
         """See `Sensor`."""
         noise_m = generator.normal(0.0, self.noise_m, self.beams) if self.noise_m > 0.0 else np.empty(0)
-        return carrier.ranges_m(self.beam_model(self.left_m, self.yaw_rad), noise_m)
+        return carrier.ranges_m(self.beam_model(self.yaw_rad), noise_m)
 
     def message(self, make: Make, time_ns: int, robot_id: int, reading: np.ndarray, step_s: float = 0.0) -> Any:
         """See `Sensor`."""

@@ -90,9 +90,10 @@ export class Layers {
     (scans ?? []).forEach((ranges, id) => {
       const pose = frame.poses[id];
       if (!pose || !ranges.length || (selected !== null && selected !== id)) return;
-      const { angle_min_rad, angle_step_rad, forward_m, range_max_m } = this.robots[id];
+      const { angle_min_rad, angle_step_rad, forward_m, left_m, range_max_m } = this.robots[id];
       const [x, y, yaw] = pose;
-      const eye = [x + forward_m * Math.cos(yaw), y + forward_m * Math.sin(yaw), HEIGHT.laser];
+      const [cos, sin] = [Math.cos(yaw), Math.sin(yaw)];
+      const eye = [x + forward_m * cos - left_m * sin, y + forward_m * sin + left_m * cos, HEIGHT.laser];
       const ends = Array.from(ranges, (range, beam) => {
         const angle = yaw + angle_min_rad + beam * angle_step_rad;
         const reach = Math.min(range, range_max_m);
