@@ -13,8 +13,7 @@ from robotteamsim.cli.parser import PLAN_HELP, SCENARIO_HELP, UsageError, number
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
 from robotteamsim.scenario.door_places import without_misplaced_doors
-from robotteamsim.scenario.dxf import DxfRules, import_dxf
-from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.dxf import DxfImport, DxfRules, import_dxf
 from robotteamsim.scenario.loading import floor_plan_and_files
 from robotteamsim.scenario.map_image import (
     DrawingRules,
@@ -90,9 +89,8 @@ def add_to(commands: Any) -> None:
     )
     image.add_argument("map", type=path_of, metavar="FILE", help="an image, the yaml of one, or a DXF file")
     _add_drawing_options(image)
-    image.add_argument(
-        "--out", type=path_of, metavar="FILE", help="the floor plan to write; default plan.yaml, if that does not exist"
-    )
+    image.add_argument("--out", type=path_of, metavar="FILE", help="the floor plan to write; default plan.yaml")
+    image.add_argument("--force", action="store_true", help="replace the file if it exists")
     image.set_defaults(command=import_plan)
 
     stage = actions.add_parser(
@@ -176,7 +174,10 @@ def _add_drawing_options(parser: argparse.ArgumentParser) -> None:
         "--metres-per-unit", type=positive_number, metavar="M", help="scale of a DXF file; default: the unit it names"
     )
     parser.add_argument(
-        "--wall-thickness", type=positive_number, metavar="M", help="of each line of a DXF file; default 0.1"
+        "--wall-thickness",
+        type=positive_number,
+        metavar="M",
+        help="of lines of a DXF file that are no faces and have no width; default 0.1",
     )
 
 
@@ -230,8 +231,8 @@ def _dxf_options(options: argparse.Namespace) -> dict[str, object]:
     }
 
 
-def _import_dxf(options: argparse.Namespace) -> FloorPlan:
-    """Return the plan of a DXF file. Raises: UsageError: options of images. ScenarioError: it cannot be read."""
+def _import_dxf(options: argparse.Namespace) -> DxfImport:
+    """Return the import of a DXF file. Raises: UsageError: options of images. ScenarioError: it cannot be read."""
     only = {
         "--metres-per-pixel": options.metres_per_pixel,
         "--measured": options.measured,
@@ -242,21 +243,26 @@ def _import_dxf(options: argparse.Namespace) -> FloorPlan:
         if value:
             raise UsageError(f"{option}: only for images, not for {options.map}")
     thickness_m = options.wall_thickness or DxfRules(()).wall_thickness_m
-    plan = import_dxf(options.map, DxfRules(options.layers, options.metres_per_unit, thickness_m))
-    return plan if options.doors is None else with_doors(plan, options.doors)
+    found = import_dxf(options.map, DxfRules(options.layers, options.metres_per_unit, thickness_m))
+    return found if options.doors is None else found._replace(plan=with_doors(found.plan, options.doors))
 
 
 def import_plan(options: argparse.Namespace) -> None:
     """Import an image or a DXF file."""
     out = options.out or Path("plan.yaml")
-    if options.out is None and out.exists():
-        raise UsageError(f"{out} already exists; choose a file with --out")
-    image, rules = None, DrawingRules()
-    if options.map.suffix.lower() != ".dxf":
-        image, rules = _read_image(options)
+    notes: tuple[str, ...] = ()
+    is_dxf = options.map.suffix.lower() == ".dxf"
+    if is_dxf and not options.layers:  # a question, whose answer is the list of layers
+        _import_dxf(options)
+    if out.exists() and not options.force:
+        raise UsageError(f"{out} already exists; choose another file with --out, or --force replaces it")
+    image, rules = (None, DrawingRules()) if is_dxf else _read_image(options)
     inputs = [options.map, *([options.map.parent / image.settings.image] if image else [])]
     check_outputs({"--out": out, "--png": options.png}, inputs)
-    found = import_image(image, options.map, rules) if image else _import_dxf(options)
+    if image is None:
+        found, notes = _import_dxf(options)
+    else:
+        found = import_image(image, options.map, rules)
     plan = without_misplaced_doors(found)
     parts = floor_parts(plan, _ROBOT_M)
     if image is not None:  # what the image does not know is no floor
@@ -265,12 +271,15 @@ def import_plan(options: argparse.Namespace) -> None:
         scenario.write_floor_plan(plan, part)
     counts = [counted(len(plan.walls), "wall"), counted(len(plan.blocks), "block"), counted(len(plan.doors), "door")]
     (x0, y0), (x1, y1) = plan.bounds.min, plan.bounds.max
-    print(f"{out}: {x1 - x0:g} x {y1 - y0:g} m, {', '.join(counts if options.doors else counts[:2])}")
+    offset_m = plan.drawing_offset_m
+    place = "" if offset_m is None else f"; [0, 0] is [{offset_m[0]:.10g}, {offset_m[1]:.10g}] m in the drawing"
+    print(f"{out}: {x1 - x0:g} x {y1 - y0:g} m, {', '.join(counts if options.doors else counts[:2])}{place}")
     if options.png:
         from robotteamsim.analysis.import_picture import draw_import
 
         no_wall = None if image is None else left_out(image, rules)
         save(draw_import(plan, parts, image, no_wall), options.png)
+    _warn(notes)
     if num_left_out := len(found.doors) - len(plan.doors):
         _warn([f"{counted(num_left_out, 'gap')} found next to which a leaf cannot turn: left open, without a door"])
     _warn(f"no door leads from the largest part of the floor to {part}" for part in part_texts(parts[1:]))
