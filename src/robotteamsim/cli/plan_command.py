@@ -14,15 +14,17 @@ from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
 from robotteamsim.scenario.door_places import without_misplaced_doors
 from robotteamsim.scenario.dxf import DxfImport, DxfRules, import_dxf
+from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.loading import floor_plan_and_files
 from robotteamsim.scenario.map_image import (
     DrawingRules,
     MapImage,
     import_image,
     left_out,
+    open_places,
     read_drawing,
     read_map,
-    with_doors,
+    with_openings,
 )
 from robotteamsim.scenario.yaml_text import write
 from robotteamsim.setup import resolve
@@ -75,6 +77,7 @@ examples:
 
 _DOOR_WIDTHS_M = (0.6, 1.6)
 _DOOR_WIDTHS_TEXT = ",".join(f"{width_m:g}" for width_m in _DOOR_WIDTHS_M)
+_MOST_PLACES = 10
 _ROBOT_M = 0.2
 """Radius of the robot for which parts of the floor count as connected."""
 
@@ -161,6 +164,12 @@ def _add_drawing_options(parser: argparse.ArgumentParser) -> None:
         metavar="LOW,HIGH",
         help=f"gaps of these widths [m] in walls along the axes become open doors; default {_DOOR_WIDTHS_TEXT}",
     )
+    parser.add_argument(
+        "--windows",
+        type=_widths,
+        metavar="LOW,HIGH",
+        help="gaps of these widths [m] in outer walls, empty or with thin lines, become walls of material glass",
+    )
     add_png_option(parser, "draw what was taken for what", required=False)
     parser.add_argument(
         "--layer",
@@ -219,7 +228,7 @@ def _read_image(options: argparse.Namespace) -> tuple[MapImage, DrawingRules]:
         raise UsageError(f"{options.map} has the resolution; --metres-per-pixel and --measured are for images")
     if not is_yaml and scale is None:
         raise UsageError(f"{options.map}: give its scale with --metres-per-pixel or --measured, or import its yaml")
-    rules = DrawingRules(options.thinnest_wall, options.smallest_wall, options.doors)
+    rules = DrawingRules(options.thinnest_wall, options.smallest_wall, options.doors, options.windows)
     return read_map(options.map) if is_yaml else read_drawing(options.map, scale), rules
 
 
@@ -244,7 +253,9 @@ def _import_dxf(options: argparse.Namespace) -> DxfImport:
             raise UsageError(f"{option}: only for images, not for {options.map}")
     thickness_m = options.wall_thickness or DxfRules(()).wall_thickness_m
     found = import_dxf(options.map, DxfRules(options.layers, options.metres_per_unit, thickness_m))
-    return found if options.doors is None else found._replace(plan=with_doors(found.plan, options.doors))
+    return found._replace(
+        plan=with_openings(found.plan, DrawingRules(doors_m=options.doors, windows_m=options.windows))
+    )
 
 
 def import_plan(options: argparse.Namespace) -> None:
@@ -269,11 +280,7 @@ def import_plan(options: argparse.Namespace) -> None:
         parts = tuple(part for part in parts if image.is_free_at(part.place))
     with atomically(out) as part:
         scenario.write_floor_plan(plan, part)
-    counts = [counted(len(plan.walls), "wall"), counted(len(plan.blocks), "block"), counted(len(plan.doors), "door")]
-    (x0, y0), (x1, y1) = plan.bounds.min, plan.bounds.max
-    offset_m = plan.drawing_offset_m
-    place = "" if offset_m is None else f"; [0, 0] is [{offset_m[0]:.10g}, {offset_m[1]:.10g}] m in the drawing"
-    print(f"{out}: {x1 - x0:g} x {y1 - y0:g} m, {', '.join(counts if options.doors else counts[:2])}{place}")
+    print(f"{out}: {_summary(plan, image, options)}")
     if options.png:
         from robotteamsim.analysis.import_picture import draw_import
 
@@ -283,6 +290,33 @@ def import_plan(options: argparse.Namespace) -> None:
     if num_left_out := len(found.doors) - len(plan.doors):
         _warn([f"{counted(num_left_out, 'gap')} found next to which a leaf cannot turn: left open, without a door"])
     _warn(f"no door leads from the largest part of the floor to {part}" for part in part_texts(parts[1:]))
+    if image is None or image.settings.image == options.map.name:  # a map knows no outside
+        _warn_of_open_places(plan, options)
+
+
+def _summary(plan: FloorPlan, image: MapImage | None, options: argparse.Namespace) -> str:
+    """Return size and number of elements of an imported plan, and what was measured or changed in its source."""
+    (x0, y0), (x1, y1) = plan.bounds.min, plan.bounds.max
+    num_windows = sum(wall.material == "glass" for wall in plan.walls)
+    parts = [f"{x1 - x0:g} x {y1 - y0:g} m", counted(len(plan.walls) - num_windows, "wall")]
+    parts += [counted(len(plan.blocks), "block")]
+    parts += [counted(len(plan.doors), "door")] if options.doors else []
+    parts += [counted(num_windows, "window")] if options.windows else []
+    notes = [", ".join(parts)]
+    if plan.drawing_offset_m is not None:
+        notes.append("[0, 0] is [{:.10g}, {:.10g}] m in the drawing".format(*plan.drawing_offset_m))
+    if image is not None and image.settings.image == options.map.name:
+        notes.append(f"{100.0 * image.grey_share:.1f} % of the pixels were neither black nor white")
+        notes += [f"turned by {-image.turn_deg:.1f} degrees"] if image.turn_deg else []
+    return "; ".join(notes)
+
+
+def _warn_of_open_places(plan: FloorPlan, options: argparse.Namespace) -> None:
+    places = [f"[{x:g}, {y:g}]" for x, y in open_places(plan)]
+    if places:
+        more = [counted(len(places) - _MOST_PLACES, "other place")] if len(places) > _MOST_PLACES else []
+        hint = "" if options.windows else "; --windows LOW,HIGH makes glass of gaps, --doors makes doors"
+        _warn([f"the outer wall is open at {', '.join([*places[:_MOST_PLACES], *more])}{hint}"])
 
 
 def import_stage(options: argparse.Namespace) -> None:
