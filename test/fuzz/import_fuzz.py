@@ -64,7 +64,7 @@ def check(path: Path) -> None:
 
     rules = DxfRules(["WALLS"], metres_per_unit=0.001)
     try:
-        use(import_dxf(path, rules) if path.suffix == ".dxf" else load_floor_plan(path))
+        use(import_dxf(path, rules).plan if path.suffix == ".dxf" else load_floor_plan(path))
     except RobotTeamSimError as error:
         text = str(error)
         assert text, "an error says nothing"

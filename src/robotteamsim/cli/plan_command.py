@@ -12,7 +12,7 @@ from robotteamsim.cli.parser import PLAN_HELP, SCENARIO_HELP, UsageError, number
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
 from robotteamsim.scenario.door_places import without_misplaced_doors
-from robotteamsim.scenario.dxf import DxfRules, import_dxf
+from robotteamsim.scenario.dxf import DxfImport, DxfRules, import_dxf
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.loading import floor_plan_and_files
 from robotteamsim.scenario.map_image import (
@@ -20,9 +20,10 @@ from robotteamsim.scenario.map_image import (
     MapImage,
     import_image,
     left_out,
+    open_places,
     read_drawing,
     read_map,
-    with_doors,
+    with_openings,
 )
 from robotteamsim.setup import resolve
 from robotteamsim.wording import counted
@@ -64,6 +65,7 @@ examples:
 
 _DOOR_WIDTHS_M = (0.6, 1.6)
 _DOOR_WIDTHS_TEXT = ",".join(f"{width_m:g}" for width_m in _DOOR_WIDTHS_M)
+_MOST_PLACES = 10
 _ROBOT_M = 0.2
 """Radius of the robot for which parts of the floor count as connected."""
 
@@ -78,9 +80,8 @@ def add_to(commands: Any) -> None:
     )
     image.add_argument("map", type=path_of, metavar="FILE", help="an image, the yaml of one, or a DXF file")
     _add_drawing_options(image)
-    image.add_argument(
-        "--out", type=path_of, metavar="FILE", help="the floor plan to write; default plan.yaml, if that does not exist"
-    )
+    image.add_argument("--out", type=path_of, metavar="FILE", help="the floor plan to write; default plan.yaml")
+    image.add_argument("--force", action="store_true", help="replace the file if it exists")
     image.set_defaults(command=import_plan)
 
     stage_commands.add_to(actions)
@@ -144,6 +145,12 @@ def _add_drawing_options(parser: argparse.ArgumentParser) -> None:
         metavar="LOW,HIGH",
         help=f"gaps of these widths [m] in walls along the axes become open doors; default {_DOOR_WIDTHS_TEXT}",
     )
+    parser.add_argument(
+        "--windows",
+        type=_widths,
+        metavar="LOW,HIGH",
+        help="gaps of these widths [m] in outer walls, empty or with thin lines, become walls of material glass",
+    )
     add_png_option(parser, "draw what was taken for what", required=False)
     parser.add_argument(
         "--layer",
@@ -157,7 +164,10 @@ def _add_drawing_options(parser: argparse.ArgumentParser) -> None:
         "--metres-per-unit", type=positive_number, metavar="M", help="scale of a DXF file; default: the unit it names"
     )
     parser.add_argument(
-        "--wall-thickness", type=positive_number, metavar="M", help="of each line of a DXF file; default 0.1"
+        "--wall-thickness",
+        type=positive_number,
+        metavar="M",
+        help="of lines of a DXF file that are no faces and have no width; default 0.1",
     )
 
 
@@ -199,7 +209,7 @@ def _read_image(options: argparse.Namespace) -> tuple[MapImage, DrawingRules]:
         raise UsageError(f"{options.map} has the resolution; --metres-per-pixel and --measured are for images")
     if not is_yaml and scale is None:
         raise UsageError(f"{options.map}: give its scale with --metres-per-pixel or --measured, or import its yaml")
-    rules = DrawingRules(options.thinnest_wall, options.smallest_wall, options.doors)
+    rules = DrawingRules(options.thinnest_wall, options.smallest_wall, options.doors, options.windows)
     return read_map(options.map) if is_yaml else read_drawing(options.map, scale), rules
 
 
@@ -211,8 +221,8 @@ def _dxf_options(options: argparse.Namespace) -> dict[str, object]:
     }
 
 
-def _import_dxf(options: argparse.Namespace) -> FloorPlan:
-    """Return the plan of a DXF file. Raises: UsageError: options of images. ScenarioError: it cannot be read."""
+def _import_dxf(options: argparse.Namespace) -> DxfImport:
+    """Return the import of a DXF file. Raises: UsageError: options of images. ScenarioError: it cannot be read."""
     only = {
         "--metres-per-pixel": options.metres_per_pixel,
         "--measured": options.measured,
@@ -223,38 +233,71 @@ def _import_dxf(options: argparse.Namespace) -> FloorPlan:
         if value:
             raise UsageError(f"{option}: only for images, not for {options.map}")
     thickness_m = options.wall_thickness or DxfRules(()).wall_thickness_m
-    plan = import_dxf(options.map, DxfRules(options.layers, options.metres_per_unit, thickness_m))
-    return plan if options.doors is None else with_doors(plan, options.doors)
+    found = import_dxf(options.map, DxfRules(options.layers, options.metres_per_unit, thickness_m))
+    return found._replace(
+        plan=with_openings(found.plan, DrawingRules(doors_m=options.doors, windows_m=options.windows))
+    )
 
 
 def import_plan(options: argparse.Namespace) -> None:
     """Import an image or a DXF file."""
     out = options.out or Path("plan.yaml")
-    if options.out is None and out.exists():
-        raise UsageError(f"{out} already exists; choose a file with --out")
-    image, rules = None, DrawingRules()
-    if options.map.suffix.lower() != ".dxf":
-        image, rules = _read_image(options)
+    notes: tuple[str, ...] = ()
+    is_dxf = options.map.suffix.lower() == ".dxf"
+    if is_dxf and not options.layers:  # a question, whose answer is the list of layers
+        _import_dxf(options)
+    if out.exists() and not options.force:
+        raise UsageError(f"{out} already exists; choose another file with --out, or --force replaces it")
+    image, rules = (None, DrawingRules()) if is_dxf else _read_image(options)
     inputs = [options.map, *([options.map.parent / image.settings.image] if image else [])]
     check_outputs({"--out": out, "--png": options.png}, inputs)
-    found = import_image(image, options.map, rules) if image else _import_dxf(options)
+    if image is None:
+        found, notes = _import_dxf(options)
+    else:
+        found = import_image(image, options.map, rules)
     plan = without_misplaced_doors(found)
     parts = floor_parts(plan, _ROBOT_M)
     if image is not None:  # what the image does not know is no floor
         parts = tuple(part for part in parts if image.is_free_at(part.place))
     with atomically(out) as part:
         scenario.write_floor_plan(plan, part)
-    counts = [counted(len(plan.walls), "wall"), counted(len(plan.blocks), "block"), counted(len(plan.doors), "door")]
-    (x0, y0), (x1, y1) = plan.bounds.min, plan.bounds.max
-    print(f"{out}: {x1 - x0:g} x {y1 - y0:g} m, {', '.join(counts if options.doors else counts[:2])}")
+    print(f"{out}: {_summary(plan, image, options)}")
     if options.png:
         from robotteamsim.analysis.import_picture import draw_import
 
         no_wall = None if image is None else left_out(image, rules)
         save(draw_import(plan, parts, image, no_wall), options.png)
+    warn(notes)
     if num_left_out := len(found.doors) - len(plan.doors):
         warn([f"{counted(num_left_out, 'gap')} found next to which a leaf cannot turn: left open, without a door"])
     warn(f"no door leads from the largest part of the floor to {part}" for part in part_texts(parts[1:]))
+    if image is None or image.settings.image == options.map.name:  # a map knows no outside
+        _warn_of_open_places(plan, options)
+
+
+def _summary(plan: FloorPlan, image: MapImage | None, options: argparse.Namespace) -> str:
+    """Return size and number of elements of an imported plan, and what was measured or changed in its source."""
+    (x0, y0), (x1, y1) = plan.bounds.min, plan.bounds.max
+    num_windows = sum(wall.material == "glass" for wall in plan.walls)
+    parts = [f"{x1 - x0:g} x {y1 - y0:g} m", counted(len(plan.walls) - num_windows, "wall")]
+    parts += [counted(len(plan.blocks), "block")]
+    parts += [counted(len(plan.doors), "door")] if options.doors else []
+    parts += [counted(num_windows, "window")] if options.windows else []
+    notes = [", ".join(parts)]
+    if plan.drawing_offset_m is not None:
+        notes.append("[0, 0] is [{:.10g}, {:.10g}] m in the drawing".format(*plan.drawing_offset_m))
+    if image is not None and image.settings.image == options.map.name:
+        notes.append(f"{100.0 * image.grey_share:.1f} % of the pixels were neither black nor white")
+        notes += [f"turned by {-image.turn_deg:.1f} degrees"] if image.turn_deg else []
+    return "; ".join(notes)
+
+
+def _warn_of_open_places(plan: FloorPlan, options: argparse.Namespace) -> None:
+    places = [f"[{x:g}, {y:g}]" for x, y in open_places(plan)]
+    if places:
+        more = [counted(len(places) - _MOST_PLACES, "other place")] if len(places) > _MOST_PLACES else []
+        hint = "" if options.windows else "; --windows LOW,HIGH makes glass of gaps, --doors makes doors"
+        warn([f"the outer wall is open at {', '.join([*places[:_MOST_PLACES], *more])}{hint}"])
 
 
 def export_gazebo(options: argparse.Namespace) -> None:

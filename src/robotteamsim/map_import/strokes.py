@@ -24,6 +24,9 @@ _LEAST_JAMB = 0.6
 """Least share of the cells at either end of a gap that are solid."""
 
 
+_LEAST_WIDER = 1.3
+"""The inside of a building is so many times as wide as a gap in its outer wall."""
+
 _LEAST_STRIP = 2.0
 """A loose object at least so many times as long as it is wide is a piece of wall, if it is not short."""
 
@@ -105,6 +108,63 @@ def gaps(solid: np.ndarray, sizes: GapSizes) -> list[Gap]:
     return sorted(kept, key=lambda gap: (gap.row, gap.column))
 
 
+def outside(solid: np.ndarray, width_cells: float) -> np.ndarray:
+    """Return the floor around a building, bool, same shape: what a disc of that width reaches from the border.
+
+    The outermost cells count as floor, because an import closes them.
+    """
+    import cv2
+
+    radius = 0.5 * width_cells
+    margin = math.ceil(radius) + 2
+    floor = np.pad(~solid, margin, constant_values=True)
+    floor[[margin, -margin - 1]] = floor[:, [margin, -margin - 1]] = True
+    fits = cv2.distanceTransform(floor.astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE) > radius
+    _, labels = cv2.connectedComponents(fits.astype(np.uint8), connectivity=4)
+    away = cv2.distanceTransform((labels != labels[0, 0]).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    inner = slice(margin, -margin)
+    reached: np.ndarray = (floor & (away <= radius))[inner, inner]
+    return reached
+
+
+def exits(solid: np.ndarray, width_cells: float, robot_cells: float, least_cells: float) -> np.ndarray:
+    """Return where a robot can leave the inside, of at least that many cells; float64, shape (n, 2), column and row.
+
+    Args: width_cells: of the disc that defines the `outside`.  robot_cells: the robot's radius.
+    """
+    import cv2
+
+    around = outside(solid, width_cells)
+    clear = cv2.distanceTransform((~solid).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    fits = clear > robot_cells
+    _, labels, statistics, _ = cv2.connectedComponentsWithStats((fits & ~around).astype(np.uint8), connectivity=4)
+    labels[statistics[labels, cv2.CC_STAT_AREA] < least_cells] = 0
+    widest = np.zeros(len(statistics))
+    np.maximum.at(widest, labels, np.where(labels > 0, clear, 0.0))
+    next_to = cv2.dilate(labels.astype(np.float32), np.ones((3, 3), np.uint8)).astype(int)
+    edge = (next_to > 0) & around & fits
+    count, edges, _, middles = cv2.connectedComponentsWithStats(edge.astype(np.uint8), connectivity=8)
+    widths, behind = np.zeros(count), np.zeros(count)
+    np.maximum.at(widths, edges, clear)
+    np.maximum.at(behind, edges, widest[next_to])
+    is_gap = behind > _LEAST_WIDER * widths  # else it is a passage between buildings
+    is_gap[0] = False
+    places: np.ndarray = middles[is_gap]
+    return places
+
+
+def outer_gaps(solid: np.ndarray, sizes: GapSizes) -> list[Gap]:
+    """Return the gaps between the inside of a building and its outside, see `gaps` and `outside`."""
+    around = outside(solid, 2.0 * sizes.most)
+    found = []
+    for gap in gaps(solid, sizes):
+        cells, at = (around, gap) if gap.along_x else (around.T, Gap(gap.row, gap.column, gap.rows, gap.columns, True))
+        columns = slice(at.column, at.column + at.columns)
+        if (cells[at.row - 1, columns].mean() > 0.5) != (cells[at.row + at.rows, columns].mean() > 0.5):
+            found.append(gap)
+    return found
+
+
 def _gaps_along_x(solid: np.ndarray, sizes: GapSizes) -> list[Gap]:
     import cv2
 
@@ -120,6 +180,8 @@ def _gaps_along_x(solid: np.ndarray, sizes: GapSizes) -> list[Gap]:
         window = np.s_[row : row + rows, column : column + columns]
         own = np.where(groups[window] == group, lengths[window], 0)
         for gap in _gaps_among(own, cells, (column, row), sizes):
+            if gap.column <= 1 or gap.column + gap.columns >= solid.shape[1] - 1:
+                continue  # an end is the border of the image, which is no wall that was drawn
             beside = slice(gap.row, gap.row + gap.rows)
             ends = labels[beside, gap.column - 1], labels[beside, gap.column + gap.columns]
             if not any(is_loose[end[end > 0]].any() for end in ends):

@@ -1,32 +1,24 @@
-"""Drawings of CAD programs (DXF) as floor plans: each straight line of the chosen layers is a wall.
-
-The package ezdxf is imported where it is used, because it belongs to an extra.
-"""
+"""Drawings of CAD programs (DXF) as floor plans: the lines of the chosen layers are walls, or the faces of walls."""
 
 from __future__ import annotations
 
-import configparser
-import itertools
-import logging
-from collections import Counter
-from collections.abc import Collection, Iterable, Iterator
+import math
+from collections.abc import Collection, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
+import shapely
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.scenario.base import MAX_NAME_CHARACTERS
-from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
+from robotteamsim.map_import.double_lines import solids_between
+from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Point
+from robotteamsim.scenario.dxf_content import Content, Line, content, key, metres_per_unit, read_drawing
+from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan, Wall
+from robotteamsim.scenario.image_walls import MAX_WALL_THICKNESS_M, elements
+from robotteamsim.scenario.plan import Corners, rectangle_of, strip_corners
 from robotteamsim.scenario.problems import checked
-from robotteamsim.scenario.yaml_text import is_file
 from robotteamsim.wording import counted, printable
-
-if TYPE_CHECKING:
-    from ezdxf.document import Drawing
-    from ezdxf.entities import DXFEntity
-
-logging.getLogger("ezdxf").addHandler(logging.NullHandler())  # else Python prints what it repairs
 
 MARGIN_M = 1.0
 """Free floor around the walls."""
@@ -37,31 +29,24 @@ SHORTEST_M = 0.01
 FLAT_M = 0.01
 """Curves become straight lines that are at most this far from them."""
 
-LEAST_SHARE = 1e-5
-"""Of the size of a curve: its straight lines are not closer to it."""
-
-LARGEST = 1e15
-"""Of curves, in units of the drawing."""
-
-MOST_BYTES = 64 * 2**20
-"""Of a file: twice that of MOST_LINES lines. It needs some ten times its size while it is read."""
+SMALL_M = 1.0
+"""The unit of a smaller drawing may be wrong."""
 
 MOST_WALLS = 100_000
 
-MOST_LINES = 200_000
-"""Of all layers together; blocks may repeat lines without an end."""
+_MM = 0.001
+"""Thickness is in whole millimetres, and corners are that exact."""
 
-_LINES = frozenset(("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE"))
-_NO_PARTS = frozenset(("DIMENSION", "ARC_DIMENSION", "LARGE_RADIAL_DIMENSION", "LEADER", "MULTILEADER", "HATCH"))
-"""Are not taken apart: dimension lines and hatches are no walls."""
+_KINK = 0.5
+"""In such cells; a slanted wall has smaller ones where others meet it."""
 
 
 class DxfRules(NamedTuple):
     """What of a drawing is a wall.
 
-    layers:           whose lines are walls.
+    layers:           whose lines are walls; upper and lower case do not matter, as in CAD programs.
     metres_per_unit:  of the drawing; None: as the file says.
-    wall_thickness_m: of each line.
+    wall_thickness_m: of a line that has no width and is not the face of a wall.
     """
 
     layers: Collection[str]
@@ -69,175 +54,135 @@ class DxfRules(NamedTuple):
     wall_thickness_m: float = 0.1
 
 
-def import_dxf(path: Path, rules: DxfRules) -> FloorPlan:
+class DxfImport(NamedTuple):
+    """A plan, and notes on what is not in it and on what may be wrong."""
+
+    plan: FloorPlan
+    notes: tuple[str, ...]
+
+
+def import_dxf(path: Path, rules: DxfRules) -> DxfImport:
     """Return the floor plan of a drawing, whose walls begin MARGIN_M from the lower left corner, [0, 0].
 
-    Lines, polylines and curves of the layers are walls, those in blocks included; text, dimension lines and hatches are
-    not. Part of a block on layer 0 has the layer of the block.
+    Lines, polylines and curves of the layers are walls, those in blocks included. A polyline with a width is a wall of
+    that thickness; parallel lines close to each other are the faces of one wall, see `solids_between`. Part of a block
+    on layer 0 has the layer of the block reference. Invisible parts, texts and dimension lines are left out; the notes
+    count everything else that is.
 
     Raises: ScenarioError: one line with file and what was expected, such as the layers of the drawing.
     """
-    drawing = _read(path)
-    scale = rules.metres_per_unit or _metres_per_unit(path, drawing)
-    found = _found(path, drawing, FLAT_M / scale)
-    layers = Counter(layer for layer, _ in found)
-    unknown = [layer for layer in rules.layers if layer not in layers]
+    drawing = read_drawing(path)
+    try:
+        scale, problem = rules.metres_per_unit or metres_per_unit(path, drawing), None
+    except ScenarioError as error:
+        scale, problem = math.nan, error
+    found = content(path, drawing, None if problem else FLAT_M / scale)
+    known = {line.layer for line in found.lines}
+    unknown = [layer for layer in rules.layers if key(layer) not in known]
     if unknown or not rules.layers:
-        known = ", ".join(f"{printable(name)} ({counted(count, 'line')})" for name, count in sorted(layers.items()))
         which = (
             f"layer '{printable(unknown[0])}' has no lines" if unknown else "choose the layers of walls with --layer"
         )
-        raise ScenarioError(f"{path}: {which}; found {known or 'no lines'}")
-    lines = np.array([line for layer, line in found if layer in rules.layers]) * scale
-    lines = lines[np.hypot(*(lines[:, 1] - lines[:, 0]).T) >= SHORTEST_M]
-    if not 0 < len(lines) <= MOST_WALLS:
-        raise ScenarioError(f"{path}: {len(lines)} lines of at least {SHORTEST_M:g} m; expected 1 to {MOST_WALLS}")
-    if not np.isfinite(lines).all():
+        raise ScenarioError(f"{path}: {which}; found {', '.join(_layer_texts(found)) or 'no lines'}")
+    if problem:
+        raise problem
+    layers = {key(layer) for layer in rules.layers}
+    lines = [line for line in found.lines if line.layer in layers]
+    ends_m = np.array([line.ends for line in lines]) * scale
+    if not np.isfinite(ends_m).all():
         raise ScenarioError(f"{path}: coordinates that are not finite")
-    lines = (lines - lines.min(axis=(0, 1)) + MARGIN_M).round(6)
-    return _plan(path, lines, rules.wall_thickness_m)
+    is_long = np.hypot(*(ends_m[:, 1] - ends_m[:, 0]).T) >= SHORTEST_M
+    width_m, height_m = np.ptp(ends_m, axis=(0, 1)).tolist()
+    unit = "$INSUNITS" if rules.metres_per_unit is None else "--metres-per-unit"
+    question = f"the walls are {width_m:.3g} x {height_m:.3g} m; is {unit} wrong?"
+    num_long = int(is_long.sum())
+    if not 0 < num_long <= MOST_WALLS:
+        text = f"{num_long} of {counted(len(lines), 'line')} are at least {SHORTEST_M:g} m long; {question}"
+        raise ScenarioError(f"{path}: {text if not num_long else f'{num_long} lines; expected at most {MOST_WALLS}'}")
+    widths_m = np.array([line.width for line in lines]) * scale
+    plan = _plan(path, ends_m[is_long], widths_m[is_long], rules.wall_thickness_m, question)
+    short = [f"{len(lines) - num_long} of {len(lines)} lines, shorter than {SHORTEST_M:g} m"] * (num_long < len(lines))
+    left_out = [*short, *_others(found, layers)]
+    notes = [question] if max(width_m, height_m) < SMALL_M else []
+    return DxfImport(plan, (*notes, *([f"left out: {', '.join(left_out)}"] if left_out else [])))
 
 
-def _plan(path: Path, lines: np.ndarray, thickness_m: float) -> FloorPlan:
-    """Return a plan with a wall along each line [m]; equal lines count once."""
-    corner = (lines.max(axis=(0, 1)) + MARGIN_M).round(6).tolist()
-    bounds = checked(Bounds, {"min": [0.0, 0.0], "max": corner}, place=f"{path}: bounds.")
-    ends = dict.fromkeys((min(one, other), max(one, other)) for one, other in map(_ends, lines.tolist()))
-    walls = [
-        checked(
-            Wall,
-            {"name": f"wall_{number}", "from": one, "to": other, "thickness_m": thickness_m},
-            place=f"{path}: walls.",
-        )
-        for number, (one, other) in enumerate(ends, 1)
-    ]
-    return FloorPlan(name=printable(path.stem)[:MAX_NAME_CHARACTERS], bounds=bounds, walls=tuple(walls))
+def _layer_texts(found: Content) -> Iterator[str]:
+    """Yield what each layer contains, with the size of its lines in units of the drawing."""
+    on_layer: dict[str, list[Line]] = {}
+    for line in found.lines:
+        on_layer.setdefault(line.layer, []).append(line)
+    for layer in sorted({*on_layer, *(layer for layer, _ in found.others)}):
+        parts = [f"{number} {printable(kind)}" for (on, kind), number in sorted(found.others.items()) if on == layer]
+        if lines := on_layer.get(layer):
+            width, height = np.ptp(np.array([line.ends for line in lines]), axis=(0, 1)).tolist()
+            parts = [counted(len(lines), "line"), f"{width:.5g} x {height:.5g} units", *parts]
+        yield f"{printable(found.names[layer])} ({', '.join(parts)})"
+    yield from map(printable, sorted(found.absent))
 
 
-def _ends(line: list[list[float]]) -> tuple[tuple[float, float], tuple[float, float]]:
-    (x0, y0), (x1, y1) = line
-    return (x0, y0), (x1, y1)
+def _others(found: Content, layers: Collection[str]) -> Iterator[str]:
+    """Yield how often what else is on some layers, and what the file refers to."""
+    for (layer, kind), number in sorted(found.others.items()):
+        if layer in layers:
+            yield f"{number} {printable(kind)} on {printable(found.names[layer])}"
+    yield from map(printable, sorted(found.absent))
 
 
-def _read(path: Path) -> Drawing:
-    """Return a drawing. Raises: ScenarioError: it cannot be read."""
-    try:
-        import ezdxf
-    except (configparser.Error, UnicodeDecodeError) as error:
-        raise ScenarioError(f"ezdxf: its configuration is damaged: {printable(' '.join(str(error).split()))}") from None
-    if not is_file(path):
-        raise ScenarioError(f"{path}: there is no such file")
-    if path.stat().st_size > MOST_BYTES:
-        raise ScenarioError(f"{path}: larger than {MOST_BYTES // 2**20} MiB; expected a drawing of one floor")
-    try:
-        return ezdxf.readfile(path)
-    except MemoryError:
-        pass  # so that what was read is freed first
-    except Exception as error:  # damaged files cause IndexError, KeyError, StopIteration and others
-        raise _unreadable(path, error) from None
-    raise ScenarioError(f"{path}: cannot be read as DXF: out of memory")
+def _plan(path: Path, ends_m: np.ndarray, widths_m: np.ndarray, thickness_m: float, question: str) -> FloorPlan:
+    """Return a plan of lines with widths; equal lines count once.
 
-
-def _unreadable(path: Path, error: Exception) -> ScenarioError:
-    """Return the line for an error of ezdxf; those of Python mean nothing to the user."""
-    from ezdxf import DXFError
-
-    reason = "it is damaged"
-    if isinstance(error, DXFError):
-        reason = " ".join(str(error).split()).removeprefix("DXFStructureError: ").rstrip(".") or reason
-    elif isinstance(error, OSError):  # also those that have no number, of ezdxf
-        reason = error.strerror or "it is not a DXF file"
-    elif isinstance(error, RecursionError):
-        reason = "a block contains itself"
-    elif isinstance(error, MemoryError):
-        reason = "out of memory"
-    return ScenarioError(f"{path}: cannot be read as DXF: {printable(reason)}")
-
-
-def _metres_per_unit(path: Path, drawing: Drawing) -> float:
-    """Return the scale that a file names. Raises: ScenarioError: it names none."""
-    from ezdxf.enums import InsertUnits
-    from ezdxf.units import conversion_factor
-
-    try:
-        unit = InsertUnits(drawing.units)
-    except ValueError:
-        unit = InsertUnits.Unitless
-    if unit == InsertUnits.Unitless:
-        text = f"names no known unit ($INSUNITS {drawing.units}); give its scale with --metres-per-unit"
-        raise ScenarioError(f"{path}: {text}")
-    try:
-        return conversion_factor(unit, InsertUnits.Meters)
-    except TypeError:  # ezdxf converts only some, without the feet of surveyors
-        text = f"has a unit that cannot be converted ($INSUNITS {drawing.units}); give its scale with --metres-per-unit"
-        raise ScenarioError(f"{path}: {text}") from None
-
-
-def _found(path: Path, drawing: Drawing, flat: float) -> list[tuple[str, np.ndarray]]:
-    """Return what `_lines` yields. Raises: ScenarioError: it cannot be read, or there are too many."""
-    try:
-        if _num_parts(drawing) > MOST_LINES:
-            raise ScenarioError(f"{path}: more than {MOST_LINES} lines and other parts, with those of repeated blocks")
-        found = list(itertools.islice(_lines(drawing, flat), MOST_LINES + 1))
-    except ScenarioError:
-        raise
-    except Exception as error:  # a block that contains itself, and what the file says wrongly
-        raise _unreadable(path, error) from None
-    if len(found) > MOST_LINES:
-        raise ScenarioError(f"{path}: more than {MOST_LINES} lines")
-    return found
-
-
-def _num_parts(drawing: Drawing) -> int:
-    """Return into how many parts blocks would be taken apart, which may be far more than the file has."""
-    known: dict[str, int] = {}
-
-    def of_block(name: str) -> int:
-        if name not in known:
-            block = drawing.blocks.get(name)
-            known[name] = 0 if block is None else of_entities(block)
-        return known[name]
-
-    def of_entities(entities: Iterable[DXFEntity]) -> int:
-        count = 0
-        for entity in entities:
-            count += (1 + of_block(entity.dxf.name)) * entity.mcount if isinstance(entity, Insert) else 1
-        return count
-
-    from ezdxf.entities import Insert
-
-    return of_entities(drawing.modelspace())
-
-
-def _flat(part: DXFEntity, flat: float) -> float:
-    """Return how far lines may be from a curve: not less than a share of its size, so that they are not too many.
-
-    Raises: DXFValueError: numbers of that size cannot be divided into lines.
+    Args: thickness_m: of a line without a width.  question: whether the unit is wrong, if the plan is too large.
     """
-    from ezdxf import DXFValueError, bbox
+    margin_m = max(MARGIN_M, 0.5 * widths_m.max())
+    offset_m = ends_m.min(axis=(0, 1)) - margin_m
+    ends_m = (ends_m - offset_m).round(6)
+    corner = (ends_m.max(axis=(0, 1)) + margin_m).round(6).tolist()
+    try:
+        bounds = checked(Bounds, {"min": [0.0, 0.0], "max": corner}, place=f"{path}: bounds.")
+    except ScenarioError as error:
+        raise ScenarioError(f"{error}; {question}") from None
+    in_order = {
+        (*sorted(map(tuple, ends)), width): None for ends, width in zip(ends_m.tolist(), widths_m.tolist(), strict=True)
+    }
+    single = np.array([(one, other) for one, other, width in in_order if not width]).reshape(-1, 2, 2)
+    try:
+        solid, single = solids_between(single)
+    except ValueError as error:
+        raise ScenarioError(f"{path}: {error}") from None
+    cells = [shapely.transform(polygon, lambda xy: xy / _MM) for polygon in solid]
+    walls, blocks = elements(cells, (0.0, 0.0), (_MM, _MM), _as_wall, _KINK)
+    strips = [(one, other, thickness_m) for one, other in single.round(6).tolist()]
+    for one, other, width_m in (*strips, *(strip for strip in in_order if strip[2])):
+        if width_m > MAX_WALL_THICKNESS_M and width_m != thickness_m:
+            corners = strip_corners(one, other, width_m)
+            blocks.append(Block(name=f"block_{len(blocks) + 1}", polygon=corners))
+        else:
+            values = {"name": f"wall_{len(walls) + 1}", "from": one, "to": other, "thickness_m": width_m}
+            walls.append(checked(Wall, values, place=f"{path}: walls."))
+    return FloorPlan(
+        name=printable(path.stem)[:MAX_NAME_CHARACTERS],
+        bounds=bounds,
+        walls=tuple(walls),
+        blocks=tuple(blocks),
+        drawing_offset_m=tuple(offset_m.round(6).tolist()),
+    )
 
-    if part.dxftype() == "LINE":
-        return flat
-    box = bbox.extents([part], fast=True)
-    if not box.has_data:  # without points
-        return flat
-    size = max(box.size.x, box.size.y)
-    if not size <= LARGEST:
-        raise DXFValueError(f"a {part.dxftype()} has a size of {size:g}")
-    return float(max(flat, LEAST_SHARE * size))
 
-
-def _lines(drawing: Drawing, flat: float) -> Iterator[tuple[str, np.ndarray]]:
-    """Yield the layer and the ends of each straight line, float64, shape (2, 2), in the units of the drawing."""
-    from ezdxf import disassemble
-
-    for entity in drawing.modelspace():
-        if entity.dxftype() in _NO_PARTS:
-            continue
-        for part in disassemble.recursive_decompose([entity]):
-            if part.dxftype() not in _LINES:
-                continue
-            layer = entity.dxf.layer if part.dxf.layer == "0" else part.dxf.layer
-            points = [(point.x, point.y) for point in disassemble.make_primitive(part, _flat(part, flat)).vertices()]
-            for one, other in itertools.pairwise(points):
-                yield str(layer), np.array([one, other])
+def _as_wall(name: str, corners: Corners) -> Wall | None:
+    """Return a rectangle at least twice as long as wide as a wall along its middle; None: it is not one."""
+    polygon = shapely.Polygon(corners)
+    around = shapely.oriented_envelope(polygon)
+    rectangle = rectangle_of(tuple(map(tuple, shapely.get_coordinates(around)[:4].tolist())))
+    if rectangle is None or around.area - polygon.area > _MM * polygon.length:
+        return None
+    length_m, thickness_m, yaw = rectangle.length_m, rectangle.width_m, rectangle.yaw
+    if length_m < thickness_m:
+        length_m, thickness_m, yaw = thickness_m, length_m, yaw + math.pi / 2.0
+    thickness_m = round(thickness_m, 3)
+    if not 0.0 < thickness_m <= MAX_WALL_THICKNESS_M or length_m < 2.0 * thickness_m:
+        return None
+    x, y = 0.5 * length_m * math.cos(yaw), 0.5 * length_m * math.sin(yaw)
+    start: Point = (round(rectangle.x - x, 6), round(rectangle.y - y, 6))
+    end: Point = (round(rectangle.x + x, 6), round(rectangle.y + y, 6))
+    return Wall(name=name, start=start, end=end, thickness_m=thickness_m)

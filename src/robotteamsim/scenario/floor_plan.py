@@ -185,6 +185,9 @@ class FloorPlan(Model):
     blocks: Many[Block] = Field(default=(), description="solid polygons and pillars")
     doors: Many[Door] = Field(default=(), description="door leaves in gaps between walls")
     bays: Many[BayRow] = Field(default=(), description="rows of parking bays, for pictures and 3D views")
+    drawing_offset_m: Point | None = Field(
+        default=None, description="coordinates in the drawing that the plan was imported from, of [0, 0] [m]"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> FloorPlan:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Iterable
 
 import numpy as np
 import shapely
@@ -35,17 +36,33 @@ def walls_and_blocks(solid: np.ndarray, low_m: Point, cell_m: Point) -> tuple[li
     Args:   solid: bool, shape (rows, cols), row 0 at the lowest y; no two cells touch only at a corner.
             low_m: lower left corner of cell (0, 0). cell_m: width and height of a cell, about equal.
     """
+    return elements(outlines(solid), low_m, cell_m, _as_wall)
+
+
+def elements(
+    polygons: Iterable[shapely.Polygon],
+    low_m: Point,
+    cell_m: Point,
+    as_wall: Callable[[str, Corners], Wall | None],
+    kink: float = 0.0,
+) -> tuple[list[Wall], list[Block]]:
+    """Return walls wall_1, wall_2, ... and convex blocks block_1, block_2, ..., whose union is some polygons.
+
+    Args: polygons: in cells.  as_wall: of a name and the corners of a piece [m]; None: it is a block.
+          kink: corners this close to the line through their neighbours are removed after the cuts [cells].
+    """
     edge_m = math.sqrt(cell_m[0] * cell_m[1])
     walls: list[Wall] = []
     blocks: list[Block] = []
-    for polygon in outlines(solid):
+    for polygon in polygons:
         parts = cut_at_inner_corners(polygon, MAX_WALL_THICKNESS_M / edge_m)
-        pieces = [piece for part in parts for piece in convex_pieces(part)]
+        straight = shapely.simplify(parts, kink) if kink else parts
+        pieces = [piece for part in straight for piece in convex_pieces(part)]
         cells = np.maximum(piece_thickness(polygon, pieces, THICKEST_M / edge_m).round(), 1.0)
         for piece, thickness_m in zip(pieces, (cells * edge_m).round(6).tolist(), strict=True):
             corners = tuple((float(x), float(y)) for x, y in in_metres(low_m, cell_m, piece).tolist())
             thickness_m = None if math.isnan(thickness_m) else thickness_m  # it has no outer face
-            wall = _as_wall(f"wall_{len(walls) + 1}", corners)
+            wall = as_wall(f"wall_{len(walls) + 1}", corners)
             if wall and thickness_m in (None, wall.thickness_m):
                 walls.append(wall)
             elif _is_sound(corners):

@@ -22,7 +22,8 @@ from robotteamsim.map_import.cells import (
     read_image,
     solid_cells,
 )
-from robotteamsim.map_import.strokes import GapSizes, gaps, small_groups, thin_strokes
+from robotteamsim.map_import.paper import on_white_paper
+from robotteamsim.map_import.strokes import Gap, GapSizes, exits, gaps, outer_gaps, small_groups, thin_strokes
 from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Model, PlanarPose, Point
 from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.image_walls import MAX_WALL_THICKNESS_M, MIN_PIECE_M2, in_metres, walls_and_blocks
@@ -41,6 +42,23 @@ DOOR_CELLS = 4_000_000
 
 LOOSE_M = 2.0
 """Objects that are smaller and touch no wall are no ends of gaps, unless they are strips."""
+
+PANE_M = 0.08
+"""Thinner lines across a gap in an outer wall are a window."""
+
+LINED = 0.8
+"""Of the width of the gap, the least share that such lines cover."""
+
+OPEN_M = 2.5
+"""Width of the widest gap through which the inside of a building is told from its outside."""
+
+OPEN_CELL_M = 0.05
+
+ROBOT_M = 0.2
+"""Radius of the robot that may leave through a gap."""
+
+LEAST_M2 = 4.0
+"""Smaller places that are hard to reach from outside are niches of the outer wall."""
 
 CACHED_PIXELS = 200_000
 """Plans of larger images are kept in the cache."""
@@ -96,10 +114,12 @@ class MapFile(Model):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapImage:
-    """A map: its yaml and the pixels of its image, see `read_image`."""
+    """A map: its yaml and the pixels of its image, see `read_image`; of a drawing, what `Paper` has."""
 
     settings: MapFile
     pixels: np.ndarray
+    grey_share: float = 0.0
+    turn_deg: float = 0.0
 
     @property
     def dark(self) -> np.ndarray:
@@ -193,7 +213,7 @@ def read_drawing(path: Path, resolution_m: float) -> MapImage:
         raise ScenarioError(f"{path}: {'is a folder, expected an image' if path.is_dir() else 'there is no such file'}")
     values = {"image": path.name, "resolution": resolution_m, "origin": [0.0, 0.0, 0.0]}
     settings = checked(MapFile, values, place=f"{path}: ")
-    return MapImage(settings, _pixels(path, str(path), as_shown=True))
+    return MapImage(settings, *on_white_paper(_pixels(path, str(path), as_shown=True), resolution_m))
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,11 +223,14 @@ class DrawingRules:
     thinnest_m: thinner strokes are no walls, such as text, dimension lines and arcs of doors.
     smallest_m: groups of ink that are smaller in width and height are no walls, such as letters.
     doors_m:    least and greatest width of a gap in a wall along an axis that is a door; None: none is.
+    windows_m:  the same of a gap in an outer wall, empty or with thin lines, that becomes glass; with both, an empty
+                gap as wide as a door is a door.
     """
 
     thinnest_m: float = 0.0
     smallest_m: float = 0.0
     doors_m: tuple[float, float] | None = None
+    windows_m: tuple[float, float] | None = None
 
 
 def import_map(map_yaml: str | os.PathLike[str]) -> FloorPlan:
@@ -253,9 +276,13 @@ def import_image(image: MapImage, path: Path, rules: DrawingRules) -> FloorPlan:
 
     def plan() -> FloorPlan:
         dark = np.where(left_out(image, rules), 0.0, image.dark)
+        grid = Grid(settings.origin[:2], settings.resolution)
+        panes = [] if rules.windows_m is None else _panes(image, rules, dark)
         solid = solid_cells(dark, *settings.import_thresholds, settings.resolution, closed=True)
         walls, blocks = walls_and_blocks(solid, settings.origin[:2], cell_m)
-        grid = Grid(settings.origin[:2], settings.resolution)
+        walls += [_window(number, pane, grid) for number, pane in enumerate(panes, 1)]
+        for pane in panes:
+            solid[pane.row : pane.row + pane.rows, pane.column : pane.column + pane.columns] = True
         doors = [] if rules.doors_m is None else list(_doors(solid, grid, rules.doors_m))
         if settings.origin[2] != 0.0:
             walls, doors = turn.lines(walls), turn.lines(doors)
@@ -299,27 +326,84 @@ def _outside(frame: Sequence[Point], bounds: Bounds) -> Iterator[Block]:
         yield Block(name=f"outside_{number}", polygon=polygon)
 
 
-def with_doors(plan: FloorPlan, widths_m: tuple[float, float]) -> FloorPlan:
-    """Return a plan without doors with one in each gap of some widths in walls along the axes, see `gaps`."""
+def with_openings(plan: FloorPlan, rules: DrawingRules) -> FloorPlan:
+    """Return a plan with the windows and doors of some rules in the gaps of walls along the axes, see `gaps`."""
+    grid = _grid(plan, DOOR_CELL_M)
+    solid = grid.cells == OCCUPIED
+    if rules.windows_m is not None:
+        panes = outer_gaps(solid, _sizes(rules.windows_m, grid.resolution_m))
+        windows = [
+            _window(number, pane, grid)
+            for number, pane in enumerate(panes, 1)
+            if not _is_door(pane, rules, grid.resolution_m)
+        ]
+        plan = plan.model_copy(update={"walls": (*plan.walls, *windows)})
+        solid = occupancy_grid(plan, grid.resolution_m).cells == OCCUPIED
+    return plan if rules.doors_m is None else plan.model_copy(update={"doors": _doors(solid, grid, rules.doors_m)})
+
+
+def open_places(plan: FloorPlan) -> list[Point]:
+    """Return where a robot may leave a building whose doors are closed: the middles of gaps in the outer wall."""
+    doors = tuple(door.model_copy(update={"closed": True, "motion": "instant"}) for door in plan.doors)
+    grid = _grid(plan.model_copy(update={"doors": doors}), OPEN_CELL_M)
+    cell_m = grid.resolution_m
+    places = exits(grid.cells == OCCUPIED, OPEN_M / cell_m, ROBOT_M / cell_m, LEAST_M2 / cell_m**2)
+    return [(round(x, 2), round(y, 2)) for x, y in in_metres(grid.origin_m, (cell_m, cell_m), places + 0.5).tolist()]
+
+
+def _grid(plan: FloorPlan, cell_m: float) -> OccupancyGrid:
+    """Return a plan in cells of that size, or larger ones if there are too many."""
     (x0, y0), (x1, y1) = plan.bounds.min, plan.bounds.max
-    cell_m = max(DOOR_CELL_M, math.sqrt((x1 - x0) * (y1 - y0) / DOOR_CELLS))
-    grid = occupancy_grid(plan, cell_m)
-    return plan.model_copy(update={"doors": _doors(grid.cells == OCCUPIED, grid, widths_m)})
+    return occupancy_grid(plan, max(cell_m, math.sqrt((x1 - x0) * (y1 - y0) / DOOR_CELLS)))
+
+
+def _sizes(widths_m: tuple[float, float], cell_m: float) -> GapSizes:
+    return GapSizes(*(size_m / cell_m for size_m in (*widths_m, MAX_WALL_THICKNESS_M, LOOSE_M)))
+
+
+def _panes(image: MapImage, rules: DrawingRules, dark: np.ndarray) -> list[Gap]:
+    """Return the gaps in outer walls that are windows, and remove thin lines across them from the ink."""
+    assert rules.windows_m is not None
+    cell_m = image.settings.resolution
+    thin = thin_strokes(~image.free, round(max(rules.thinnest_m, PANE_M) / cell_m))
+    bold = solid_cells(np.where(thin, 0.0, dark), *image.settings.import_thresholds, cell_m, closed=True)
+    panes = []
+    for gap in outer_gaps(bold, _sizes(rules.windows_m, cell_m)):
+        area = slice(gap.row, gap.row + gap.rows), slice(gap.column, gap.column + gap.columns)
+        is_lined = thin[area].any(axis=0 if gap.along_x else 1).mean() > LINED
+        if is_lined or not _is_door(gap, rules, cell_m):
+            dark[area] = np.where(thin[area], 0.0, dark[area])
+            panes.append(gap)
+    return panes
+
+
+def _is_door(gap: Gap, rules: DrawingRules, cell_m: float) -> bool:
+    """Whether a gap in an outer wall is as wide as a door, if doors are asked for."""
+    width_m = (gap.columns if gap.along_x else gap.rows) * cell_m
+    return rules.doors_m is not None and rules.doors_m[0] <= width_m <= rules.doors_m[1]
+
+
+def _ends_m(gap: Gap, grid: Grid) -> tuple[Point, Point]:
+    """Return the ends of the middle line of a gap [m]."""
+    middle = (0.0, 0.5 * gap.rows) if gap.along_x else (0.5 * gap.columns, 0.0)
+    along = (gap.columns, 0.0) if gap.along_x else (0.0, gap.rows)
+    start = np.array([gap.column, gap.row]) + middle
+    ends_m = in_metres(grid.origin_m, (grid.resolution_m, grid.resolution_m), np.array([start, start + along]))
+    (x0, y0), (x1, y1) = ends_m.tolist()
+    return (x0, y0), (x1, y1)
+
+
+def _window(number: int, pane: Gap, grid: Grid) -> Wall:
+    """Return the glass in a gap, as thick as the wall."""
+    start, end = _ends_m(pane, grid)
+    thickness_m = round((pane.rows if pane.along_x else pane.columns) * grid.resolution_m, 6)
+    return Wall(name=f"window_{number}", start=start, end=end, thickness_m=thickness_m, material="glass")
 
 
 def _doors(solid: np.ndarray, grid: Grid, widths_m: tuple[float, float]) -> tuple[Door, ...]:
     """Return an open door door_1, door_2, ... in each gap between walls."""
-    cell_m = grid.resolution_m
-    sizes = GapSizes(*(size_m / cell_m for size_m in (*widths_m, MAX_WALL_THICKNESS_M, LOOSE_M)))
-    doors: list[Door] = []
-    for gap in gaps(solid, sizes):
-        middle = (0.0, 0.5 * gap.rows) if gap.along_x else (0.5 * gap.columns, 0.0)
-        along = (gap.columns, 0.0) if gap.along_x else (0.0, gap.rows)
-        start = np.array([gap.column, gap.row]) + middle
-        ends_m = in_metres(grid.origin_m, (cell_m, cell_m), np.array([start, start + along]))
-        (x0, y0), (x1, y1) = ends_m.tolist()
-        doors.append(Door(name=f"door_{len(doors) + 1}", start=(x0, y0), end=(x1, y1)))
-    return tuple(doors)
+    ends = (_ends_m(gap, grid) for gap in gaps(solid, _sizes(widths_m, grid.resolution_m)))
+    return tuple(Door(name=f"door_{number}", start=start, end=end) for number, (start, end) in enumerate(ends, 1))
 
 
 def published_map(scenario: Scenario) -> OccupancyGrid:

@@ -45,12 +45,12 @@ class Solid:
 
 def wall_corners(wall: Wall) -> Corners:
     """Return the four corners of a wall, counter-clockwise from the right side of its start [m]."""
-    return _strip_corners(wall.start, wall.end, wall.thickness_m)
+    return strip_corners(wall.start, wall.end, wall.thickness_m)
 
 
 def door_corners(door: Door) -> Corners:
     """Return the four corners of a closed door's leaf, counter-clockwise from the right side of its hinge [m]."""
-    return _strip_corners(door.start, door.end, door.thickness_m)
+    return strip_corners(door.start, door.end, door.thickness_m)
 
 
 def leaf_corners(door: Door, opening: float) -> Corners:
@@ -207,7 +207,8 @@ def occupancy_grid(plan: FloorPlan, resolution_m: float, closed: Mapping[str, bo
     return OccupancyGrid((min_x, min_y), resolution_m, cells)
 
 
-def _strip_corners(start: tuple[float, float], end: tuple[float, float], width_m: float) -> Corners:
+def strip_corners(start: Point, end: Point, width_m: float) -> Corners:
+    """Return the corners of a rectangle around a line, counter-clockwise from the right side of its start [m]."""
     (x0, y0), (x1, y1) = start, end
     length_m = math.hypot(x1 - x0, y1 - y0)
     if length_m == 0.0:

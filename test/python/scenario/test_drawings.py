@@ -222,6 +222,90 @@ def test_picture_shows_what_was_taken_for_what(folder):
     assert np.count_nonzero((red > 220) & (green > 200) & (blue < 100)) > 500
 
 
+def photo(turn_deg: float, light: float, noise: float) -> np.ndarray:
+    """Take a photo of the drawing: grey ink on turned paper, darker to the right and in a shadow, with noise."""
+    image = drawing(texts=False)
+    rows, columns = image.shape
+    turn = cv2.getRotationMatrix2D((columns / 2, rows / 2), turn_deg, 1.0)
+    seen = cv2.GaussianBlur(cv2.warpAffine(image, turn, (columns, rows), borderValue=255), (0, 0), 0.7) / 255.0
+    y, x = np.mgrid[:rows, :columns]
+    shade = (1.0 - 0.4 * x / columns) * (1.0 - 0.25 * np.exp(-(((x - 500) / 120) ** 2 + ((y - 120) / 90) ** 2)))
+    grey = light * (0.25 + 0.75 * seen) * shade + np.random.default_rng(5).normal(0.0, noise, image.shape)
+    return np.clip(grey, 0.0, 255.0).astype(np.uint8)
+
+
+# A photo of 14 x 9 m with 4 doors: before, the shaded paper was solid.
+@pytest.mark.parametrize(("turn_deg", "light", "noise"), [(0.0, 190.0, 0.0), (1.0, 190.0, 7.0), (-2.5, 240.0, 4.0)])
+def test_photo_of_a_drawing_has_its_doors_and_floor(folder, capsys, turn_deg, light, noise):
+    cv2.imwrite("photo.jpg", photo(turn_deg, light, noise), [cv2.IMWRITE_JPEG_QUALITY, 85])
+    plan = imported("photo.jpg", "--metres-per-pixel", "0.02", "--doors")
+    line = capsys.readouterr().out
+    middle = 0.5 * np.array(plan.bounds.max)
+    middles = sorted((0.5 * np.add(door.start, door.end) - middle).round(1).tolist() for door in plan.doors)
+    expected = sorted(np.subtract(DOORS, np.multiply(0.5, SIZE_M)).tolist())
+    np.testing.assert_allclose(middles, expected, atol=0.1)
+    clean = imported("clean.png", "--metres-per-pixel", "0.02")
+    areas = [
+        shapely.box(0, 0, *one.bounds.max).difference(obstacles(one.model_copy(update={"doors": ()}))).area
+        for one in (plan, clean)
+    ]
+    larger = np.prod(plan.bounds.max) - np.prod(clean.bounds.max)  # paper that holds the turned drawing
+    assert areas[0] - larger == pytest.approx(areas[1], rel=0.03)
+    turned_deg = float(line.partition("; turned by ")[2].partition(" ")[0] or 0.0)
+    assert turned_deg == pytest.approx(-turn_deg, abs=0.15)
+    assert " % of the pixels were neither black nor white" in line
+
+
+def test_grey_paper_is_floor_and_grey_areas_of_a_drawn_map_are_not(folder, capsys):
+    cv2.imwrite("grey.png", np.where(drawing(texts=False) == 255, 190, 40).astype(np.uint8))
+    grey, clean = (imported(f"{name}.png", "--metres-per-pixel", "0.02") for name in ("grey", "clean"))
+    assert grey.walls == clean.walls
+    unknown = drawing(texts=False)
+    unknown[150:250, 150:250] = 205  # gmapping's grey in a room
+    cv2.imwrite("map.png", unknown)
+    plan = imported("map.png", "--metres-per-pixel", "0.02")
+    assert obstacles(plan).intersects(shapely.Point(3.01, 5.0))
+    assert "; 3.2 % of the pixels were neither black nor white" in capsys.readouterr().out
+
+
+def outer_openings() -> np.ndarray:
+    """Draw two rooms: in the outer wall an entrance of 0.9 m, a gap of 1.4 m, and one of 1.4 m with two thin lines."""
+    image = np.full((450, 600), 255, np.uint8)
+    cv2.rectangle(image, (50, 50), (549, 399), 0, 10)
+    cv2.rectangle(image, (295, 50), (304, 399), 0, -1)
+    image[200:245, 290:310] = 255
+    for left, width in ((100, 45), (180, 70), (400, 70)):
+        image[380:420, left : left + width] = 255
+    image[[395, 404], 400:470] = 0
+    return image
+
+
+@pytest.mark.parametrize("thinnest", [(), ("--thinnest-wall", "0.1")])
+def test_gaps_and_thin_lines_in_outer_walls_become_glass(folder, capsys, thinnest):
+    cv2.imwrite("open.png", outer_openings())
+    plan = imported("open.png", "--metres-per-pixel", "0.02", "--windows", "0.6,2", "--doors", "0.6,1", *thinnest)
+    glass = [wall for wall in plan.walls if wall.material == "glass"]
+    middles = sorted((wall.start[0] + wall.end[0]) / 2 for wall in glass)
+    assert middles == pytest.approx([(180 + 35) * CELL_M, (400 + 35) * CELL_M], abs=0.03)
+    assert all(wall.thickness_m == pytest.approx(0.2, abs=0.05) for wall in glass)
+    assert sorted(door.start[0] for door in plan.doors) == pytest.approx([100 * CELL_M, 299.5 * CELL_M], abs=0.03)
+    captured = capsys.readouterr()
+    assert "2 doors, 2 windows" in captured.out
+    assert captured.err == ""
+    assert len(parts := floor_parts(plan.model_copy(update={"doors": ()}), 0.2)) == 1, parts
+
+
+def test_places_where_the_outer_wall_is_open_are_named(folder, capsys):
+    cv2.imwrite("open.png", outer_openings())
+    imported("open.png", "--metres-per-pixel", "0.02", "--thinnest-wall", "0.1")
+    (warning,) = capsys.readouterr().err.splitlines()
+    assert warning.startswith("robotteamsim: warning: the outer wall is open at ")
+    places = [float(place.split(",")[0]) for place in warning.split("[")[1:]]
+    assert sorted(places) == pytest.approx([122.5 * CELL_M, 215 * CELL_M, 435 * CELL_M], abs=0.1)
+    imported("open.png", "--metres-per-pixel", "0.02", "--windows", "0.6,2")
+    assert capsys.readouterr().err == ""
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

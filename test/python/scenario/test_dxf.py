@@ -12,9 +12,13 @@ import numpy as np
 import pytest
 import shapely
 from ezdxf import units
+from ezdxf.document import Drawing
+from ezdxf.layouts import Modelspace
 
 from robotteamsim.cli import main
+from robotteamsim.propagation import RadioField
 from robotteamsim.scenario import load_floor_plan, solids
+from robotteamsim.scenario.sections import Radio
 
 LITTLE_MEMORY = """
 import resource, sys
@@ -28,6 +32,21 @@ sys.exit(main(["plan", "import", sys.argv[1], "--layer", "WALLS"]))
 """Leaves 60 MiB for a drawing."""
 
 ROOM_MM = [(0, 0), (6000, 0), (6000, 4000), (0, 4000)]
+
+
+def new(unit: units.InsertUnits = units.InsertUnits.Meters) -> tuple[Drawing, Modelspace]:
+    document = ezdxf.new(setup=True)
+    document.units = unit
+    return document, document.modelspace()
+
+
+def walls_of(document: Drawing, *arguments: str) -> list[tuple]:
+    """Import layer WALLS and return start, end and thickness of each wall, relative to the lower left line end."""
+    document.saveas("drawing.dxf")
+    assert main(["plan", "import", "drawing.dxf", "--layer", "WALLS", "--out", "o.yaml", "--force", *arguments]) == 0
+    plan = load_floor_plan("o.yaml")
+    lines = [(np.subtract(wall.start, 1.0), np.subtract(wall.end, 1.0), wall.thickness_m) for wall in plan.walls]
+    return sorted((*sorted((tuple(start.tolist()), tuple(end.tolist()))), thickness) for start, end, thickness in lines)
 
 
 @pytest.fixture
@@ -75,7 +94,167 @@ def test_lines_of_the_layers_are_walls_where_the_drawing_has_them(drawing, capsy
 
 def test_blocks_have_the_layer_where_they_are_inserted(drawing):
     assert main(["plan", "import", "room.dxf", "--layer", "WALLS", "--layer", "PILLARS", "--out", "both.yaml"]) == 0
-    assert len(load_floor_plan("both.yaml").walls) == 10
+    plan = load_floor_plan("both.yaml")
+    assert (len(plan.walls), len(plan.blocks)) == (6, 1)  # a closed outline of 0.3 m is solid
+    assert shapely.Polygon(plan.blocks[0].polygon).area == pytest.approx(0.09)
+
+
+def test_layer_0_in_a_block_is_the_layer_of_the_nearest_reference(drawing):
+    # ezdxf 1.4, "Notes on Rendering DXF Content": part on layer 0 in a block on layer A is drawn as on A.
+    document, space = new()
+    piece = document.blocks.new("PIECE")
+    piece.add_line((0, 0), (4, 0))
+    house = document.blocks.new("HOUSE")
+    for layer, y in (("WALLS", 0), ("0", 2), ("FURNITURE", 4)):
+        house.add_blockref("PIECE", (0, y), dxfattribs={"layer": layer})
+    space.add_blockref("HOUSE", (0, 0), dxfattribs={"layer": "OTHER"})
+    assert walls_of(document) == [((0.0, 0.0), (4.0, 0.0), 0.1)]
+    space.add_blockref("HOUSE", (0, 10), dxfattribs={"layer": "WALLS"})
+    assert [start for start, *_ in walls_of(document)] == [(0.0, 0.0), (0.0, 10.0), (0.0, 12.0)]
+
+
+def test_layers_do_not_depend_on_case_and_invisible_parts_are_no_walls(drawing):
+    document, space = new()
+    space.add_line((0, 0), (4, 0), dxfattribs={"layer": "Walls"})
+    space.add_line((0, 2), (4, 2), dxfattribs={"layer": "walls"})
+    space.add_line((0, 4), (4, 4), dxfattribs={"layer": "WALLS", "invisible": 1})
+    assert len(walls_of(document)) == 2
+
+
+@pytest.mark.parametrize("kind", ["LWPOLYLINE", "const", "POLYLINE"])
+def test_width_of_a_polyline_is_the_thickness_of_its_walls(drawing, kind):
+    document, space = new()
+    walls = {"layer": "WALLS"}
+    if kind == "LWPOLYLINE":
+        points = [(0, 0, 0.3, 0.3), (5, 0, 0.2, 0.2), (5, 4, 9, 9)]
+        space.add_lwpolyline(points, format="xyse", dxfattribs=walls)
+    elif kind == "const":
+        space.add_lwpolyline([(0, 0), (5, 0), (5, 4)], dxfattribs={**walls, "const_width": 0.3})
+    else:
+        widths = {"default_start_width": 0.3, "default_end_width": 0.3}
+        space.add_polyline2d([(0, 0), (5, 0), (5, 4)], dxfattribs={**walls, **widths})
+    second_m = 0.2 if kind == "LWPOLYLINE" else 0.3
+    assert walls_of(document) == [((0.0, 0.0), (5.0, 0.0), 0.3), ((5.0, 0.0), (5.0, 4.0), second_m)]
+
+
+def test_polyline_wider_than_a_wall_is_a_block_and_a_curved_one_keeps_its_width(drawing):
+    document, space = new()
+    space.add_lwpolyline([(0, 0), (5, 0)], dxfattribs={"layer": "WALLS", "const_width": 1.2})
+    space.add_lwpolyline([(0, 5, 1), (4, 5, 0)], format="xyb", dxfattribs={"layer": "WALLS", "const_width": 0.3})
+    assert {thickness for *_, thickness in walls_of(document)} == {0.3}
+    (block,) = load_floor_plan("o.yaml").blocks
+    assert shapely.Polygon(block.polygon).area == pytest.approx(5 * 1.2)
+
+
+def test_control_points_of_a_smoothed_polyline_are_no_walls(drawing):
+    # DXF reference, VERTEX: flag 8 is on the curve, flag 16 a control point of its frame.
+    document, space = new()
+    polyline = space.add_polyline2d([(2, 2), (5, 7), (8, 2)], dxfattribs={"layer": "WALLS", "flags": 4})
+    for vertex in polyline.vertices:
+        vertex.dxf.flags = 16
+    polyline.append_vertices([(2, 2), (5, 4.5), (8, 2)], dxfattribs={"flags": 8})
+    assert [(start, end) for start, end, _ in walls_of(document)] == [((0, 0), (3, 2.5)), ((3, 2.5), (6, 0))]
+
+
+@pytest.mark.parametrize("angle_deg", [0.0, 17.0])
+def test_parallel_lines_are_the_faces_of_one_wall(drawing, angle_deg):
+    document, space = new()
+    rooms = [*zip(ROOM_MM, [*ROOM_MM[1:], ROOM_MM[0]], strict=True), *(((x, 0), (x, 4000)) for x in (2900, 3100))]
+    turn = np.exp(1j * np.radians(angle_deg))
+    for ends in rooms:
+        one, other = (complex(*end) / 1000.0 * turn for end in ends)
+        space.add_line((one.real, one.imag), (other.real, other.imag), dxfattribs={"layer": "WALLS"})
+    thickness = [thickness for *_, thickness in walls_of(document)]
+    assert sorted(thickness) == [0.1, 0.1, 0.1, 0.1, 0.2]
+    plan = load_floor_plan("o.yaml")
+    empty = plan.model_copy(update={"walls": ()})
+    across = [(x + 2j) * turn - complex(*plan.drawing_offset_m) for x in (2, 5)]
+    ends = [(place.real, place.imag) for place in across]
+    loss_db = [RadioField(one, Radio()).path_loss_db(*ends) for one in (plan, empty)]
+    assert loss_db[0] - loss_db[1] == pytest.approx(3.8)  # one wall up to 20 cm, Table 3
+
+
+def test_wall_system_of_faces_with_corners_junctions_and_openings_is_what_was_drawn(drawing):
+    # An independent way: the outline of a union of boxes, without the lines at the ends of walls in the opening.
+    boxes = [(0, 0, 8, 0.3), (0, 5.7, 8, 6), (0, 0, 0.3, 6), (7.7, 0, 8, 6), (4, 0, 4.12, 6), (0, 3, 4, 3.12)]
+    drawn = shapely.union_all(shapely.box(*np.array(boxes).T)) - shapely.box(1, 2.5, 1.9, 3.5)
+    document, space = new()
+    for ring in shapely.get_parts(drawn.boundary):
+        for one, other in zip(ring.coords[:-1], ring.coords[1:], strict=True):
+            if {one[0], other[0]} not in ({1.0}, {1.9}):
+                space.add_line(one, other, dxfattribs={"layer": "WALLS"})
+    walls_of(document)
+    found = shapely.union_all([solid.polygon for solid in solids(load_floor_plan("o.yaml"))])
+    assert shapely.symmetric_difference(found, shapely.transform(drawn, lambda xy: xy + 1.0)).area < 1e-3
+
+
+def test_line_from_wall_to_wall_of_a_room_is_not_a_face(drawing):
+    document, space = new()
+    for x in (0.0, 0.61, 1.3):
+        space.add_line((x, 0), (x, 3), dxfattribs={"layer": "WALLS"})
+    assert len(walls_of(document)) == 3
+
+
+def test_what_is_left_out_is_counted(drawing, capsys):
+    document, space = new()
+    walls = {"layer": "WALLS"}
+    space.add_line((0, 0), (4, 0), dxfattribs=walls)
+    space.add_line((0, 3), (0.005, 3), dxfattribs=walls)
+    space.add_solid([(0, 0), (1, 0), (0, 1)], dxfattribs=walls)
+    space.add_hatch(dxfattribs=walls).paths.add_polyline_path([(0, 0), (1, 0), (1, 1)])
+    space.add_hatch(dxfattribs={"layer": "OTHER"}).paths.add_polyline_path([(0, 0), (1, 0), (1, 1)])
+    space.add_text("HALL", dxfattribs=walls)
+    document.add_xref_def("kitchen.dxf", "KITCHEN")
+    space.add_blockref("KITCHEN", (0, 0))
+    space.add_blockref("NOWHERE", (0, 0))
+    assert len(walls_of(document)) == 1
+    counts = "1 of 2 lines, shorter than 0.01 m, 1 HATCH on WALLS, 1 SOLID on WALLS"
+    absent = "attached drawing 'kitchen.dxf', missing block 'NOWHERE'"
+    assert capsys.readouterr().err == f"robotteamsim: warning: left out: {counts}, {absent}\n"
+    line = failed(capsys, "drawing.dxf", "--layer", "OTHER")
+    assert (
+        f"layer 'OTHER' has no lines; found OTHER (1 HATCH), WALLS (2 lines, 4 x 3 units, 1 HATCH, 1 SOLID), {absent}"
+        in line
+    )
+
+
+def test_small_and_vast_drawings_ask_for_their_unit(drawing, capsys):
+    document, space = new(units.InsertUnits.Millimeters)
+    space.add_line((0, 0), (30, 0), dxfattribs={"layer": "WALLS"})
+    space.add_line((0, 0), (0, 20), dxfattribs={"layer": "WALLS"})
+    walls_of(document)
+    assert "warning: the walls are 0.03 x 0.02 m; is $INSUNITS wrong?" in capsys.readouterr().err
+    walls_of(document, "--metres-per-unit", "1")
+    assert "wrong" not in capsys.readouterr().err
+    line = failed(capsys, "drawing.dxf", "--layer", "WALLS", "--metres-per-unit", "100", "--force")
+    assert line.endswith("; the walls are 3e+03 x 2e+03 m; is --metres-per-unit wrong?")
+    line = failed(capsys, "drawing.dxf", "--layer", "WALLS", "--metres-per-unit", "1e-5", "--force")
+    assert "0 of 2 lines are at least 0.01 m long; the walls are 0.0003 x 0.0002 m; is" in line
+
+
+def test_layers_are_listed_before_anything_is_refused(drawing, capsys):
+    Path("plan.yaml").touch()
+    document = ezdxf.readfile("room.dxf")
+    document.units = units.InsertUnits.Unitless
+    document.saveas("unitless.dxf")
+    assert "WALLS (6 lines, 6000 x 4000 units)" in failed(capsys, "unitless.dxf")
+
+
+def test_offset_of_survey_coordinates_is_printed_and_stored(drawing, capsys):
+    document, space = new()
+    space.add_line((3512345.25, 5400123.5), (3512349.25, 5400123.5), dxfattribs={"layer": "WALLS"})
+    assert walls_of(document) == [((0.0, 0.0), (4.0, 0.0), 0.1)]
+    assert load_floor_plan("o.yaml").drawing_offset_m == (3512344.25, 5400122.5)
+    assert "[0, 0] is [3512344.25, 5400122.5] m in the drawing" in capsys.readouterr().out
+
+
+def test_an_existing_plan_is_only_replaced_with_force(drawing, capsys):
+    Path("o.yaml").write_text("mine")
+    line = failed(capsys, "room.dxf", "--layer", "WALLS", "--out", "o.yaml")
+    assert line.endswith("o.yaml already exists; choose another file with --out, or --force replaces it")
+    assert Path("o.yaml").read_text() == "mine"
+    assert main(["plan", "import", "room.dxf", "--layer", "WALLS", "--out", "o.yaml", "--force"]) == 0
+    assert load_floor_plan("o.yaml").walls
 
 
 def test_gaps_between_walls_become_doors_on_request(drawing, capsys):
@@ -95,7 +274,7 @@ def test_unit_of_the_file_can_be_replaced(drawing):
 def test_layers_are_listed_if_none_is_chosen(drawing, capsys):
     line = failed(capsys, "room.dxf")
     assert "room.dxf: choose the layers of walls with --layer; found DOORS (" in line
-    assert line.endswith("PILLARS (4 lines), WALLS (6 lines)")
+    assert line.endswith("PILLARS (4 lines, 300 x 300 units), WALLS (6 lines, 6000 x 4000 units)")
     line = failed(capsys, "room.dxf", "--layer", "MURS")
     assert "room.dxf: layer 'MURS' has no lines; found DOORS (" in line
 
@@ -145,6 +324,10 @@ def test_curve_of_any_size_becomes_few_lines_or_is_rejected(drawing, capsys):
             "within_itself.dxf: cannot be read as DXF: a block contains itself",
         ),
         (["many.dxf", "--layer", "WALLS"], "many.dxf: more than 200000 lines"),
+        (
+            ["hatch.dxf", "--layer", "WALLS"],
+            "more than 2000000 pairs of lines are closer than 0.6 m; are they a hatch?",
+        ),
         (["nested.dxf", "--layer", "WALLS"], "nested.dxf: more than 200000 lines and other parts"),
         (["surveyors.dxf", "--layer", "WALLS"], "has a unit that cannot be converted ($INSUNITS 21)"),
         (["room.dxf", "--layer", "WALLS", "--metres-per-pixel", "0.1"], "--metres-per-pixel: only for images"),
@@ -165,6 +348,10 @@ def test_what_cannot_be_imported_is_one_line(drawing, capsys, arguments, message
     copies = {"column_count": 30_000, "row_count": 30_000, "column_spacing": 1, "row_spacing": 1}
     document.modelspace().add_blockref("PILLAR", (0, 0), dxfattribs=copies)
     document.saveas("many.dxf")
+    document, space = new()
+    for row in range(2100):
+        space.add_line((0, row * 1e-4), (5, row * 1e-4), dxfattribs={"layer": "WALLS"})
+    document.saveas("hatch.dxf")
     document = ezdxf.readfile("room.dxf")
     for level in range(9):
         block = document.blocks.new(f"LEVEL_{level}")
