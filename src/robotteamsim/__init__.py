@@ -7,6 +7,7 @@ a node that needs few of them starts fast.
 from __future__ import annotations
 
 import importlib
+import pkgutil
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -33,6 +34,9 @@ if TYPE_CHECKING:
     from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
     from robotteamsim.setup import Setup
     from robotteamsim.simulation import Result, Simulation, StepRecord
+
+# In a catkin devel space, the C++ module is in another folder; processes that Python spawns see this one first.
+__path__ = pkgutil.extend_path(__path__, __name__)
 
 __version__ = "0.1.0"
 

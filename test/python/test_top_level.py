@@ -34,6 +34,24 @@ def test_import_of_the_package_imports_none_of_its_parts():
     assert done.stdout.strip() == "[]"
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["spawn", "forkserver"])
+def test_processes_of_other_libraries_find_the_package(tmp_path, method):
+    # Stable-Baselines3, Gymnasium and PyTorch start them with the sys.path of their parent.
+    script = tmp_path / "started.py"
+    script.write_text(
+        "import multiprocessing\n"
+        "import robotteamsim as rts\n"
+        "def read(name):\n"
+        "    return rts.Simulation and rts.load(name).num_robots\n"
+        "if __name__ == '__main__':\n"
+        f"    with multiprocessing.get_context({method!r}).Pool(1) as pool:\n"
+        "        print(pool.apply_async(read, ('garage_sar',)).get(20), rts.Simulation.__name__)\n"
+    )
+    done = subprocess.run((sys.executable, str(script)), capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout) == (0, "3 Simulation\n"), done.stderr
+
+
 def test_mission_runs_with_top_level_names_alone():
     result = rts.Simulation(rts.load("garage_sar", ["run.seed=7", "mission.time_limit_s=1"])).run()
     assert isinstance(result, rts.Result)

@@ -12,12 +12,10 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import CancelledError
-from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING
 
 import robotteamsim
-from robotteamsim import _core
 from robotteamsim.campaign.design import Design, Trial
 from robotteamsim.campaign.trial import Outcome, run_trial
 from robotteamsim.errors import CampaignError
@@ -65,7 +63,7 @@ def local_workers(count: int | None = None) -> Iterator[Client]:
 
     count = count or len(os.sched_getaffinity(0))
     _check_open_files(count)
-    with dask.config.set(_LOCAL_SETTINGS), _core_first_on_path():
+    with dask.config.set(_LOCAL_SETTINGS):
         with _interrupts_kept_from_children():
             cluster = _start_cluster(count)
         with cluster, _dead_workers_replaced(cluster, count), distributed.Client(cluster) as client:
@@ -157,20 +155,6 @@ def _interrupts_kept_from_children() -> Iterator[None]:
         yield
     finally:
         signal.pthread_sigmask(signal.SIG_SETMASK, former)
-
-
-@contextlib.contextmanager
-def _core_first_on_path() -> Iterator[None]:
-    """Let new processes, which inherit sys.path, find the package in the folder of its C++ module.
-
-    In a catkin devel space, importing the package puts the source folder first, which has no C++ module.
-    """
-    place = str(Path(_core.__file__).parents[1])
-    sys.path.insert(0, place)
-    try:
-        yield
-    finally:
-        sys.path.remove(place)
 
 
 @contextlib.contextmanager

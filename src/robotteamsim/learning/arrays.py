@@ -24,8 +24,11 @@ def array_of(values: Any) -> np.ndarray:
 def numbers_of(name: str, values: Any, shape: tuple[int, ...]) -> np.ndarray:
     """Return values as an array, float64. Raises: LearningError: they are not finite numbers, or have another shape."""
     array = array_of(values)
-    if array.shape != shape or array.dtype.kind not in "biuf" or not np.isfinite(array).all():
+    if array.shape != shape or array.dtype.kind not in "biuf":
         raise LearningError(f"{name}: {shown(array)}, shape {array.shape}; expected finite numbers, shape {shape}")
+    if not np.isfinite(array).all():
+        place = np.argwhere(~np.isfinite(array))[0].tolist()
+        raise LearningError(f"{name}{place}: {array[tuple(place)]}; expected finite numbers")
     return array.astype(np.float64)
 
 

@@ -90,6 +90,20 @@ class BatchEnv:
             row[: len(episode.robot_ids)] = episode.present
         return present
 
+    @property
+    def action_mask(self) -> np.ndarray | None:
+        """Which actions each robot can choose, int8, shape (num_envs, robots, actions); 1 in rows without a robot.
+
+        None if `Act.infos` has no `action_mask`.
+        """
+        first = self.act.infos()[0].get("action_mask")
+        if first is None:
+            return None
+        masks = np.ones((self.num_envs, self.num_robots, *np.shape(first)), np.int8)
+        for rows, episode in zip(masks, self.episodes, strict=True):
+            rows[: len(episode.robot_ids)] = [info["action_mask"] for info in episode.act.infos()]
+        return masks
+
     def reset(self, seed: int | None = None) -> np.ndarray:
         """Begin all missions, mission i with `seed` + i, and return the observations; see `TeamEnv.reset`."""
         largest = LARGEST_SEED - self.num_envs + 1

@@ -242,9 +242,14 @@ def vectors_of(observe: Observe, percepts: Percepts, present: np.ndarray) -> np.
     """
     vectors = array_of(observe.vectors(percepts))
     shape = (*present.shape, *observe.space.shape)
-    if vectors.shape == shape and vectors.dtype == observe.space.dtype:
-        vectors[~present] = 0.0
-        if ((vectors >= -1.0) & (vectors <= 1.0)).all():  # NaN is not
-            return vectors
-    found = f"observations {shown(vectors)}, shape {vectors.shape}"
-    raise LearningError(f"{found}; expected {observe.space.dtype} within [-1, 1], shape {shape}")
+    if vectors.shape != shape or vectors.dtype != observe.space.dtype:
+        found = f"observations {shown(vectors)}, shape {vectors.shape}"
+        raise LearningError(f"{found}; expected {observe.space.dtype} within [-1, 1], shape {shape}")
+    vectors[~present] = 0.0
+    are_within = (vectors >= -1.0) & (vectors <= 1.0)  # NaN is not
+    if not are_within.all():
+        *_, row, number = place = tuple(np.argwhere(~are_within)[0])
+        part = next(part for part in observe.parts if number < part.begin + part.size)
+        found = f"robot_{observe.robot_ids[row]}: observation: part {part.name}[{number - part.begin}]"
+        raise LearningError(f"{found}: {vectors[place]}; expected a number within [-1, 1]")
+    return vectors

@@ -18,7 +18,10 @@ except ModuleNotFoundError as error:
 
 
 class TorchRLEnv(EnvBase):  # type: ignore[misc]  # not installed where types are checked
-    """Missions as environments, batch size (num_envs,), with the group `agents`; its `mask` says who is present."""
+    """Missions as environments, batch size (num_envs,), with the group `agents`; its `mask` says who is present.
+
+    With `DiscreteAct`, `action_mask` says which actions each can choose; random actions keep to it.
+    """
 
     def __init__(self, batch: BatchEnv) -> None:
         super().__init__(device="cpu", batch_size=[batch.num_envs])
@@ -27,7 +30,9 @@ class TorchRLEnv(EnvBase):  # type: ignore[misc]  # not installed where types ar
         numbers = Bounded(-1.0, 1.0, (*shape, *batch.observe.space.shape))
         mask, done = (Categorical(2, of, dtype=torch.bool) for of in (shape, (batch.num_envs, 1)))
         action = Categorical(act.n, shape) if isinstance(act, Discrete) else Bounded(-1.0, 1.0, (*shape, *act.shape))
-        self.observation_spec = self._of_agents(shape, observation=numbers, mask=mask)
+        masks = batch.action_mask
+        more = {} if masks is None else {"action_mask": Categorical(2, masks.shape, dtype=torch.bool)}
+        self.observation_spec = self._of_agents(shape, observation=numbers, mask=mask, **more)
         self.action_spec = self._of_agents(shape, action=action)
         self.reward_spec = self._of_agents(shape, reward=Unbounded((*shape, 1)))
         self.done_spec = Composite(done=done, terminated=done, truncated=done, shape=self.batch_size)
@@ -53,6 +58,10 @@ class TorchRLEnv(EnvBase):  # type: ignore[misc]  # not installed where types ar
 
     def _made(self, observations: np.ndarray, is_over: np.ndarray, is_cut: np.ndarray) -> TensorDict:
         numbers = {"observation": torch.tensor(observations), "mask": torch.tensor(self.batch.present)}
+        masks = self.batch.action_mask
+        if masks is not None:
+            numbers["action_mask"] = torch.tensor(masks, dtype=torch.bool)
+            self.full_action_spec["agents", "action"].update_mask(numbers["action_mask"])
         over, cut = torch.tensor(is_over)[:, None], torch.tensor(is_cut)[:, None]
         ends = {"done": over, "terminated": over & ~cut, "truncated": over & cut}
         return TensorDict({"agents": TensorDict(numbers, observations.shape[:2]), **ends}, self.batch_size)

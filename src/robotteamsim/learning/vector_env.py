@@ -18,7 +18,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
 
     Environments of single robots share one policy. A robot that leaves is terminated, and then has observations of 0
     until its mission begins again; when that mission is over, it is truncated, because what begins again has ended
-    before. `info["present"]` has which robots are present.
+    before. `info["present"]` has which robots are present, `info["action_mask"]`, with `DiscreteAct`, which actions
+    each can choose: shape (num_envs, actions), or (num_envs, robots, actions) if an agent drives all robots.
     """
 
     def __init__(self, batch: BatchEnv, *, per_robot: bool = False) -> None:
@@ -62,4 +63,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         return observations.reshape(self.num_envs, -1).copy()
 
     def _info(self) -> dict[str, Any]:
-        return {"present": self.batch.present.reshape(self.num_envs, -1)}
+        info, masks = {"present": self.batch.present.reshape(self.num_envs, -1)}, self.batch.action_mask
+        if masks is not None:
+            info["action_mask"] = masks.reshape(self.num_envs, *masks.shape[1 + self._per_robot :])
+        return info

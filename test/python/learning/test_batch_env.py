@@ -254,3 +254,34 @@ def test_robot_that_left_is_truncated_when_its_mission_is_over():
         _, _, terminated, truncated, _ = env.step(np.zeros((3, 2), np.float32))
         ended.append((terminated | truncated).astype(int).tolist())
     assert ended == [[0, 0, 0], [0, 1, 0], [0, 0, 0], [1, 1, 1], [0, 0, 0], [0, 0, 0], [0, 1, 0], [0, 0, 0], [1, 1, 1]]
+
+
+CAR = "robots.drive={kind: car, wheelbase_m: 0.3, max_steering_rad: 0.6}"
+"""It does not turn on the spot, which is the last action of `DiscreteAct`."""
+
+
+@pytest.mark.parametrize(("per_robot", "shape"), [(True, (6, 5)), (False, (2, 3, 5))])
+def test_vector_env_has_the_masks_of_cars_and_leaves_rows_without_a_robot_free(per_robot, shape):
+    two_cars = scenario("garage_sar", CAR, "robots.count=2")
+    env = VectorEnv(BatchEnv([scenario(), two_cars], 2, act=DiscreteAct), per_robot=per_robot)
+    _, info = env.reset(seed=1)
+    cars = np.zeros((2, 3), bool)
+    cars[1, :2] = True
+    expected = np.where(cars[..., None], (1, 1, 1, 1, 0), 1).reshape(shape)
+    for _ in range(2):
+        assert info["action_mask"].dtype == np.int8
+        np.testing.assert_array_equal(info["action_mask"], expected)
+        *_, info = env.step(np.zeros(env.action_space.shape, np.int64))
+
+
+def test_masks_of_a_vector_env_are_those_of_gymnasium():
+    env = VectorEnv(BatchEnv(scenario("garage_sar", CAR), 2, act=DiscreteAct), per_robot=True)
+    _, info = env.reset(seed=1)
+    env.single_action_space.seed(1)
+    sampled = [env.single_action_space.sample(mask) for _ in range(20) for mask in info["action_mask"]]
+    assert set(sampled) == {0, 1, 2, 3}
+
+
+def test_continuous_actions_have_no_masks():
+    env = VectorEnv(BatchEnv(scenario(), 2))
+    assert set(env.reset(seed=1)[1]) == {"present"}

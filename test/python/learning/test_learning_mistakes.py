@@ -6,7 +6,17 @@ import numpy as np
 import pytest
 from gymnasium.spaces import MultiBinary
 
-from robotteamsim.learning import Act, CentralEnv, DiscreteAct, LearningError, Memory, Observe, Reward, parallel_env
+from robotteamsim.learning import (
+    Act,
+    BatchEnv,
+    CentralEnv,
+    DiscreteAct,
+    LearningError,
+    Memory,
+    Observe,
+    Reward,
+    parallel_env,
+)
 from robotteamsim.scenario import load
 
 
@@ -29,6 +39,15 @@ class Blind(Observe):
 
     def vectors(self, percepts):
         return np.full((1, 1), np.nan, np.float32)
+
+
+class Overdriven(Observe):
+    """An observation with one number out of range, of the second robot of the second mission."""
+
+    def vectors(self, percepts):
+        vectors = super().vectors(percepts)
+        vectors[1, 1, self.parts[2].begin + 1] = 1.5
+        return vectors
 
 
 class Listed(Observe):
@@ -161,11 +180,15 @@ class WithoutCounting(Observe):
         (lambda _: parallel_env("garage_sar", act=None), "act: None; expected a class derived from Act"),
         (
             lambda _: parallel_env(scenario(), reward=Without).reset(seed=1),
-            "rewards: array([nan, nan, nan]), shape (3,); expected finite numbers, shape (3,)",
+            "rewards[0]: nan; expected finite numbers",
         ),
         (
             lambda _: parallel_env(scenario("tutorial_arena"), observe=Blind).reset(seed=1),
-            "observations array([[nan]], dtype=float32), shape (1, 1); expected float32 within [-1, 1], shape (1, 1)",
+            "robot_0: observation: part nothing[0]: nan; expected a number within [-1, 1]",
+        ),
+        (
+            lambda _: BatchEnv(scenario(), 2, observe=Overdriven).reset(1),
+            "robot_1: observation: part twist[1]: 1.5; expected a number within [-1, 1]",
         ),
         (
             lambda _: parallel_env(scenario("tutorial_arena"), observe=Listed).reset(seed=1),
@@ -190,7 +213,7 @@ class WithoutCounting(Observe):
         ),
         (
             lambda _: still(parallel_env(scenario("tutorial_arena"), act=Nowhere)),
-            "twists: array([[nan, nan, nan]]), shape (1, 3); expected finite numbers, shape (1, 3)",
+            "twists[0, 0]: nan; expected finite numbers",
         ),
         (lambda _: parallel_env("garage_sar", every=True), "every: True; expected a whole number of at least 1"),
         (lambda _: parallel_env("garage_sar", every=None), "every: None; expected a whole number of at least 1"),

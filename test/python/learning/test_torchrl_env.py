@@ -63,6 +63,17 @@ def test_missions_have_the_bits_of_the_batch_and_begin_again():
     assert steps["agents", "mask"][:, 8].all()
 
 
+@pytest.mark.slow
+@pytest.mark.usefixtures("torchrl")
+def test_random_actions_keep_to_the_masks_of_cars():
+    car = "robots.drive={kind: car, wheelbase_m: 0.3, max_steering_rad: 0.6}"
+    env = env_of(car, act=DiscreteAct)
+    env.set_seed(5)
+    steps = env.rollout(12, break_when_any_done=False)
+    assert steps["agents", "action_mask"].unique(dim=0).tolist() == [[[[True] * 4 + [False]] * 3] * 12]
+    assert set(steps["agents", "action"].unique().tolist()) == {0, 1, 2, 3}
+
+
 def test_without_torchrl_one_line_names_the_extra():
     hidden = "import sys; sys.modules['torch'] = None; import robotteamsim.learning.torchrl_env"
     run = subprocess.run([sys.executable, "-c", hidden], capture_output=True, text=True)
