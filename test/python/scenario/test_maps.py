@@ -62,13 +62,17 @@ def test_exported_image_is_imported_with_the_same_cells(name: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("scenario", SCENARIOS, ids=_name)
 def test_robots_can_reach_every_area_and_victim(scenario: str | Path) -> None:
-    """By a flood fill from robot 0 where it keeps a margin from solids; all others start in that region too."""
-    loaded = load(scenario)
+    """By a flood fill from robot 0 where it keeps a margin from solids; all others start in that region too.
+
+    Without robots, people can reach every exit, and are the victims.
+    """
+    setup = resolve(load(scenario))
+    loaded, robots = setup.scenario, setup.robots
     grid = occupancy_grid(loaded.plan, 0.05)
-    robots = resolve(loaded).robots
     clearance_m = 0.05 * ndimage.distance_transform_edt(grid.cells == FREE)
-    labels, _ = ndimage.label(clearance_m > robots[0].radius_m + MARGIN_M)
-    starts = {int(labels[grid.cell_at(*robot.start_pose[:2])]) for robot in robots}
+    labels, _ = ndimage.label(clearance_m > (robots[0].radius_m if robots else loaded.people.radius_m) + MARGIN_M)
+    starts_m = [robot.start_pose[:2] for robot in robots] or [way_out.center for way_out in loaded.mission.exits]
+    starts = {int(labels[grid.cell_at(*start_m)]) for start_m in starts_m}
     assert len(starts) == 1
     assert starts != {0}
     rows, columns = np.nonzero(labels == starts.pop())
