@@ -146,7 +146,9 @@ def _plan() -> Iterator[Call]:
     )
 
 
-_LAYOUT = new("control.LaserLayout", beams=5, angle_min_rad=-1.5, angle_max_rad=1.5, forward_m=0.1, range_max_m=5.0)
+_LAYOUT = new(
+    "control.LaserLayout", beams=5, angle_min_rad=-1.5, angle_max_rad=1.5, forward_m=0.1, range_max_m=5.0, left_m=0.0
+)
 _PARAMETERS = new(
     "control.NavigatorParameters",
     **dict.fromkeys(("arrived_m", "laser_margin_m", "look_ahead_m", "turn_in_place_rad", "turn_gain_per_s"), 0.5),

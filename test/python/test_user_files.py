@@ -60,7 +60,7 @@ _READERS = {
     "recording/bag_writer.py": "bag (ROS 1, MCAP, SQLite",  # what an earlier program has left
     "recording/mcap_writer.py": "bag (ROS 1, MCAP, SQLite",
     "recording/results.py": "`mission.json`",
-    "scenario/dxf.py": "drawing (DXF)",
+    "scenario/dxf_content.py": "drawing (DXF)",
     "scenario/patrol.py": "patrol graph",
     "scenario/plan_cache.py": "cache of imported plans",
     "scenario/yaml_text.py": "scenario, floor plan, map yaml",

@@ -114,7 +114,7 @@ def add_to(commands: Any) -> None:
 
 
 def _add_drawing_options(parser: argparse.ArgumentParser) -> None:
-    """Add the scale of an image without a yaml, and what of it is a wall or a door."""
+    """Add the scale of an image, what of it is a wall, a door or a window, and the options of DXF files."""
     scale = parser.add_mutually_exclusive_group()
     scale.add_argument("--metres-per-pixel", type=positive_number, metavar="M", help="scale of an image without a yaml")
     scale.add_argument(
@@ -152,6 +152,11 @@ def _add_drawing_options(parser: argparse.ArgumentParser) -> None:
         help="gaps of these widths [m] in outer walls, empty or with thin lines, become walls of material glass",
     )
     add_png_option(parser, "draw what was taken for what", required=False)
+    _add_dxf_options(parser)
+
+
+def _add_dxf_options(parser: argparse.ArgumentParser) -> None:
+    """Add what lines of a DXF file mean."""
     parser.add_argument(
         "--layer",
         action="append",
@@ -246,11 +251,11 @@ def import_plan(options: argparse.Namespace) -> None:
     is_dxf = options.map.suffix.lower() == ".dxf"
     if is_dxf and not options.layers:  # a question, whose answer is the list of layers
         _import_dxf(options)
-    if out.exists() and not options.force:
-        raise UsageError(f"{out} already exists; choose another file with --out, or --force replaces it")
     image, rules = (None, DrawingRules()) if is_dxf else _read_image(options)
     inputs = [options.map, *([options.map.parent / image.settings.image] if image else [])]
     check_outputs({"--out": out, "--png": options.png}, inputs)
+    if out.exists() and not options.force:
+        raise UsageError(f"{out} already exists; choose another file with --out, or --force replaces it")
     if image is None:
         found, notes = _import_dxf(options)
     else:
