@@ -109,8 +109,8 @@ def analyse(options: argparse.Namespace) -> int:
     plan = loaded.plan if loaded else None
     parts = [options.bags] if options.join else [[bag] for bag in options.bags]
     runs = [read_run(paths, options.odometry) for paths in parts]
-    if len({run.name for run in runs}) < len(runs):  # Folders distinguish bags of the same name.
-        runs = [replace(run, name=str(bag.with_suffix(""))) for run, bag in zip(runs, options.bags, strict=True)]
+    if len({run.name for run in runs}) < len(runs):  # Paths distinguish bags of the same name.
+        runs = [replace(run, name=str(bag)) for run, bag in zip(runs, options.bags, strict=True)]
     all_totals = [run_totals(run) for run in runs]
     written = _write(options, runs, all_totals)
     if options.png:

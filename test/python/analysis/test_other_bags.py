@@ -265,3 +265,27 @@ def test_simulated_time_is_no_other_clock(write_bag, drive, tmp_path):
     second = [(topic, kind, at_ns + 60 * SECOND_NS, message) for topic, kind, at_ns, message in first]
     path = write(write_bag, tmp_path / "sim.bag", first, [("/r2/odom", *rest) for _, *rest in second])
     assert run_totals(read_run([path])).notes == ()
+
+
+def test_poses_that_may_be_of_more_robots_are_named(drive, write_bag, tmp_path):
+    samples = [*drive("/robot1/odom"), *drive("/robot2/odometry/filtered")]
+    path = write(write_bag, tmp_path / "mixed.bag", samples)
+    run = read_run([path])
+    assert list(driven_m(run)) == ["robot1"]
+    expected = "/robot2/odometry/filtered: not read, perhaps of more robots; --odometry chooses the topics"
+    assert run_totals(run).notes == (expected,)
+    both = read_run([path], ["/robot1/odom", "/robot2/odometry/filtered"])
+    assert list(driven_m(both)) == ["robot1", "robot2"]
+    assert run_totals(both).notes == ()
+
+
+def test_topic_that_is_chosen_twice_is_one_robot(drive, write_bag, tmp_path):
+    path = write(write_bag, tmp_path / "one.bag", drive("/robot1/odom"))
+    assert driven_m(read_run([path], ["/robot1/odom"] * 2)) == {"robot1": 10.0}
+
+
+def test_transforms_without_a_stamp_have_the_times_of_recording(write_bag, tmp_path):
+    samples = [("/tf", TF, time_ns(step), transform("odom", "base_link", 0, 0.1 * step, 0.0)) for step in STEPS]
+    totals = run_totals(read_run([write(write_bag, tmp_path / "tf.bag", samples)]))
+    assert totals.duration_s == pytest.approx(10.0)
+    assert totals.robots[0].mean_speed_mps == pytest.approx(1.0)

@@ -13,9 +13,11 @@ from matplotlib.patches import Circle
 from matplotlib.text import Text
 
 from robotteamsim import palette
+from robotteamsim.analysis.runs.curves import curves, draw_progress
 from robotteamsim.analysis.runs.picture import draw_runs, outcome
 from robotteamsim.analysis.runs.plan_panel import colour_of, extent_m, victim_style
 from robotteamsim.analysis.runs.reading import read_run
+from robotteamsim.analysis.runs.recorded_run import RecordedNetwork
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.palette import robot_colour
 from robotteamsim.recording.bag_reader import BagReader
@@ -146,6 +148,15 @@ def test_outcome_is_one_line(run, real, busy):
     assert outcome(run_totals(run)) == "0/5 areas, 0/4 victims in 25.0 s: time limit reached"
     assert run_totals(real).title == "real: 1 robot"
     assert outcome(run_totals(real)) == ""
+
+
+def test_mission_without_robots_and_areas_shows_neither(run):
+    """As a study of egress: its network has no robots, and its mission no areas."""
+    none, shape = np.zeros((2, 0, 0)), (2, 0, 0)
+    network = RecordedNetwork(np.array([0, 10**9]), none.astype(bool), none.astype(bool), np.zeros(shape), np.zeros(2))
+    people = replace(run, robots=(), network=network, statuses=(replace(run.statuses[-1], explored=()),))
+    assert curves(people) == [draw_progress]
+    assert outcome(run_totals(people)) == "0/4 victims in 25.0 s: time limit reached"
 
 
 @pytest.mark.slow

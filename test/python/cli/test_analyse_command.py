@@ -69,7 +69,16 @@ def test_bags_of_one_name_are_distinguished_by_their_folders(capsys, bags, tmp_p
     with contextlib.chdir(tmp_path):
         assert main(["analyse", "a/mission.bag", "b/mission.bag", "--json", "-"]) == 0
     names = [bag["bag"] for bag in json.loads(capsys.readouterr().out)["bags"]]
-    assert names == ["a/mission", "b/mission"]
+    assert names == ["a/mission.bag", "b/mission.bag"]
+
+
+def test_bags_that_differ_in_their_suffix_have_different_names(bags, tmp_path):
+    other, tables = tmp_path / "two.bag", tmp_path / "tables"
+    shutil.copy(bags[0], other)
+    assert main(["run", "garage_sar", *SHORT, "--mcap", str(tmp_path / "two.mcap")]) == 0
+    assert main(["analyse", str(other), str(tmp_path / "two.mcap"), "--csv", str(tables)]) == 0
+    rows = (tables / "bags.csv").read_text(encoding="utf-8").splitlines()[1:]
+    assert [Path(row.split(",")[0]).name for row in rows] == ["two.bag", "two.mcap"]
 
 
 def test_json_is_printed_alone_or_written(capsys, bags, tmp_path):

@@ -26,7 +26,7 @@ def curves(run: RecordedRun) -> list[Curve]:
         found.append(draw_progress)
     if run.egress is not None and run.egress.has_ways_out:
         found.append(draw_people_out)
-    if run.network is not None:
+    if run.network is not None and run.network.num_robots:
         found += [draw_links, draw_hops, draw_fiedler]
     if run.robots:
         found += [draw_speeds, draw_distances]

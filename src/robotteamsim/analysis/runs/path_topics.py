@@ -36,7 +36,7 @@ def path_topics(topics: Mapping[str, str], chosen: Sequence[str] = ()) -> dict[s
     Args:   topics: the types of all topics of the bag. chosen: the topics to take instead.
     Raises: ValueError: a chosen topic is not in the bag, or has no poses, or several in a namespace are possible.
     """
-    found = list(chosen) or _found(topics)
+    found = list(dict.fromkeys(chosen)) or _found(topics)
     for topic in found:
         if topics.get(topic) not in SOURCES:
             known = ", ".join(name for name, kind in topics.items() if kind in SOURCES) or "none"
@@ -60,8 +60,18 @@ def _found(topics: Mapping[str, str]) -> list[str]:
     counts = Counter(map(_namespace, odometry))
     if several := [topic for topic in odometry if counts[_namespace(topic)] > 1]:
         raise ValueError(f"{', '.join(several)}: several odometries of a robot; choose with --odometry")
-    poses = [topic for topic, kind in topics.items() if kind == "geometry_msgs/PoseStamped"]
-    return odometry or [topic for topic in poses if "goal" not in topic.lower()]
+    return odometry or [topic for topic, kind in topics.items() if _has_path(topic, kind)]
+
+
+def left_out(topics: Mapping[str, str], paths: Mapping[str, PathTopic]) -> list[str]:
+    """Return the topics of odometry and poses in namespaces without a path: each may be of one more robot."""
+    used = {_namespace(path.name) for path in paths.values()}
+    return [topic for topic, kind in topics.items() if _has_path(topic, kind) and _namespace(topic) not in used]
+
+
+def _has_path(topic: str, kind: str) -> bool:
+    is_pose = kind == "geometry_msgs/PoseStamped" and "goal" not in topic.lower()
+    return is_pose or SOURCES.get(kind) == "odom"
 
 
 def natural(name: str) -> list[str | int]:

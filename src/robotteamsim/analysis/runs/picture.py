@@ -54,10 +54,9 @@ def outcome(totals: RunTotals) -> str:
     if mission is None:
         return ""
     end = END_TEXTS.get(mission.end, "end not in this bag")
-    counts = (
-        f"{mission.areas_explored}/{mission.num_areas} areas, {mission.victims_saved}/{mission.num_victims} victims"
-    )
-    return f"{counts} in {mission.time_s:.1f} s: {end}"
+    counts = [f"{mission.areas_explored}/{mission.num_areas} areas"] if mission.num_areas else []
+    counts += [f"{mission.victims_saved}/{mission.num_victims} victims"] if mission.num_victims else []
+    return f"{', '.join(counts)} in {mission.time_s:.1f} s: {end}".lstrip()
 
 
 def _draw_one(run: RecordedRun, totals: RunTotals, plan: FloorPlan | None) -> Figure:

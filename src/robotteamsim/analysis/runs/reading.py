@@ -14,7 +14,7 @@ import numpy as np
 
 from robotteamsim.analysis.runs import tracks
 from robotteamsim.analysis.runs.gaps import Gap, missing_steps, usual_step_ns
-from robotteamsim.analysis.runs.path_topics import SOURCES, TF_TYPES, PathTopic, natural, path_topics
+from robotteamsim.analysis.runs.path_topics import SOURCES, TF_TYPES, PathTopic, left_out, natural, path_topics
 from robotteamsim.analysis.runs.recorded_run import (
     Flags,
     RecordedArea,
@@ -132,7 +132,7 @@ def _read(bag: BagReader, name: str, odometry: Sequence[str]) -> RecordedRun:
     transforms, ended_ns = tracks.Transforms(), math.inf
     for topic, stamp_ns, message in bag.messages(set(types) - unread):
         if types[topic] in TF_TYPES:
-            transforms.add(topic, message)
+            transforms.add(topic, stamp_ns, message)
             continue
         if topic in _AT_END and stamp_ns > ended_ns:
             continue
@@ -151,6 +151,8 @@ def _read(bag: BagReader, name: str, odometry: Sequence[str]) -> RecordedRun:
         samples |= {paths[namespace].name: of_base for namespace, of_base in transforms.bases.items()}
     names = {path.name for path in paths.values()}
     notes = _differing_clocks({topic: late_ns for topic, late_ns in bag.late_ns.items() if topic in names})
+    if not odometry and (others := left_out(bag.topics, paths)):
+        notes.append(f"{', '.join(others)}: not read, perhaps of more robots; --odometry chooses the topics")
     once = {topic: _in_order(topic, _without_copies(topic, all_of)) for topic, all_of in samples.items() if all_of}
     for topic in sorted(names & set(once)):
         if copies := len(samples[topic]) - len(once[topic]):

@@ -68,6 +68,11 @@ class RecordedNetwork:
     hop_count: np.ndarray
     fiedler_value: np.ndarray
 
+    @property
+    def num_robots(self) -> int:
+        """Number of robots; 0 in studies of people alone."""
+        return int(self.adjacency.shape[1])
+
 
 @dataclass(frozen=True, slots=True)
 class RecordedStatus:

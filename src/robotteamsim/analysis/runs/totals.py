@@ -234,7 +234,7 @@ def _mean_context(context: RecordedContext) -> dict[str, float]:
 def _network(network: RecordedNetwork) -> NetworkTotals:
     endangered = newly_endangered(network.adjacency, network.endangered, network.hop_count)
     return NetworkTotals(
-        num_robots=network.adjacency.shape[1],
+        num_robots=network.num_robots,
         mean_links=float(links(network).mean()),
         max_hops=int(max_hops(network).max()),
         mean_fiedler_value=float(network.fiedler_value.mean()),
@@ -289,7 +289,7 @@ def _omitted(run: RecordedRun) -> tuple[str, ...]:
         lines.append("events: no /mission/events")
     if run.network is None:
         lines.append("network: no /network/state")
-    if not run.robots and (run.network is None or run.network.adjacency.shape[1]):
+    if not run.robots and (run.network is None or run.network.num_robots):
         lines.append("paths, distances, speeds: no odometry, poses or tf of any robot")
     if lost := dict.fromkeys(robot.track.frame for robot in run.robots if not robot.track.is_on_map):
         lines.append(f"paths on the floor plan: no transform from map to {', '.join(lost)} on /tf")

@@ -97,8 +97,8 @@ class Transforms:
         self.bases: dict[str, list[tuple[int, PoseSample]]] = defaultdict(list)
         """Poses in the parent frame by the namespace of the robot: that of the topic, or the prefix of the frame."""
 
-    def add(self, topic: str, message: Any) -> None:
-        """Add the transforms of a tf2_msgs/TFMessage."""
+    def add(self, topic: str, recorded_ns: int, message: Any) -> None:
+        """Add the transforms of a tf2_msgs/TFMessage. Args: recorded_ns: of those without a stamp."""
         namespace, _, kind = topic.rpartition("/")
         for transform in message.transforms:
             parent, child = transform.header.frame_id.lstrip("/"), transform.child_frame_id.lstrip("/")
@@ -107,7 +107,7 @@ class Transforms:
             if parent != MAP_FRAME and not is_base:
                 continue
             stamp = transform.header.stamp
-            stamp_ns = BEFORE_ALL_NS if kind == "tf_static" else stamp.sec * 10**9 + stamp.nanosec
+            stamp_ns = BEFORE_ALL_NS if kind == "tf_static" else stamp.sec * 10**9 + stamp.nanosec or recorded_ns
             place, q = transform.transform.translation, transform.transform.rotation
             if parent == MAP_FRAME:
                 yaw_rad = float(_yaw_rad(q.x, q.y, q.z, q.w))
