@@ -35,7 +35,7 @@ from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown, write
 from robotteamsim.wording import printable
 
 DOOR_CELL_M = 0.02
-"""Cells in which gaps between walls of a drawing without pixels are searched, if there are not too many."""
+"""Cells in which gaps for doors are searched: of smaller pixels, and of a drawing without, if not too many."""
 
 DOOR_CELLS = 4_000_000
 """Most of them; each width of a gap is searched in all."""
@@ -401,7 +401,12 @@ def _window(number: int, pane: Gap, grid: Grid) -> Wall:
 
 
 def _doors(solid: np.ndarray, grid: Grid, widths_m: tuple[float, float]) -> tuple[Door, ...]:
-    """Return an open door door_1, door_2, ... in each gap between walls."""
+    """Return an open door door_1, door_2, ... in each gap between walls; smaller cells count in squares of them."""
+    step = max(1, int(DOOR_CELL_M / grid.resolution_m + 1e-9))
+    if step > 1:
+        rows, columns = (size // step for size in solid.shape)
+        squares = solid[: rows * step, : columns * step].reshape(rows, step, columns, step)
+        solid, grid = squares.mean(axis=(1, 3)) >= 0.5, Grid(grid.origin_m, step * grid.resolution_m)
     ends = (_ends_m(gap, grid) for gap in gaps(solid, _sizes(widths_m, grid.resolution_m)))
     return tuple(Door(name=f"door_{number}", start=start, end=end) for number, (start, end) in enumerate(ends, 1))
 

@@ -200,6 +200,13 @@ def test_doors_of_the_drawing_in_the_docs_are_found(folder):
     assert all(0.9 < door.end[0] - door.start[0] < 1.1 for door in doors)
 
 
+def test_doors_of_a_drawing_do_not_depend_on_its_pixels(folder):
+    drawn = cv2.imread(str(DRAWING), cv2.IMREAD_GRAYSCALE)
+    cv2.imwrite("fine.png", cv2.resize(drawn, None, fx=3.0, fy=3.0, interpolation=cv2.INTER_CUBIC))
+    fine = imported("fine.png", "--measured", "0,0,2100,0,14", "--doors")
+    assert len(fine.doors) == 5
+
+
 def test_ink_of_a_turned_map_is_drawn_on_its_walls(folder):
     Path("map.yaml").write_text("image: clean.png\nresolution: 0.02\norigin: [1, 2, 0.5]\n", encoding="utf-8")
     plan, image = imported("map.yaml"), read_map(Path("map.yaml"))
