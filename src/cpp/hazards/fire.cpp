@@ -127,7 +127,8 @@ void Fire::Advance(const Links& links, double seconds) {
   const double end_s = time_s_ + seconds;
   while (true) {
     const auto [front_s, front] = NextFront();
-    const double event_s = events_.empty() ? kNever : events_.top().at_s;
+    double event_s = kNever;
+    if (!events_.empty()) event_s = events_.top().at_s;
     if (std::min(front_s, event_s) > end_s) break;
     time_s_ = std::min(front_s, event_s);
     if (event_s <= front_s) {
