@@ -50,7 +50,7 @@ LINED = 0.8
 """Of the width of the gap, the least share that such lines cover."""
 
 OPEN_M = 2.5
-"""Width of the widest gap through which the inside of a building is told from its outside."""
+"""Gaps up to this width do not join the inside of a building with its outside."""
 
 OPEN_CELL_M = 0.05
 
