@@ -25,9 +25,6 @@ if TYPE_CHECKING:
 
 logging.getLogger("ezdxf").addHandler(logging.NullHandler())  # else Python prints what it repairs
 
-FLAT_M = 0.01
-"""Curves become straight lines that are at most this far from them."""
-
 LEAST_SHARE = 1e-5
 """Of the size of a curve: its straight lines are not closer to it."""
 
