@@ -146,9 +146,9 @@ class MissionMaker:
                 return self._text(key)
             case "array":
                 return self._list(key, schema)
-        wanted = set(schema.get("required", ()))
+        wanted = schema.get("required", [])  # a list: the order of a set differs from run to run
         drawn = {name: self._drawn(name, schema["properties"][name]) for name in wanted}
-        others = [name for name in schema.get("properties", ()) if name not in wanted | KEPT]
+        others = [name for name in schema.get("properties", ()) if name not in KEPT.union(wanted)]
         for name in generator.sample(others, min(len(others), generator.randint(0, 3))):
             drawn[name] = self._drawn(name, schema["properties"][name])
         return drawn
