@@ -35,6 +35,7 @@ SECTIONS = {
         "tutorial_gazebo",
         "classroom",
         "exercises",
+        "exercise_answers",
     ),
     "How-to guides": (
         "own_building",

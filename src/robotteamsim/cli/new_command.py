@@ -1,4 +1,4 @@
-"""`robotteamsim new`: write a scenario, a controller or a package of a controller to start from."""
+"""`robotteamsim new`: write a scenario, a controller, a package of a controller or the exercises to start from."""
 
 import argparse
 import keyword
@@ -20,7 +20,8 @@ _EPILOG = """\
 examples:
   robotteamsim new scenario house          house.yaml and house_plan.yaml
   robotteamsim new controller wanderer     wanderer.py with the class Wanderer
-  robotteamsim new package wanderer        wanderer/ with wanderer.py for pip install, and my_node.py for catkin_make"""
+  robotteamsim new package wanderer        wanderer/ with wanderer.py for pip install, and my_node.py for catkin_make
+  robotteamsim new exercises               exercises/ with the files of docs/exercises.md"""
 
 _FILES = {
     "scenario": {
@@ -36,6 +37,13 @@ _FILES = {
         "package/CMakeLists.txt": "my_controller/CMakeLists.txt",
         "package/launch/my_controller.launch": "my_controller/launch/my_controller.launch",
     },
+    "exercises": {
+        f"exercises/{file}": f"my_exercises/{file}"
+        for file in (
+            *("radio_range.py", "doors.py", "noise.yaml", "noise.py"),
+            *("wall_follower.py", "failure.yaml", "presets.py"),
+        )
+    },
 }
 """Templates by kind, and the names of the files that are made of them."""
 _NEXT = {
@@ -44,29 +52,37 @@ _NEXT = {
     "package": "pip install ./{name} && robotteamsim run tutorial_arena --set control.algorithm={name}\n"
     "or, with {name}/ in the src/ of a catkin workspace: catkin_make && source devel/setup.bash && "
     "roslaunch {name} {name}.launch",
+    "exercises": "cd {name} && python3 radio_range.py, as docs/exercises.md says",
 }
 
 
 def add_to(commands: Any) -> None:
     """Add the command to the parser."""
     parser = commands.add_parser(
-        "new", help="write a scenario, controller or package to start from", description=__doc__, epilog=_EPILOG
+        "new",
+        help="write a scenario, controller or exercises to start from",
+        description=__doc__,
+        epilog=_EPILOG,
     )
-    parser.add_argument("kind", choices=tuple(_FILES), help="scenario, controller or package")
-    parser.add_argument("name", metavar="NAME", help="lower-case letters, digits and _, such as my_house")
+    parser.add_argument("kind", choices=tuple(_FILES), help="what to write")
+    parser.add_argument(
+        "name", metavar="NAME", nargs="?", help="lower-case letters, digits and _, such as my_house; default exercises"
+    )
     parser.set_defaults(command=run)
 
 
 def run(options: argparse.Namespace) -> None:
-    """Write a template in the current folder. Raises: UsageError: the name is invalid, or a file exists."""
-    name = options.name
+    """Write a template in the current folder. Raises: UsageError: the name is missing or invalid, or a file exists."""
+    name = options.name or ("exercises" if options.kind == "exercises" else None)
+    if name is None:
+        raise UsageError(f"NAME: missing; expected a name for the {options.kind}, such as my_house")
     if not re.fullmatch(r"[a-z][a-z0-9_]{0,63}", name):
         expected = "expected at most 64 lower-case letters, digits and _, such as my_house"
         raise UsageError(f"NAME: {shown(name)} is not valid; {expected}")
     if yaml.safe_load(name) != name:  # true, no, null
         raise UsageError(f"NAME: '{name}' is not text in YAML; expected another name")
     title = "".join(word.capitalize() for word in name.split("_"))
-    if options.kind != "scenario" and (
+    if options.kind in ("controller", "package") and (
         keyword.iskeyword(name) or keyword.iskeyword(title) or name in ALGORITHMS or find_spec(name) is not None
     ):
         raise UsageError(f"NAME: '{name}' is the name of something else in Python or robotteamsim; expected a new name")
@@ -96,5 +112,5 @@ def _template(file: str) -> Path:
 def _renamed(text: str, name: str, title: str) -> str:
     """Return a template's text with the user's names in place of its own."""
     own = {"my-controller": name.replace("_", "-"), "MyController": title}
-    names = r"my-controller|MyController|my_(?:scenario|controller)|^mine(?= = )"
+    names = r"my-controller|MyController|my_(?:scenario|controller|exercises)|^mine(?= = )"
     return re.sub(names, lambda found: own.get(found[0], name), text, flags=re.MULTILINE)

@@ -28,6 +28,7 @@ _EPILOG = """\
 examples:
   robotteamsim report DIR
   robotteamsim report DIR --out page
+  robotteamsim report DIR --width column --out paper
   robotteamsim report garage_1 garage_2 garage_3 --out garage_report"""
 
 
@@ -49,6 +50,12 @@ def add_to(commands: Any) -> None:
         "--each-pair",
         action="store_true",
         help="compare each pair of algorithms, not only each with the first; and any number of pairs of settings",
+    )
+    parser.add_argument(
+        "--width",
+        choices=("column", "page"),
+        help="draw the files of figures for a paper in two columns, 3.5 or 7.16 inches wide with text of 8 pt, and let "
+        "wide LaTeX tables span both columns",
     )
     parser.add_argument("--no-players", action="store_true", help="leave out the three missions, about 2 MB")
     add_code_option(parser)
@@ -81,7 +88,7 @@ def run(options: argparse.Namespace) -> int:
 
 def _report(stored: Sequence[StoredCampaign], options: argparse.Namespace) -> Report:
     # Imported late, because Matplotlib and statsmodels take longer to load than a short mission takes to run.
-    from robotteamsim.analysis.report import make_report
+    from robotteamsim.analysis.report import PAPERS, make_report
 
     places = [str(folder) for folder in options.folders]
     missions = None
@@ -89,4 +96,4 @@ def _report(stored: Sequence[StoredCampaign], options: argparse.Namespace) -> Re
         from robotteamsim.view.campaign_missions import shown_missions
 
         missions = shown_missions(stored, places, allow_code=options.allow_code)
-    return make_report(stored, places, missions, each_pair=options.each_pair)
+    return make_report(stored, places, missions, each_pair=options.each_pair, paper=PAPERS.get(options.width))

@@ -43,6 +43,15 @@ def test_report_is_written_next_to_the_store_or_to_the_given_folder(capsys, camp
 
 
 @pytest.mark.slow
+def test_report_for_a_paper_writes_narrow_figures_and_the_same_page(campaign_folder, tmp_path):
+    folder = str(campaign_folder(4))
+    for options in ((), ("--width", "column")):
+        assert main(["report", folder, "--no-players", *options, "--out", str(tmp_path / "".join(options))]) == 0
+    assert 'width="252pt"' in (tmp_path / "--widthcolumn" / "figures" / "times.svg").read_text()
+    pages = {path.read_bytes() for path in tmp_path.rglob("report.html")}
+    assert len(pages) == 1
+
+
 def test_unfinished_campaign_gets_a_report_that_says_so(capsys, campaign_folder):
     folder = campaign_folder(1)
     assert main(["report", str(folder)]) == 0

@@ -63,6 +63,15 @@ def test_reference_has_every_key_and_the_public_functions(site: Path) -> None:
         assert api.count(f'id="robotteamsim.{name}"') == 1, name
 
 
+def test_arguments_and_errors_of_functions_are_laid_out(site: Path) -> None:
+    api = (site / "python_api.html").read_text(encoding="utf-8")
+    assert not re.search(r"(Args|Returns|Raises):", re.sub("<[^>]*>", "", api))
+    begin = api.index('id="robotteamsim.simulation.simulation.Simulation"')
+    fields = re.findall(r"<dt class=\"field-\w+\">(\w+)<.*?<dd.*?>(.*?)</dd>", api[begin:], re.DOTALL)[:2]
+    named = [(field, re.findall(r"<strong>(\w+)</strong>", body)) for field, body in fields]
+    assert named == [("Parameters", ["of", "controllers"]), ("Raises", ["PlacementError", "ScenarioError"])]
+
+
 def test_examples_in_docstrings_are_code(site: Path) -> None:
     api = (site / "python_api.html").read_text(encoding="utf-8")
     (example,) = re.findall(r'<div class="highlight-python notranslate">(.*?)</div>', api, re.DOTALL)

@@ -6,6 +6,7 @@ import itertools
 import math
 import textwrap
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import matplotlib
@@ -35,12 +36,10 @@ MAX_COURSES = 10
 """Most settings in a figure of curves on top of each other."""
 
 _STYLE: dict[Any, Any] = {
-    "font.size": 10.5,
     "axes.edgecolor": palette.AXIS,
     "axes.labelcolor": INK,
     "axes.spines.top": False,
     "axes.spines.right": False,
-    "axes.titlesize": 11,
     "axes.titleweight": "bold",
     "axes.titlelocation": "left",
     "text.color": INK,
@@ -48,35 +47,66 @@ _STYLE: dict[Any, Any] = {
     "ytick.color": palette.SOFT_INK,
 }
 DPI = 160
+"""Resolution of all figures."""
 WIDTH_INCHES = 10.0
-"""Resolution and width of all figures."""
-_PANEL_COLUMNS = 3
 _ROW_INCHES = 0.62
 _DOTS = 400
 _LEVEL_LETTERS = 4
 """Labels of bars that are longer would overlap and are slanted."""
 _TITLE_LETTERS = 40
 """A line of a panel's title."""
-_LABEL_LETTERS = 32
-"""A line of a label next to a row, or in a legend."""
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """What a figure is drawn for.
+
+    width_inches:  of the figure.
+    text_pt, title_pt, legend_pt: sizes of the text.
+    panels:        so many fit beside each other.
+    label_letters: of a line of a label next to a row, or in a legend.
+    """
+
+    width_inches: float
+    text_pt: float
+    title_pt: float
+    legend_pt: float
+    panels: int
+    label_letters: int
+
+    @property
+    def scale(self) -> float:
+        """The size of the text over that of SCREEN."""
+        return self.text_pt / SCREEN.text_pt
+
+
+SCREEN = Sheet(WIDTH_INCHES, 10.5, 11.0, 9.0, panels=3, label_letters=32)
+PAPERS = {
+    "column": Sheet(3.5, 8.0, 8.0, 8.0, panels=1, label_letters=18),
+    "page": Sheet(7.16, 8.0, 8.0, 8.0, panels=3, label_letters=32),
+}
+"""Figures of papers in two columns: widths of the IEEE's columns and pages, 88.9 and 182 mm."""
 
 
 def styled(draw: Callable[..., Figure]) -> Callable[..., Figure]:
-    """Apply the style of the report to a drawing function."""
+    """Apply the style of the report, and the sizes of text of the keyword `sheet`, to a drawing function."""
 
-    def drawn(*arguments: object, **keywords: object) -> Figure:
-        with matplotlib.rc_context(_STYLE):
+    def drawn(*arguments: object, **keywords: Any) -> Figure:
+        sheet: Sheet = keywords.get("sheet", SCREEN)
+        sizes = {"font.size": sheet.text_pt, "axes.titlesize": sheet.title_pt, "legend.fontsize": sheet.legend_pt}
+        with matplotlib.rc_context(_STYLE | sizes):
             return draw(*arguments, **keywords)
 
     drawn.__name__, drawn.__doc__ = draw.__name__, draw.__doc__
     return drawn
 
 
-def share_panels(count: int, label: str, shared: bool = False) -> tuple[Figure, list[Axes]]:
+def share_panels(count: int, label: str, shared: bool = False, *, sheet: Sheet = SCREEN) -> tuple[Figure, list[Axes]]:
     """Return a figure with panels whose y axis is a share. Args: shared: whether all have the same limits."""
-    columns = min(_PANEL_COLUMNS, count)
+    columns = min(sheet.panels, count)
     rows = math.ceil(count / columns)
-    size = (WIDTH_INCHES * max(columns, 1.6) / _PANEL_COLUMNS, 0.7 + 2.7 * rows)
+    width_inches = sheet.width_inches * max(columns, 1.6) / sheet.panels if sheet is SCREEN else sheet.width_inches
+    size = (width_inches, (0.7 + 2.7 * rows) * sheet.scale)
     figure = PlainFigure(figsize=size, dpi=DPI, layout="constrained")
     panels: list[Axes] = []
     for index in range(count):
@@ -91,16 +121,16 @@ def share_panels(count: int, label: str, shared: bool = False) -> tuple[Figure, 
 
 
 @styled
-def draw_times(panels: Sequence[Panel]) -> Figure:
+def draw_times(panels: Sequence[Panel], *, sheet: Sheet = SCREEN) -> Figure:
     """Draw the times of each series: density, box, dots, and the mean with its 95 % bootstrap interval."""
     rows = [(name, each.missions, each.colour) for panel in panels[:MAX_PANELS] for name, each in panel.named()]
-    figure = PlainFigure(figsize=(WIDTH_INCHES, 1.5 + _ROW_INCHES * len(rows)), dpi=DPI, layout="constrained")
+    size = (sheet.width_inches, (1.5 + _ROW_INCHES * len(rows)) * sheet.scale)
+    figure = PlainFigure(figsize=size, dpi=DPI, layout="constrained")
     axes = figure.subplots()
     for place, (label, sample, colour) in enumerate(rows):
         _raincloud(axes, sample, -float(place), colour, label)
-    axes.set_yticks(
-        [-float(place) for place in range(len(rows))], [textwrap.fill(label, _LABEL_LETTERS) for label, _, _ in rows]
-    )
+    names = [textwrap.fill(label, sheet.label_letters) for label, _, _ in rows]
+    axes.set_yticks([-float(place) for place in range(len(rows))], names)
     limits = sorted({missions.limit_s for _, missions, _ in rows})
     if any(not sample.finished.all() for _, sample, _ in rows):
         for limit_s in limits:
@@ -116,12 +146,19 @@ def draw_times(panels: Sequence[Panel]) -> Figure:
     handles, labels = [dot, mean], ["one mission", "mean, 95 % interval"]
     if any(not sample.finished.all() for _, sample, _ in rows):
         handles, labels = [*handles, cut], [*labels, "cut short: counts as the limit"]
-    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False, fontsize=9)
+    figure.legend(handles, labels, loc="outside lower center", ncols=sheet.panels, frameon=False)
     return figure
 
 
 @styled
-def draw_counts(panels: Sequence[Panel], of: Callable[[Sample], np.ndarray], what: str, top: int | None) -> Figure:
+def draw_counts(
+    panels: Sequence[Panel],
+    of: Callable[[Sample], np.ndarray],
+    what: str,
+    top: int | None,
+    *,
+    sheet: Sheet = SCREEN,
+) -> Figure:
     """Draw the share of missions with each count, with Clopper-Pearson 95 % intervals.
 
     Args: of: returns the counts of a sample.  what: what is counted.  top: greatest possible count; None: unlimited.
@@ -130,7 +167,7 @@ def draw_counts(panels: Sequence[Panel], of: Callable[[Sample], np.ndarray], wha
     samples = [each.missions for panel in shown for each in panel.series]
     highest = max(int(of(sample).max()) for sample in samples)
     counts = _bins(min(int(of(sample).min()) for sample in samples), highest if top is None else top)
-    figure, all_axes = share_panels(len(shown), "share of missions")
+    figure, all_axes = share_panels(len(shown), "share of missions", sheet=sheet)
     for axes, panel in zip(all_axes, shown, strict=True):
         for place, each in enumerate(panel.series):
             shift = 0.4 * (place - 0.5 * (len(panel.series) - 1))
@@ -140,15 +177,15 @@ def draw_counts(panels: Sequence[Panel], of: Callable[[Sample], np.ndarray], wha
         slanted: dict[str, Any] = {"rotation": 35.0, "ha": "right", "rotation_mode": "anchor"}
         axes.set_xticks(range(len(counts)), names, **(slanted if max(map(len, names)) > _LEVEL_LETTERS else {}))
         axes.set(ylim=(0.0, 1.04), xlim=(-0.6, len(counts) - 0.4), xlabel=what)
-    _add_legend(figure, shown, "\N{MULTIPLICATION SIGN}: mean; bars end in 95 % intervals")
+    _add_legend(figure, shown, "\N{MULTIPLICATION SIGN}: mean; bars end in 95 % intervals", sheet)
     return figure
 
 
 @styled
-def draw_survival(panels: Sequence[Panel]) -> Figure:
+def draw_survival(panels: Sequence[Panel], *, sheet: Sheet = SCREEN) -> Figure:
     """Draw the share of missions still running, by time (Kaplan-Meier), with pointwise 95 % intervals."""
     shown = panels[:MAX_PANELS]
-    figure, all_axes = share_panels(len(shown), "still exploring", shared=True)
+    figure, all_axes = share_panels(len(shown), "still exploring", shared=True, sheet=sheet)
     for axes, panel in zip(all_axes, shown, strict=True):
         for each in panel.series:
             _curve(axes, each.missions, each.colour)
@@ -159,25 +196,25 @@ def draw_survival(panels: Sequence[Panel]) -> Figure:
     earliest = min(float(sample.restricted_s.min()) for sample in samples)
     latest = max(sample.limit_s for sample in samples)
     all_axes[0].set_xlim(max(0.0, earliest - 0.12 * latest), latest * 1.02)
-    _add_legend(figure, shown, "|: cut short (censored at the limit)")
+    _add_legend(figure, shown, "|: cut short (censored at the limit)", sheet)
     return figure
 
 
 @styled
-def draw_saved(panels: Sequence[Panel]) -> Figure:
+def draw_saved(panels: Sequence[Panel], *, sheet: Sheet = SCREEN) -> Figure:
     """Draw the mean number of victims saved, or safe, so far, by time, with pointwise 95 % bootstrap intervals.
 
     Args: panels: at least one of their series has the times.
     """
     courses = [(name, each.missions) for panel in panels for name, each in panel.named() if each.missions.saved_s]
-    figure = PlainFigure(figsize=(WIDTH_INCHES, 4.6), dpi=DPI, layout="constrained")
+    figure = PlainFigure(figsize=(sheet.width_inches, 4.6 * sheet.scale), dpi=DPI, layout="constrained")
     axes = figure.subplots()
     until_s = max(float(missions.time_s.max()) for _, missions in courses)
     dashes = itertools.cycle(("-", "--", "-.", ":"))
     for place, (name, missions) in enumerate(courses[:MAX_COURSES]):
         course, colour = mean_course(missions.saved_s, until_s, generator("saved", name)), palette.robot_colour(place)
         line: dict[str, Any] = {"color": colour, "linewidth": 2.0, "linestyle": next(dashes)}
-        axes.step(course.time_s, course.mean, where="post", label=textwrap.fill(name, _LABEL_LETTERS), **line)
+        axes.step(course.time_s, course.mean, where="post", label=textwrap.fill(name, sheet.label_letters), **line)
         axes.fill_between(course.time_s, course.low, course.high, step="post", color=colour, alpha=0.18, linewidth=0)
     most = max(missions.num_victims for _, missions in courses)
     axes.axhline(most, color=INK, linewidth=0.9, linestyle=":")
@@ -185,7 +222,7 @@ def draw_saved(panels: Sequence[Panel]) -> Figure:
     axes.yaxis.set_major_locator(MaxNLocator(8, integer=True))
     axes.grid(color=GRID, linewidth=0.7)
     axes.set_axisbelow(True)
-    figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=9)
+    figure.legend(loc="outside lower center", ncols=sheet.panels, frameon=False)
     return figure
 
 
@@ -277,9 +314,9 @@ def _curve(axes: Axes, sample: Sample, colour: str) -> None:
         axes.plot(np.unique(curve.censored_s), curve.share[at], "|", color=colour, markersize=10, markeredgewidth=1.8)
 
 
-def _add_legend(figure: Figure, panels: Sequence[Panel], note: str) -> None:
+def _add_legend(figure: Figure, panels: Sequence[Panel], note: str, sheet: Sheet) -> None:
     colours = {each.label: each.colour for panel in panels for each in panel.series if each.label}
     handles = [Line2D([], [], color=colour, linewidth=6, alpha=0.6) for colour in colours.values()]
     labels = list(colours)
     handles.append(Line2D([], [], linestyle=""))
-    figure.legend(handles, [*labels, note], loc="outside lower center", ncols=3, frameon=False, fontsize=9)
+    figure.legend(handles, [*labels, note], loc="outside lower center", ncols=sheet.panels, frameon=False)

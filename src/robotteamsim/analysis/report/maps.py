@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Sequence
 
 import matplotlib
@@ -18,7 +19,7 @@ from robotteamsim import palette
 from robotteamsim.analysis.fields.picture import extent_m
 from robotteamsim.analysis.plain_figure import PlainFigure
 from robotteamsim.analysis.plan_picture import draw_floor_plan
-from robotteamsim.analysis.report.figures import DPI, styled
+from robotteamsim.analysis.report.figures import DPI, SCREEN, Sheet, styled
 from robotteamsim.analysis.report.samples import Cell
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.victims import Victim
@@ -39,17 +40,19 @@ def drawable(cells: Sequence[Cell]) -> list[Cell]:
 
 
 @styled
-def draw_heat(cells: Sequence[Cell]) -> Figure:
+def draw_heat(cells: Sequence[Cell], *, sheet: Sheet = SCREEN) -> Figure:
     """Draw for each cell how long robots were at each place in a mission on average [s per m^2].
 
     The line is the path of one robot in the mission of median duration.
     """
     shown = cells[:MAX_MAPS]
-    columns = 1 if len(shown) == 1 else 2 if len(shown) in (2, 4) else 3
+    columns = min(1 if len(shown) == 1 else 2 if len(shown) in (2, 4) else 3, max(sheet.panels, 2))
     rows = math.ceil(len(shown) / columns)
     (min_x, min_y), (max_x, max_y) = _bounds(shown[0])
-    width = _PAGE_INCHES / columns
-    size = (_PAGE_INCHES + 0.9, (width * (max_y - min_y) / (max_x - min_x) + 0.45) * rows + 0.2)
+    bar_inches = 0.9 * sheet.scale
+    maps_inches = _PAGE_INCHES if sheet is SCREEN else sheet.width_inches - bar_inches
+    height = maps_inches / columns * (max_y - min_y) / (max_x - min_x) + 0.45
+    size = (maps_inches + bar_inches, height * rows + 0.2)
     figure = PlainFigure(figsize=size, dpi=DPI, layout="compressed")
     all_axes = figure.subplots(rows, columns, squeeze=False)
     for axes in all_axes.flat[len(shown) :]:
@@ -60,10 +63,10 @@ def draw_heat(cells: Sequence[Cell]) -> Figure:
     most = float(np.percentile(visited, 98.0)) if visited.size else 1.0
     norm = PowerNorm(0.5, vmin=0.0, vmax=most)
     used = list(all_axes.flat[: len(shown)])
-    images = [_draw_heat(axes, cell, each, norm) for axes, cell, each in zip(used, shown, heats, strict=True)]
+    images = [_draw_heat(axes, cell, each, norm, sheet) for axes, cell, each in zip(used, shown, heats, strict=True)]
     bar = figure.colorbar(images[0], ax=used, shrink=0.85, pad=0.015, aspect=28, extend="max")
     bar.outline.set_visible(False)
-    bar.ax.set_title("s/m\N{SUPERSCRIPT TWO}", fontsize=9.5)
+    bar.ax.set_title("s/m\N{SUPERSCRIPT TWO}", fontsize=min(9.5, sheet.text_pt))
     return figure
 
 
@@ -100,7 +103,7 @@ def _filled(paths_m: np.ndarray) -> np.ndarray:
     return np.concatenate((between.reshape(-1, *paths_m.shape[1:]), np.repeat(paths_m[-1:], _FILL, axis=0)))
 
 
-def _draw_heat(axes: Axes, cell: Cell, field: FieldMap, norm: PowerNorm) -> AxesImage:
+def _draw_heat(axes: Axes, cell: Cell, field: FieldMap, norm: PowerNorm, sheet: Sheet) -> AxesImage:
     assert cell.scenario is not None
     extent = extent_m(field)
     colours = matplotlib.colormaps[palette.HEAT_MAP].with_extremes(bad=palette.FLOOR)
@@ -130,7 +133,7 @@ def _draw_heat(axes: Axes, cell: Cell, field: FieldMap, norm: PowerNorm) -> Axes
     for victim in _victims(cell, middle):
         axes.plot(*victim.position, "X", color=palette.INK, markersize=7, markeredgecolor=palette.PAPER, zorder=6)
     axes.set(xticks=[], yticks=[])
-    axes.set_title(cell.name, color=palette.INK)
+    axes.set_title(textwrap.fill(cell.name, sheet.label_letters), color=palette.INK)
     return image
 
 

@@ -72,6 +72,7 @@ class Report:
     notes:   what is missing or omitted.
     page:    HTML.
     tables:  the most important one first.
+    in_columns: whether its files are for a paper in two columns.
     """
 
     opening: tuple[str, ...]
@@ -79,6 +80,7 @@ class Report:
     page: str
     pictures: tuple[Picture, ...]
     tables: tuple[Table, ...]
+    in_columns: bool = False
 
     @cached_property
     def files(self) -> dict[str, bytes]:
@@ -86,7 +88,7 @@ class Report:
         files = {f"figures/{name}": data for drawn in self.pictures for name, data in drawn.files().items()}
         for table in self.tables:
             files[f"tables/{table.name}.csv"] = table.csv().encode()
-            files[f"tables/{table.name}.tex"] = table.latex().encode()
+            files[f"tables/{table.name}.tex"] = table.latex(in_columns=self.in_columns).encode()
         return files | {PAGE_NAME: self.page.encode()}
 
     def write(self, folder: Path) -> Path:
@@ -120,12 +122,13 @@ def make_report(
     missions: ShownMissions | None = None,
     *,
     each_pair: bool = False,
+    paper: figures.Sheet | None = None,
 ) -> Report:
     """Return the report of one stored campaign, or of several of one design; the same stores give the same bytes.
 
     Args:   places: the stores' folders, for messages. missions: to play in the page; None: none.
             each_pair: whether to compare each pair of algorithms, not only each with the first, and any number of
-            pairs.
+            pairs. paper: whose width the files of the figures have; wide tables span its columns.
     Raises: CampaignError: no mission has ended, this version cannot read the scenario, or the campaigns differ.
     """
     campaign = pooled(stored, places)
@@ -142,7 +145,8 @@ def make_report(
     page = campaign_page(
         campaign, [*opening, *notes], pictures, tables[len(comparison) :], missions, comparison=comparison
     )
-    return Report(opening, notes, page, pictures, tables)
+    files = tuple(campaign_pictures(campaign, panels, paper)) if paper else pictures
+    return Report(opening, notes, page, files, tables, in_columns=paper is not None)
 
 
 def compared_settings(contrasts: Sequence[Contrast]) -> tuple[str, ...]:
@@ -197,25 +201,31 @@ def campaign_notes(campaign: Campaign, missions: ShownMissions | None) -> tuple[
     return tuple(notes)
 
 
-def campaign_pictures(campaign: Campaign, panels: Sequence[Panel]) -> Iterator[Picture]:
+def campaign_pictures(
+    campaign: Campaign, panels: Sequence[Panel], sheet: figures.Sheet = figures.SCREEN
+) -> Iterator[Picture]:
     """Yield the figures of a campaign. Args: panels: the missions to show."""
     samples = [each.missions for panel in panels for each in panel.series]
     num_victims = max(sample.num_victims for sample in samples)
     if num_victims > 0:
-        yield _counts_picture(panels, "victims", "Victims saved", lambda sample: sample.victims_saved, num_victims)
+        yield _counts_picture(
+            panels, "victims", "Victims saved", lambda sample: sample.victims_saved, num_victims, sheet
+        )
     yield picture(
         "times",
         "Mission durations",
         "Every mission, the density, the quartiles, and the mean with its bootstrap interval. A mission that was cut "
         "short counts as the time limit.",
-        figures.draw_times(panels),
+        figures.draw_times(panels, sheet=sheet),
+        sheet,
     )
     yield picture(
         "survival",
         "Missions still running",
         "Share of missions still exploring at each time (Kaplan-Meier). Missions that were cut short are censored at "
         "the limit.",
-        figures.draw_survival(panels),
+        figures.draw_survival(panels, sheet=sheet),
+        sheet,
     )
     if num_victims > 0 and any(sample.saved_s for sample in samples):
         yield picture(
@@ -223,37 +233,39 @@ def campaign_pictures(campaign: Campaign, panels: Sequence[Panel]) -> Iterator[P
             "Victims saved over time",
             "Mean number of victims saved, or safe, so far, with pointwise 95 % bootstrap intervals. The dotted line "
             f"is the number of victims.{_shown(panels, figures.MAX_COURSES)}",
-            figures.draw_saved(panels),
+            figures.draw_saved(panels, sheet=sheet),
+            sheet,
         )
     num_areas = max(sample.num_areas for sample in samples)
     if num_areas > 0:
-        yield _counts_picture(panels, "areas", "Areas explored", lambda sample: sample.areas_explored, num_areas)
+        yield _counts_picture(panels, "areas", "Areas explored", lambda sample: sample.areas_explored, num_areas, sheet)
     threshold = f"{campaign.scenario.network.endangered_below_dbm:g} dBm".replace("-", "\N{MINUS SIGN}")
     yield picture(
         "endangered",
         "Endangered links",
         f"Share of missions by how often a link fell below {threshold}.",
-        figures.draw_counts(panels, lambda sample: sample.endangered, "times a link was endangered", None),
+        figures.draw_counts(panels, lambda sample: sample.endangered, "times a link was endangered", None, sheet=sheet),
+        sheet,
     )
-    yield from _path_pictures(campaign.cells)
+    yield from _path_pictures(campaign.cells, sheet)
 
 
 def _counts_picture(
-    panels: Sequence[Panel], name: str, title: str, of: Callable[[Sample], np.ndarray], top: int
+    panels: Sequence[Panel], name: str, title: str, of: Callable[[Sample], np.ndarray], top: int, sheet: figures.Sheet
 ) -> Picture:
     what = title[0].lower() + title[1:]
     caption = f"Share of missions by number of {what}. Bars end in exact (Clopper-Pearson) intervals."
-    return picture(name, title, caption, figures.draw_counts(panels, of, what, top))
+    return picture(name, title, caption, figures.draw_counts(panels, of, what, top, sheet=sheet), sheet)
 
 
-def _path_pictures(cells: Sequence[Cell]) -> Iterator[Picture]:
+def _path_pictures(cells: Sequence[Cell], sheet: figures.Sheet) -> Iterator[Picture]:
     if heated := maps.drawable(cells):
         caption = (
             "Mean time that robots spent at each place in a mission. Red: the path of one robot in the mission of "
             "median duration. Circles are the areas in their order, crosses the victims; if they are at random places, "
             f"those of that mission.{_shown(heated, maps.MAX_MAPS)}"
         )
-        yield picture("paths", "Paths of the robots", caption, maps.draw_heat(heated))
+        yield picture("paths", "Paths of the robots", caption, maps.draw_heat(heated, sheet=sheet), sheet)
 
 
 def _shown(settings: Sequence[object], most: int) -> str:

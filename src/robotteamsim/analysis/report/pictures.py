@@ -11,6 +11,7 @@ from matplotlib.transforms import Bbox
 from PIL import Image
 
 from robotteamsim.analysis.figure_files import figure_bytes
+from robotteamsim.analysis.report.figures import SCREEN, Sheet
 
 _FEW, _COLOURS = 2_000, 256
 """Pictures with fewer than _FEW colours are stored with 256, at a third of the size; maps would show bands."""
@@ -43,11 +44,13 @@ class Picture:
         return {f"{self.name}.png": self.png, **{f"{self.name}.{kind}": data for kind, data in drawn.items()}}
 
 
-def picture(name: str, title: str, caption: str, figure: Figure) -> Picture:
-    """Return a drawn figure as a picture; the same figure gives the same bytes."""
+def picture(name: str, title: str, caption: str, figure: Figure, sheet: Sheet = SCREEN) -> Picture:
+    """Return a drawn figure as a picture; the same figure gives the same bytes. That of a paper has its exact width."""
     figure.draw_without_rendering()
     figure.set_layout_engine(None)  # it is laid out, once for all kinds of files
     bounds_inches = figure.get_tightbbox().padded(_MARGIN_INCHES)
+    if sheet is not SCREEN:
+        bounds_inches = Bbox([[0.0, bounds_inches.y0], [sheet.width_inches, bounds_inches.y1]])
     raw = figure_bytes(figure, "png", pil_kwargs={"compress_level": 0}, bbox_inches=bounds_inches)
     image = Image.open(io.BytesIO(raw)).convert("RGB")
     if image.getcolors(_FEW) is not None:

@@ -37,6 +37,12 @@ _LATEX = {
 }
 
 
+_LETTER_PT, _GAP_PT = 5.0, 12.0
+"""Mean width of a letter of LaTeX's 10 pt, and the space between two columns of a table."""
+_IN_COLUMN_PT = 315.0
+"""A table of this width has letters of 8 pt when it is shrunk to a column of 3.5 inches, which is 252 pt."""
+
+
 @dataclass(frozen=True, slots=True)
 class Entry:
     """An entry with numbers. text: as readers see it. numbers: for CSV; of an interval value, lower and upper bound."""
@@ -93,18 +99,24 @@ class Table:
         writer.writerows(map(safe_cell, row) for row in zip(*parts, strict=True))
         return text.getvalue()
 
-    def latex(self) -> str:
-        """Return the table as a LaTeX float that is not wider than the text; its first line names the packages."""
+    def latex(self, in_columns: bool = False) -> str:
+        """Return the table as a LaTeX float that is not wider than the text; its first line names the packages.
+
+        Args: in_columns: of a paper in two columns: a table that is wider than one of them spans both.
+        """
+        columns_of = zip(self.head, *self.texts, strict=True)
+        width_pt = sum(_LETTER_PT * max(map(len, column)) + _GAP_PT for column in columns_of)
+        kind = "table*" if in_columns and width_pt > _IN_COLUMN_PT else "table"
         head = " & ".join(map(_latex, self.head))
         body = "\n".join(f"    {' & '.join(map(_latex, row))} \\\\" for row in self.texts)
         caption = f"\\caption{{{_latex(self.title)}}}\\label{{tab:{self.name}}}"
         columns = "l" * self.left + "r" * (len(self.head) - self.left)
         return (
             "% \\usepackage{adjustbox,booktabs}\n"
-            f"\\begin{{table}}\n  \\centering\n  {caption}\n"
+            f"\\begin{{{kind}}}\n  \\centering\n  {caption}\n"
             "  \\begin{adjustbox}{max width=\\linewidth}\n"
             f"  \\begin{{tabular}}{{{columns}}}\n    \\toprule\n    {head} \\\\\n    \\midrule\n"
-            f"{body}\n    \\bottomrule\n  \\end{{tabular}}\n  \\end{{adjustbox}}\n\\end{{table}}\n"
+            f"{body}\n    \\bottomrule\n  \\end{{tabular}}\n  \\end{{adjustbox}}\n\\end{{{kind}}}\n"
         )
 
 

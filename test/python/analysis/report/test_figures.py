@@ -5,8 +5,10 @@ import itertools
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
-from robotteamsim.analysis.report.figures import draw_counts, draw_saved, draw_times
+from robotteamsim.analysis.report.figures import PAPERS, draw_counts, draw_saved, draw_times
+from robotteamsim.analysis.report.page import campaign_pictures
 from robotteamsim.analysis.report.samples import panels_of, read_campaign
 
 pytestmark = pytest.mark.slow
@@ -49,3 +51,17 @@ def test_long_names_of_settings_are_complete_in_labels_and_legends(garage):
         lines = [text.get_text().split("\n") for text in texts]
         assert [" ".join(parts) for parts in lines] == names
         assert all(len(line) <= 32 for parts in lines for line in parts)
+
+
+@pytest.mark.parametrize(("width", "inches"), [("column", 3.5), ("page", 7.16)])
+def test_figures_of_papers_have_the_width_of_a_column_or_page_and_text_of_8_points(garage, width, inches):
+    campaign = read_campaign(garage(10.0, 20.0, 30.0, trials=4), "here")
+    pictures = list(campaign_pictures(campaign, panels_of(campaign), PAPERS[width]))
+    assert {picture.name for picture in pictures} >= {"victims", "times", "survival", "saved", "areas", "endangered"}
+    for picture in pictures:
+        svg = picture.files()[f"{picture.name}.svg"].decode()
+        assert f'width="{72 * inches:g}pt"' in svg
+        texts = [text for text in picture.figure.findobj(Text) if text.get_text() and text.get_visible()]
+        assert {text.get_fontsize() for text in texts} == {8.0}
+        inside = picture.figure.get_tightbbox()
+        assert -0.05 <= inside.x0 < inside.x1 <= inches + 0.05

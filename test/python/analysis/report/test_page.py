@@ -7,7 +7,7 @@ import re
 import pytest
 from PIL import Image
 
-from robotteamsim.analysis.report import make_report
+from robotteamsim.analysis.report import PAPERS, make_report
 from robotteamsim.campaign.factors import Factor
 
 pytestmark = pytest.mark.slow
@@ -167,6 +167,14 @@ def test_latex_tables_fit_the_text_width_and_name_their_packages(garage_report):
     assert missions.startswith("% \\usepackage{adjustbox,booktabs}\n")
     assert r"\begin{adjustbox}{max width=\linewidth}" in missions
     assert re.findall(r"\\begin\{(\w+)\}", missions) == re.findall(r"\\end\{(\w+)\}", missions)[::-1]
+
+
+def test_wide_latex_tables_of_a_paper_in_columns_span_both(garage):
+    report = make_report([garage(10.0, 20.0, trials=4)], ["here"], paper=PAPERS["column"])
+    kinds = {table.name: re.findall(r"begin\{(table\*?)\}", table.latex(in_columns=True)) for table in report.tables}
+    assert (kinds["missions"], kinds["durations_by_victims"]) == (["table*"], ["table"])
+    written = report.files["tables/missions.tex"].decode()
+    assert re.findall(r"\\begin\{([\w*]+)\}", written) == re.findall(r"\\end\{([\w*]+)\}", written)[::-1]
 
 
 def test_names_of_settings_cannot_break_the_page(arena):
