@@ -282,7 +282,8 @@ def import_image(image: MapImage, path: Path, rules: DrawingRules) -> FloorPlan:
         grid = Grid(settings.origin[:2], settings.resolution)
         thin = thin_strokes(~image.free, max(rules.thinnest_m, PANE_M) / settings.resolution)
         limits = (*settings.import_thresholds, settings.resolution)
-        bold = solid_cells(np.where(thin, 0.0, dark), *limits, closed=True)
+        has_windows = rules.windows_m is not None
+        bold = solid_cells(np.where(thin, 0.0, dark), *limits, closed=True) if has_windows else thin
         windows = _windows(bold, grid, rules, thin)
         for area, _ in windows:
             dark[area] = np.where(thin[area], 0.0, dark[area])
