@@ -108,6 +108,13 @@ def check_outputs(
         used[file] = f"the file of {option}"
 
 
+def expect_new(paths: Iterable[Path], force: bool) -> None:
+    """Raises: UsageError: something exists and may not be replaced."""
+    for path in paths:
+        if path.exists() and not force:
+            raise UsageError(f"{path} already exists; choose another name with --out, or --force replaces it")
+
+
 def warn(notes: Iterable[str]) -> None:
     """Print the notes of a conversion."""
     for note in notes:

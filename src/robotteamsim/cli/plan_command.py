@@ -2,14 +2,18 @@
 
 import argparse
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from robotteamsim import scenario
 from robotteamsim.cli import stage_commands
-from robotteamsim.cli.output import add_png_option, check_outputs, save, warn
+from robotteamsim.cli.output import add_png_option, check_outputs, expect_new, save, warn
 from robotteamsim.cli.parser import PLAN_HELP, SCENARIO_HELP, UsageError, number, path_of, positive_number
 from robotteamsim.cli.run_command import add_set_option
+from robotteamsim.map_import.paper import MOST_TURN_DEG
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
 from robotteamsim.scenario.door_places import without_misplaced_doors
 from robotteamsim.scenario.dxf import DxfImport, DxfRules, import_dxf
@@ -66,6 +70,12 @@ examples:
 _DOOR_WIDTHS_M = (0.6, 1.6)
 _DOOR_WIDTHS_TEXT = ",".join(f"{width_m:g}" for width_m in _DOOR_WIDTHS_M)
 _MOST_PLACES = 10
+_MOST_GREY = 0.1
+"""Of the pixels, the largest share that is usual in photos and scans of drawings."""
+_UPRIGHT = 0.02
+"""Of a wall along an axis, the largest slope."""
+_ONLY_DXF = ("layer", "metres_per_unit", "wall_thickness")
+_ONLY_IMAGES = ("metres_per_pixel", "measured", "thinnest_wall", "smallest_wall")
 _ROBOT_M = 0.2
 """Radius of the robot for which parts of the floor count as connected."""
 
@@ -161,7 +171,6 @@ def _add_dxf_options(parser: argparse.ArgumentParser) -> None:
         "--layer",
         action="append",
         default=[],
-        dest="layers",
         metavar="NAME",
         help="a layer of a DXF file whose lines are walls; repeatable; without it, the layers are listed",
     )
@@ -204,11 +213,8 @@ def _widths(text: str) -> tuple[float, float]:
 def _read_image(options: argparse.Namespace) -> tuple[MapImage, DrawingRules]:
     """Return an image, and what of it is a wall.
 
-    Raises: UsageError: no scale, or two, or options of DXF. ScenarioError: it cannot be read.
+    Raises: UsageError: no scale, or two. ScenarioError: it cannot be read.
     """
-    for option, value in _dxf_options(options).items():
-        if value:
-            raise UsageError(f"{option}: only for DXF files, not for {options.map}")
     scale, is_yaml = options.metres_per_pixel or options.measured, options.map.suffix.lower() in (".yaml", ".yml")
     if is_yaml and scale is not None:
         raise UsageError(f"{options.map} has the resolution; --metres-per-pixel and --measured are for images")
@@ -218,30 +224,20 @@ def _read_image(options: argparse.Namespace) -> tuple[MapImage, DrawingRules]:
     return read_map(options.map) if is_yaml else read_drawing(options.map, scale), rules
 
 
-def _dxf_options(options: argparse.Namespace) -> dict[str, object]:
-    return {
-        "--layer": options.layers,
-        "--metres-per-unit": options.metres_per_unit,
-        "--wall-thickness": options.wall_thickness,
-    }
+def _check_kind(options: argparse.Namespace, *, is_dxf: bool) -> None:
+    """Raises: UsageError: an option is for another kind of file."""
+    kind, others = ("images", _ONLY_IMAGES) if is_dxf else ("DXF files", _ONLY_DXF)
+    for option in others:
+        if getattr(options, option):
+            raise UsageError(f"--{option.replace('_', '-')}: only for {kind}, not for {options.map}")
 
 
 def _import_dxf(options: argparse.Namespace) -> DxfImport:
-    """Return the import of a DXF file. Raises: UsageError: options of images. ScenarioError: it cannot be read."""
-    only = {
-        "--metres-per-pixel": options.metres_per_pixel,
-        "--measured": options.measured,
-        "--thinnest-wall": options.thinnest_wall,
-        "--smallest-wall": options.smallest_wall,
-    }
-    for option, value in only.items():
-        if value:
-            raise UsageError(f"{option}: only for images, not for {options.map}")
+    """Return the import of a DXF file. Raises: ScenarioError: it cannot be read."""
     thickness_m = options.wall_thickness or DxfRules(()).wall_thickness_m
-    found = import_dxf(options.map, DxfRules(options.layers, options.metres_per_unit, thickness_m))
-    return found._replace(
-        plan=with_openings(found.plan, DrawingRules(doors_m=options.doors, windows_m=options.windows))
-    )
+    found = import_dxf(options.map, DxfRules(options.layer, options.metres_per_unit, thickness_m))
+    rules = DrawingRules(doors_m=options.doors, windows_m=options.windows)
+    return found._replace(plan=with_openings(found.plan, rules))
 
 
 def import_plan(options: argparse.Namespace) -> None:
@@ -249,13 +245,13 @@ def import_plan(options: argparse.Namespace) -> None:
     out = options.out or Path("plan.yaml")
     notes: tuple[str, ...] = ()
     is_dxf = options.map.suffix.lower() == ".dxf"
-    if is_dxf and not options.layers:  # a question, whose answer is the list of layers
+    _check_kind(options, is_dxf=is_dxf)
+    if is_dxf and not options.layer:  # a question, whose answer is the list of layers
         _import_dxf(options)
     image, rules = (None, DrawingRules()) if is_dxf else _read_image(options)
     inputs = [options.map, *([options.map.parent / image.settings.image] if image else [])]
     check_outputs({"--out": out, "--png": options.png}, inputs)
-    if out.exists() and not options.force:
-        raise UsageError(f"{out} already exists; choose another file with --out, or --force replaces it")
+    expect_new([out], options.force)
     if image is None:
         found, notes = _import_dxf(options)
     else:
@@ -272,7 +268,7 @@ def import_plan(options: argparse.Namespace) -> None:
 
         no_wall = None if image is None else left_out(image, rules)
         save(draw_import(plan, parts, image, no_wall), options.png)
-    warn(notes)
+    warn([*notes, *_doubts(plan, image, options)])
     if num_left_out := len(found.doors) - len(plan.doors):
         warn([f"{counted(num_left_out, 'gap')} found next to which a leaf cannot turn: left open, without a door"])
     warn(f"no door leads from the largest part of the floor to {part}" for part in part_texts(parts[1:]))
@@ -295,6 +291,18 @@ def _summary(plan: FloorPlan, image: MapImage | None, options: argparse.Namespac
         notes.append(f"{100.0 * image.grey_share:.1f} % of the pixels were neither black nor white")
         notes += [f"turned by {-image.turn_deg:.1f} degrees"] if image.turn_deg else []
     return "; ".join(notes)
+
+
+def _doubts(plan: FloorPlan, image: MapImage | None, options: argparse.Namespace) -> Iterator[str]:
+    """Yield why what was imported may not be what was drawn."""
+    if image is not None and abs(image.turn_deg) > MOST_TURN_DEG - 0.05:
+        yield f"the paper is turned by {MOST_TURN_DEG:g} degrees or more, and only so much is undone; turn the picture"
+    if image is not None and image.grey_share > _MOST_GREY:
+        yield f"{100.0 * image.grey_share:.0f} % of the pixels are neither black nor white: walls may be wrong"
+    spans_m = [np.abs(np.subtract(wall.end, wall.start)) for wall in plan.walls]
+    slanted = [float(np.hypot(*span)) for span in spans_m if span.min() > _UPRIGHT * span.max()]
+    if options.doors and not plan.doors and sum(slanted) > 0.5 * sum(float(np.hypot(*span)) for span in spans_m):
+        yield "no doors: their gaps are only looked for in walls along the axes, and most walls are turned from these"
 
 
 def _warn_of_open_places(plan: FloorPlan, options: argparse.Namespace) -> None:

@@ -1,13 +1,12 @@
 """`robotteamsim plan import-stage` and `plan export-stage`: convert worlds of the Stage simulator."""
 
 import argparse
-from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
-from robotteamsim.cli.output import check_outputs, mistakes_of, report_mistakes, warn
-from robotteamsim.cli.parser import UsageError, path_of
+from robotteamsim.cli.output import check_outputs, expect_new, mistakes_of, report_mistakes, warn
+from robotteamsim.cli.parser import path_of
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.errors import ScenarioError
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
@@ -76,7 +75,7 @@ def import_stage(options: argparse.Namespace) -> None:
     plan_file, scenario_file = folder / "plan.yaml", folder / f"{name}.yaml"
     if scenario_file == plan_file:
         scenario_file = folder / "scenario.yaml"
-    _expect_new((plan_file, scenario_file) if options.out else (folder,), options.force)
+    expect_new((plan_file, scenario_file) if options.out else (folder,), options.force)
     check_outputs({}, [options.world], folders={"--out": [plan_file, scenario_file]})
     try:
         found = import_world(options.world, grey_as_stage=options.grey == "as-stage")
@@ -112,16 +111,9 @@ def export_stage(options: argparse.Namespace) -> None:
         text = counted(sum(robot.present for robot in robots), "robot")
     # The scenario's own name may not be a valid file name.
     path = options.out / f"{Path(name).stem}.world"
-    _expect_new([path], options.force)
+    expect_new([path], options.force)
     check_outputs({"--out": path}, files, new_folders=["--out"])
     warn(export.notes)
     prepare_folder(options.out)
     write_atomically(path, export.world)
     print(f"{path}: {text}")
-
-
-def _expect_new(paths: Iterable[Path], force: bool) -> None:
-    """Raise UsageError if something exists and may not be replaced."""
-    for path in paths:
-        if path.exists() and not force:
-            raise UsageError(f"{path} already exists; choose another folder with --out, or replace files with --force")

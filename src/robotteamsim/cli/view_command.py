@@ -83,7 +83,7 @@ def _check(options: argparse.Namespace, targets: list[str]) -> None:
     if not LEAST_SPEED <= options.speed <= MOST_SPEED:
         raise UsageError(f"--speed {options.speed:g} is outside {LEAST_SPEED:g} to {MOST_SPEED:g}")
     for option, value in (("--scenario", options.scenario), ("--odometry", ", ".join(options.odometry))):
-        if value and not any(map(_is_bag, targets)):
+        if value and not any(map(is_bag, targets)):
             raise UsageError(f"{option} {value}: only allowed for bags; got {', '.join(targets)}")
     given = {"--seed": options.seed, "--noise": options.noise, "--robots": options.robots}
     changed = [option for option, value in given.items() if value is not None]
@@ -147,22 +147,19 @@ def _page(options: argparse.Namespace, targets: list[str]) -> str:
 
 
 def _is_recorded(target: str) -> bool:
-    return Path(target).is_dir() or _is_bag(target)
-
-
-def _is_bag(target: str) -> bool:
-    return is_bag(Path(target))
+    return Path(target).is_dir() or is_bag(target)
 
 
 def _recording(options: argparse.Namespace, target: str) -> Recording:
     """Read a bag, or simulate a scenario or the mission of a folder again."""
     from robotteamsim.view.recorder import record_mission
 
-    if _is_bag(target):
-        from robotteamsim.view.from_bag import recording_of_bag
+    if is_bag(target):
+        from robotteamsim.analysis.runs.reading import read_run
+        from robotteamsim.view.from_bag import recording_of
 
         building = scenario.load(options.scenario) if options.scenario else None
-        return recording_of_bag([Path(target)], building, options.odometry)
+        return recording_of(read_run([Path(target)], options.odometry), [Path(target)], building)
     if Path(target).is_dir():
         return _repeated(options, Path(target))
     loaded = load_scenario(options, target)

@@ -40,11 +40,11 @@ _MISC = re.compile(r"^\s*&MISC\b((?:'[^']*'|\"[^\"]*\"|![^\n]*+|[^'\"!/])*+)/", 
 _Convert = Callable[[np.ndarray], np.ndarray]
 
 _LINE_COUNTS = {
-    ".smv": {"TRN": 1, "CLASS_OF_PARTICLES": 3, "CLASS_OF_HUMANS": 3, "PRT5": 2, "EVA5": 2},
-    ".bnd": {"": 0},
+    ".smv": r"^[ \t]*(?:TRN.*\n|(?:PRT5|EVA5).*\n.*\n|CLASS_OF_(?:PARTICLES|HUMANS).*\n.*\n.*\n)[ \t]*(\d+)(?!\S)",
+    ".bnd": r"^[ \t]*(\d+)(?!\S)",
 }
-"""Where fdsreader reads as many lines as a number says: by the suffix of the file, the beginning of a line, and how
-many lines after that the number is. In a .bnd file the other numbers are not whole."""
+"""Where fdsreader reads as many lines as a number says, by the suffix of the file. In a .bnd file the other numbers are
+not whole."""
 
 
 class FdsHazards:
@@ -304,31 +304,17 @@ def _run(folder: str) -> Any:
 def _check_counts(folder: Path) -> None:
     """Raises: PlacementError: a number of lines is larger than its file; fdsreader would read on after the end."""
     for path in sorted(folder.iterdir()):
-        places = _LINE_COUNTS.get(path.suffix)
-        if places is None:
-            continue
-        lines = [line.split() for line in _lines(path)]
-        for number, words in enumerate(lines, start=1):
-            for keyword, offset in places.items():
-                if " ".join(words).startswith(keyword) and (count := _first_number(lines, number + offset)) > len(
-                    lines
-                ):
-                    raise _mistake(
-                        f"'{path}', line {number + offset}: says that {count} lines follow; the file has {len(lines)}"
-                    )
+        lines = _lines(path) if path.suffix in _LINE_COUNTS else []
+        text = "".join(lines)
+        for found in re.finditer(_LINE_COUNTS.get(path.suffix, ""), text, re.MULTILINE) if lines else ():
+            if int(found[1]) > len(lines):
+                place = f"'{path}', line {text.count(chr(10), 0, found.end()) + 1}"
+                raise _mistake(f"{place}: says that {found[1]} lines follow; the file has {len(lines)}")
 
 
 def _lines(path: Path) -> list[str]:
     with io.TextIOWrapper(open_regular(path), errors="replace") as file:
         return file.readlines()
-
-
-def _first_number(lines: Sequence[Sequence[str]], number: int) -> int:
-    """Return the whole number with which a line, by its number from 1 on, begins; 0 if there is none."""
-    try:
-        return int(lines[number - 1][0])
-    except (IndexError, ValueError):
-        return 0
 
 
 def _unreadable(folder: str, error: Exception) -> PlacementError:

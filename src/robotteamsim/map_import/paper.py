@@ -26,7 +26,8 @@ _PAPER_SHARE = 0.01
 """The lightest level that so many pixels have is then its paper."""
 
 
-_TURNS_DEG = np.arange(-5.0, 5.01, 0.1)
+MOST_TURN_DEG = 5.0
+_TURNS_DEG = np.arange(-MOST_TURN_DEG, MOST_TURN_DEG + 0.01, 0.1)
 """Paper may be turned by these angles."""
 
 _LEAST_TURN_DEG = 0.15
@@ -38,16 +39,23 @@ _ROUGH_M = 0.05
 """Edges of ink are smoothed over this width, if pixels are smaller; noise makes them rough."""
 
 
+FINE_M = 0.01
+"""Smaller pixels become squares of them that are no smaller: finer walls are not drawn, and take long to import."""
+
+
 class Paper(NamedTuple):
-    """A drawing in grey, uint8; the share of its pixels that were neither black nor white; its turn, now undone."""
+    """A drawing in grey, uint8, and the edge of its pixels [m]; the share of the image's pixels that were neither black
+    nor white; its turn, now undone.
+    """
 
     pixels: np.ndarray
+    cell_m: float
     grey_share: float
     turn_deg: float
 
 
 def on_white_paper(pixels: np.ndarray, cell_m: float) -> Paper:
-    """Return a drawing divided by the light of its paper and turned so that its lines are along the axes.
+    """Return a drawing divided by the light of its paper, turned so that its lines are along the axes, not too fine.
 
     Only black and white are left of a photo or a scan.
 
@@ -67,10 +75,14 @@ def on_white_paper(pixels: np.ndarray, cell_m: float) -> Paper:
     angle_deg = turn_deg(even <= limit)
     if angle_deg:
         even = straightened(even, angle_deg)
+    step = min(max(1, math.ceil(FINE_M / cell_m - 1e-6)), min(even.shape) // 3)
+    rows, columns = (size // step * step for size in even.shape)  # from the lower left corner, the origin
+    even = cv2.resize(even[-rows:, :columns], (columns // step, rows // step), interpolation=cv2.INTER_AREA)
+    cell_m *= step
     if not is_drawn:
         ink = np.where(even <= limit, 0, 255).astype(np.uint8)
         even = cv2.medianBlur(ink, min(round(_ROUGH_M / cell_m), 99) | 1)
-    return Paper(even, grey_share, angle_deg)
+    return Paper(even, cell_m, grey_share, angle_deg)
 
 
 def _light(grey: np.ndarray, cell_m: float) -> np.ndarray:

@@ -50,7 +50,7 @@ class Gap(NamedTuple):
         return not (apart_x or apart_y)
 
 
-def thin_strokes(ink: np.ndarray, thinnest_cells: int) -> np.ndarray:
+def thin_strokes(ink: np.ndarray, thinnest_cells: float) -> np.ndarray:
     """Return which cells of ink belong to strokes that are thinner than a width in cells, bool, same shape.
 
     A cell belongs to a wall if it is within that width of a place where a square of that width fits into the ink: ends
@@ -58,19 +58,21 @@ def thin_strokes(ink: np.ndarray, thinnest_cells: int) -> np.ndarray:
     """
     import cv2
 
-    if thinnest_cells <= 1:
+    size = round(min(thinnest_cells, max(ink.shape) + 1))
+    if size <= 1:
         return np.zeros(ink.shape, dtype=bool)
-    window = np.ones((thinnest_cells, thinnest_cells), np.uint8)
+    window = np.ones((size, size), np.uint8)
     core = cv2.morphologyEx(ink.astype(np.uint8), cv2.MORPH_OPEN, window)
-    near = cv2.dilate(core, np.ones((thinnest_cells | 1, thinnest_cells | 1), np.uint8)).astype(bool)
+    near = cv2.dilate(core, np.ones((size | 1, size | 1), np.uint8)).astype(bool)
     thin: np.ndarray = ink & ~near
     return thin
 
 
-def small_groups(ink: np.ndarray, smallest_cells: int) -> np.ndarray:
+def small_groups(ink: np.ndarray, smallest_cells: float) -> np.ndarray:
     """Return which cells of ink belong to connected groups that are smaller than that in width and height: letters."""
     import cv2
 
+    smallest_cells = round(min(smallest_cells, max(ink.shape) + 1))
     if smallest_cells <= 1:
         return np.zeros(ink.shape, dtype=bool)
     _, labels, statistics, _ = cv2.connectedComponentsWithStats(ink.astype(np.uint8), connectivity=8)

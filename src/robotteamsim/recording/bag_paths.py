@@ -8,8 +8,9 @@ SUFFIXES = (".bag", ".mcap", ".db3")
 """Of bags that are files: of ROS 1, and of the two formats of ROS 2."""
 
 
-def is_bag(path: Path) -> bool:
+def is_bag(path: str | Path) -> bool:
     """Whether a path names a bag: a file by its suffix, a folder by its metadata."""
+    path = Path(path)
     return path.suffix in SUFFIXES or (path / METADATA).is_file()
 
 

@@ -60,6 +60,7 @@ class BagReader:
     They may be compressed. Several paths are the parts of one recording (`rosbag record --split`), in any order.
     late_ns: by topic, the time from the stamp of the header to that of recording [ns], of the message read so far in
              which it was the shortest; clocks that differ make it large. Messages without a stamp have none.
+    unstamped: topics of messages, of those read so far, whose header has the stamp 0.
     """
 
     def __init__(self, paths: Sequence[Path]) -> None:
@@ -68,6 +69,7 @@ class BagReader:
         self._parts: list[_Part] = []
         self._decoders: dict[Any, Decode | None] = {}
         self.late_ns: dict[str, int] = {}
+        self.unstamped: set[str] = set()
 
     def __enter__(self) -> BagReader:
         """Open the files. Raises: RecordingError: not a bag, no index, or files that are not parts of one recording."""
@@ -133,6 +135,8 @@ class BagReader:
                     if stamp_ns := _stamp_ns(message):
                         late_ns = time_ns - stamp_ns
                         self.late_ns[topic] = min(late_ns, self.late_ns.get(topic, late_ns), key=abs)
+                    elif hasattr(message, "header"):
+                        self.unstamped.add(topic)
                     yield topic, stamp_ns or time_ns, message
                 if absent:
                     raise DamagedFileError(f"the messages of {min(absent)} are listed, but not there")

@@ -27,6 +27,10 @@ class BagTypes:
         """Return a message of a type such as "nav_msgs/Odometry"."""
         return self._classes[type_name](**attributes)
 
+    def serialized(self, message: Any, kind: str) -> Any:
+        """Return the bytes of a message of a type such as "nav_msgs/msg/Odometry"."""
+        return self.typestore.serialize_ros1(message, kind)
+
     def time(self, time_ns: int) -> Any:
         """Return the stamp of a time [ns]."""
         return self._time(*divmod(time_ns, 10**9))
@@ -54,6 +58,10 @@ class Ros2Types(BagTypes):
             mesh = self("visualization_msgs/MeshFile", filename="", data=no_data)
             attributes |= {"texture_resource": "", "texture": texture, "uv_coordinates": [], "mesh_file": mesh}
         return super().__call__(type_name, **attributes)
+
+    def serialized(self, message: Any, kind: str) -> Any:
+        """Return the bytes of a message in CDR."""
+        return self.typestore.serialize_cdr(message, kind)
 
 
 @cache

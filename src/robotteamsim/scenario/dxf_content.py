@@ -109,18 +109,16 @@ def metres_per_unit(path: Path, drawing: Drawing) -> float:
     from ezdxf.enums import InsertUnits
     from ezdxf.units import conversion_factor
 
+    problem = "names no known unit"
     try:
-        unit = InsertUnits(drawing.units)
+        if unit := InsertUnits(drawing.units):
+            return conversion_factor(unit, InsertUnits.Meters)
     except ValueError:
-        unit = InsertUnits.Unitless
-    if unit == InsertUnits.Unitless:
-        text = f"names no known unit ($INSUNITS {drawing.units}); give its scale with --metres-per-unit"
-        raise ScenarioError(f"{path}: {text}")
-    try:
-        return conversion_factor(unit, InsertUnits.Meters)
+        pass
     except TypeError:  # ezdxf converts only some, without the feet of surveyors
-        text = f"has a unit that cannot be converted ($INSUNITS {drawing.units}); give its scale with --metres-per-unit"
-        raise ScenarioError(f"{path}: {text}") from None
+        problem = "has a unit that cannot be converted"
+    text = f"{problem} ($INSUNITS {drawing.units}); give its scale with --metres-per-unit"
+    raise ScenarioError(f"{path}: {text}")
 
 
 def content(path: Path, drawing: Drawing, flat: float | None) -> Content:

@@ -35,7 +35,7 @@ from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown, write
 from robotteamsim.wording import printable
 
 DOOR_CELL_M = 0.02
-"""Cells in which gaps for doors are searched: of smaller pixels, and of a drawing without, if not too many."""
+"""Cells in which gaps of a plan without an image are searched, if they are not too many."""
 
 DOOR_CELLS = 4_000_000
 """Most of them; each width of a gap is searched in all."""
@@ -64,6 +64,8 @@ CACHED_PIXELS = 200_000
 """Plans of larger images are kept in the cache."""
 
 Line = TypeVar("Line", Wall, Door)
+Window = tuple[tuple[slice, slice], Wall]
+"""Its cells, and the glass in them."""
 
 _FREE_GREY, _UNKNOWN_GREY, _OCCUPIED_GREY = 254, 205, 0
 
@@ -206,14 +208,16 @@ def _pixels(path: Path, place: str, *, as_shown: bool = False) -> np.ndarray:
 def read_drawing(path: Path, resolution_m: float) -> MapImage:
     """Return an image without a yaml, as viewers show it, as a map whose lower left corner is the origin.
 
-    Args:   resolution_m: edge of a pixel [m].
+    Args:   resolution_m: edge of a pixel [m]; pixels below `paper.FINE_M` become larger ones.
     Raises: ScenarioError: one line with file and what was expected.
     """
     if not is_file(path):
         raise ScenarioError(f"{path}: {'is a folder, expected an image' if path.is_dir() else 'there is no such file'}")
     values = {"image": path.name, "resolution": resolution_m, "origin": [0.0, 0.0, 0.0]}
     settings = checked(MapFile, values, place=f"{path}: ")
-    return MapImage(settings, *on_white_paper(_pixels(path, str(path), as_shown=True), resolution_m))
+    paper = on_white_paper(_pixels(path, str(path), as_shown=True), resolution_m)
+    settings = settings.model_copy(update={"resolution": paper.cell_m})
+    return MapImage(settings, paper.pixels, paper.grey_share, paper.turn_deg)
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,9 +246,8 @@ def left_out(image: MapImage, rules: DrawingRules) -> np.ndarray:
     """Return which cells of ink are no walls by the rules, bool, shape (rows, cols), row 0 at the lowest y."""
     ink = ~image.free
     cell_m = image.settings.resolution
-    largest = max(ink.shape) + 1
-    thin = thin_strokes(ink, round(min(rules.thinnest_m / cell_m, largest)))
-    no_wall: np.ndarray = thin | small_groups(ink & ~thin, round(min(rules.smallest_m / cell_m, largest)))
+    thin = thin_strokes(ink, rules.thinnest_m / cell_m)
+    no_wall: np.ndarray = thin | small_groups(ink & ~thin, rules.smallest_m / cell_m)
     return no_wall
 
 
@@ -277,13 +280,16 @@ def import_image(image: MapImage, path: Path, rules: DrawingRules) -> FloorPlan:
     def plan() -> FloorPlan:
         dark = np.where(left_out(image, rules), 0.0, image.dark)
         grid = Grid(settings.origin[:2], settings.resolution)
-        panes = [] if rules.windows_m is None else _panes(image, rules, dark)
-        solid = solid_cells(dark, *settings.import_thresholds, settings.resolution, closed=True)
+        thin = thin_strokes(~image.free, max(rules.thinnest_m, PANE_M) / settings.resolution)
+        limits = (*settings.import_thresholds, settings.resolution)
+        has_windows = rules.windows_m is not None
+        bold = solid_cells(np.where(thin, 0.0, dark), *limits, closed=True) if has_windows else thin
+        windows = _windows(bold, grid, rules, thin)
+        for area, _ in windows:
+            dark[area] = np.where(thin[area], 0.0, dark[area])
+        solid = solid_cells(dark, *limits, closed=True)
         walls, blocks = walls_and_blocks(solid, settings.origin[:2], cell_m)
-        walls += [_window(number, pane, grid) for number, pane in enumerate(panes, 1)]
-        for pane in panes:
-            solid[pane.row : pane.row + pane.rows, pane.column : pane.column + pane.columns] = True
-        doors = [] if rules.doors_m is None else list(_doors(solid, grid, rules.doors_m))
+        walls, doors = [*walls, *(window for _, window in windows)], _doors(solid, grid, rules, windows)
         if settings.origin[2] != 0.0:
             walls, doors = turn.lines(walls), turn.lines(doors)
             blocks = [*turn.blocks(blocks), *_outside(frame, bounds)]
@@ -330,16 +336,9 @@ def with_openings(plan: FloorPlan, rules: DrawingRules) -> FloorPlan:
     """Return a plan with the windows and doors of some rules in the gaps of walls along the axes, see `gaps`."""
     grid = _grid(plan, DOOR_CELL_M)
     solid = grid.cells == OCCUPIED
-    if rules.windows_m is not None:
-        panes = outer_gaps(solid, _sizes(rules.windows_m, grid.resolution_m))
-        windows = [
-            _window(number, pane, grid)
-            for number, pane in enumerate(panes, 1)
-            if not _is_door(pane, rules, grid.resolution_m)
-        ]
-        plan = plan.model_copy(update={"walls": (*plan.walls, *windows)})
-        solid = occupancy_grid(plan, grid.resolution_m).cells == OCCUPIED
-    return plan if rules.doors_m is None else plan.model_copy(update={"doors": _doors(solid, grid, rules.doors_m)})
+    windows = _windows(solid, grid, rules, np.zeros_like(solid))
+    walls, doors = (*plan.walls, *(window for _, window in windows)), _doors(solid, grid, rules, windows)
+    return plan.model_copy(update={"walls": walls, "doors": tuple(doors)})
 
 
 def open_places(plan: FloorPlan) -> list[Point]:
@@ -361,54 +360,40 @@ def _sizes(widths_m: tuple[float, float], cell_m: float) -> GapSizes:
     return GapSizes(*(size_m / cell_m for size_m in (*widths_m, MAX_WALL_THICKNESS_M, LOOSE_M)))
 
 
-def _panes(image: MapImage, rules: DrawingRules, dark: np.ndarray) -> list[Gap]:
-    """Return the gaps in outer walls that are windows, and remove thin lines across them from the ink."""
-    assert rules.windows_m is not None
-    cell_m = image.settings.resolution
-    thin = thin_strokes(~image.free, round(max(rules.thinnest_m, PANE_M) / cell_m))
-    bold = solid_cells(np.where(thin, 0.0, dark), *image.settings.import_thresholds, cell_m, closed=True)
-    panes = []
-    for gap in outer_gaps(bold, _sizes(rules.windows_m, cell_m)):
+def _windows(solid: np.ndarray, grid: Grid, rules: DrawingRules, thin: np.ndarray) -> list[Window]:
+    """Return the glass window_1, window_2, ... in gaps of outer walls, as thick as these.
+
+    Args: solid: without thin lines.  thin: these lines; where they cross the gap, it is no door.
+    """
+    windows: list[Window] = []
+    for gap in [] if rules.windows_m is None else outer_gaps(solid, _sizes(rules.windows_m, grid.resolution_m)):
         area = slice(gap.row, gap.row + gap.rows), slice(gap.column, gap.column + gap.columns)
+        width, depth = (gap.columns, gap.rows) if gap.along_x else (gap.rows, gap.columns)
+        low_m, high_m = rules.doors_m or (math.inf, 0.0)
         is_lined = thin[area].any(axis=0 if gap.along_x else 1).mean() > LINED
-        if is_lined or not _is_door(gap, rules, cell_m):
-            dark[area] = np.where(thin[area], 0.0, dark[area])
-            panes.append(gap)
-    return panes
+        if is_lined or not low_m <= width * grid.resolution_m <= high_m:
+            start, end = _ends_m(gap, grid)
+            keys = {"start": start, "end": end, "thickness_m": round(depth * grid.resolution_m, 6), "material": "glass"}
+            windows.append((area, Wall.model_validate({"name": f"window_{len(windows) + 1}", **keys})))
+    return windows
 
 
-def _is_door(gap: Gap, rules: DrawingRules, cell_m: float) -> bool:
-    """Whether a gap in an outer wall is as wide as a door, if doors are asked for."""
-    width_m = (gap.columns if gap.along_x else gap.rows) * cell_m
-    return rules.doors_m is not None and rules.doors_m[0] <= width_m <= rules.doors_m[1]
+def _doors(solid: np.ndarray, grid: Grid, rules: DrawingRules, windows: Sequence[Window]) -> list[Door]:
+    """Return an open door door_1, door_2, ... in each gap between walls and windows."""
+    for area, _ in windows:
+        solid[area] = True
+    found = [] if rules.doors_m is None else gaps(solid, _sizes(rules.doors_m, grid.resolution_m))
+    ends = (_ends_m(gap, grid) for gap in found)
+    return [Door(name=f"door_{number}", start=start, end=end) for number, (start, end) in enumerate(ends, 1)]
 
 
 def _ends_m(gap: Gap, grid: Grid) -> tuple[Point, Point]:
     """Return the ends of the middle line of a gap [m]."""
-    middle = (0.0, 0.5 * gap.rows) if gap.along_x else (0.5 * gap.columns, 0.0)
-    along = (gap.columns, 0.0) if gap.along_x else (0.0, gap.rows)
-    start = np.array([gap.column, gap.row]) + middle
-    ends_m = in_metres(grid.origin_m, (grid.resolution_m, grid.resolution_m), np.array([start, start + along]))
-    (x0, y0), (x1, y1) = ends_m.tolist()
+    middle, along = ((0.0, 0.5), (1.0, 0.0)) if gap.along_x else ((0.5, 0.0), (0.0, 1.0))
+    start = np.array([gap.column, gap.row]) + np.multiply(middle, (gap.columns, gap.rows))
+    ends = np.array([start, start + np.multiply(along, (gap.columns, gap.rows))])
+    (x0, y0), (x1, y1) = in_metres(grid.origin_m, (grid.resolution_m, grid.resolution_m), ends).tolist()
     return (x0, y0), (x1, y1)
-
-
-def _window(number: int, pane: Gap, grid: Grid) -> Wall:
-    """Return the glass in a gap, as thick as the wall."""
-    start, end = _ends_m(pane, grid)
-    thickness_m = round((pane.rows if pane.along_x else pane.columns) * grid.resolution_m, 6)
-    return Wall(name=f"window_{number}", start=start, end=end, thickness_m=thickness_m, material="glass")
-
-
-def _doors(solid: np.ndarray, grid: Grid, widths_m: tuple[float, float]) -> tuple[Door, ...]:
-    """Return an open door door_1, door_2, ... in each gap between walls; smaller cells count in squares of them."""
-    step = max(1, int(DOOR_CELL_M / grid.resolution_m + 1e-9))
-    if step > 1:
-        rows, columns = (size // step for size in solid.shape)
-        squares = solid[: rows * step, : columns * step].reshape(rows, step, columns, step)
-        solid, grid = squares.mean(axis=(1, 3)) >= 0.5, Grid(grid.origin_m, step * grid.resolution_m)
-    ends = (_ends_m(gap, grid) for gap in gaps(solid, _sizes(widths_m, grid.resolution_m)))
-    return tuple(Door(name=f"door_{number}", start=start, end=end) for number, (start, end) in enumerate(ends, 1))
 
 
 def published_map(scenario: Scenario) -> OccupancyGrid:

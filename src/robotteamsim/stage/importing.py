@@ -93,9 +93,9 @@ def import_world(world: str | os.PathLike[str], *, grey_as_stage: bool = False) 
         mission = notes.checked(Mission, {"time_limit_s": limit_s}, {"time_limit_s": (root, "quit_time")})
         keys["mission"] = mission.model_dump(include={"time_limit_s"})
     reader, robots, placed = RobotReader(values, 1000.0 * run.step_s), [], []
-    for entity, parent in positions:
+    for number, (entity, parent) in enumerate(positions, 1):
         with notes.refusals():
-            robots.append(reader.read(entity, parent))
+            robots.append(reader.read(entity, parent, number))
             placed.append(entity)
     starts = [robot.start_pose[:2] for robot in robots]
     solids = SolidReader(path.parent, values, starts, grey_as_stage=grey_as_stage)

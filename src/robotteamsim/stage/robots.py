@@ -40,15 +40,13 @@ class RobotReader:
         """Args: step_ms: length of a step of the world [ms]."""
         self._values, self._notes = values, values.notes
         self._rangers = RangerReader(values, step_ms)
-        self._num_read = 0
 
-    def read(self, entity: Entity, parent: Pose2) -> PlacedRobot:
-        """Return one robot. Args: parent: the frame that its pose is given in.
+    def read(self, entity: Entity, parent: Pose2, number: int) -> PlacedRobot:
+        """Return one robot. Args: parent: the frame that its pose is given in.  number: of the robot, from 1 on.
 
         Raises: ScenarioError: one line with file, line and key.
         """
         values = self._values
-        self._num_read += 1
         local, z = values.pose(entity, "pose")
         if abs(z) > ASIDE_M:
             self._notes.of(entity, "pose", f"z {z:g} counts as 0; robots drive on the floor")
@@ -60,7 +58,7 @@ class RobotReader:
             "start_pose": (tidy(x_m), tidy(y_m), yaw_rad),
             **self._body(entity),
             "drive": self._drive(entity),
-            "odometry": self._odometry(entity),
+            "odometry": self._odometry(entity, number),
         }
         keys |= self._rangers.read(entity)
         sources = {"start_pose": "pose", "mass_kg": "mass"}
@@ -142,7 +140,7 @@ class RobotReader:
             self._notes.of(entity, key, "the limits of x and y differ; those of x are used for every direction")
         return tidy(given[1]), tidy(given[7])
 
-    def _odometry(self, entity: Entity) -> Odometry:
+    def _odometry(self, entity: Entity, number: int) -> Odometry:
         """Return exact odometry for "gps", and noise of the size of Stage's fixed shares for "odom".
 
         A given `odom_error` is the shares; without it, each is drawn once, uniformly within half of _ODOM_ERROR (Stage
@@ -152,7 +150,7 @@ class RobotReader:
         if entity.get("localization_origin") is not None:
             values.numbers(entity, "localization_origin", "llla", ())
             notes.of(entity, "localization_origin", "omitted: odometry starts at 0 here")
-        drawn = tuple(stream(1, "stage odom_error", self._num_read).uniform(-0.5, 0.5, 4) * _ODOM_ERROR)
+        drawn = tuple(stream(1, "stage odom_error", number).uniform(-0.5, 0.5, 4) * _ODOM_ERROR)
         error = values.numbers(entity, "odom_error", "llla", drawn)
         if values.choice(entity, "localization", ("gps", "odom"), "gps") == "gps":
             return Odometry(alpha1=0.0, alpha2=0.0, alpha3=0.0, alpha4=0.0)

@@ -164,7 +164,8 @@ class Values:
     def text(self, entity: Entity, key: str, default: str) -> str:
         """Return a text."""
         given = self._given(entity, key)
-        return _plain(given.values[0]) if given is not None and given.values else default
+        value = given.values[0] if given is not None and given.values else default
+        return value if isinstance(value, str) else f"{value:g}"
 
     def choice(self, entity: Entity, key: str, known: tuple[str, ...], default: str) -> str:
         """Return one of the known texts, the default instead of an unknown one, as in Stage."""
@@ -223,10 +224,6 @@ def compose(first: Pose2, second: Pose2) -> Pose2:
 def tidy(value: float) -> float:
     """Return a number without the last digits, which come from unit conversion."""
     return round(value, 9) + 0.0
-
-
-def _plain(value: Value) -> str:
-    return value if isinstance(value, str) else f"{value:g}"
 
 
 def _shown(given: Property) -> str:

@@ -99,12 +99,6 @@ class Entity:
         """Return the children of these kinds, in the file's order."""
         return [child for child in self.children if child.kind in kinds]
 
-    def walk(self) -> Iterator[Entity]:
-        """Yield this entity and all within it."""
-        yield self
-        for child in self.children:
-            yield from child.walk()
-
 
 def read_world_file(path: Path, file: str) -> Entity:
     """Return the root of a world file: its properties are the world's, its children the models.
@@ -248,7 +242,8 @@ def _with_includes(
     Args: folder, called: what paths are relative to, and what messages call it. chain: the files that led here.
           includes: counts the included files.
     """
-    tokens = _of_text(_read(path, file), file)
+    # Comments may have any encoding; all other text is ASCII.
+    tokens = _of_text(read_text(path, file, errors="replace"), file)
     for token in tokens:
         if token.kind != "word" or token.value != "include":
             yield token
@@ -265,11 +260,6 @@ def _with_includes(
             raise name.place.error(f"include: more than {MAX_INCLUDES} included files")
         place = os.path.normpath(called / name.value)
         yield from _with_includes(included, place, folder, called, (*chain, path.resolve()), includes)
-
-
-def _read(path: Path, file: str) -> str:
-    # Comments may have any encoding; all other text is ASCII.
-    return read_text(path, file, errors="replace")
 
 
 def _of_text(text: str, file: str) -> Iterator[Token]:

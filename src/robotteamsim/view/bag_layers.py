@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
+from robotteamsim.analysis.runs.recorded_run import RecordedRobot
 from robotteamsim.errors import RecordingError
-from robotteamsim.mission.egress import Egress
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.topics import Topic
@@ -51,35 +50,17 @@ class Scan(NamedTuple):
     range_max_m: float
 
 
-@dataclass(frozen=True, slots=True)
-class BagLayers:
-    """Values over time; a topic that the bag lacks has none.
-
-    links:    with their signals.
-    openings: of doors by their names.
-    enclosed: names of the people for whom no path to an exit is open.
-    scans:    by the name of the robot in the run.
-    """
-
-    links: Timeline[tuple[Link, ...]]
-    openings: Timeline[dict[str, float]]
-    enclosed: Timeline[frozenset[str]]
-    voice: Timeline[FieldMap]
-    fire: Timeline[OccupancyGrid]
-    smoke: Timeline[OccupancyGrid]
-    temperatures: Timeline[FieldMap]
-    scans: dict[str, Timeline[Scan]]
-    egress: Timeline[Egress]
+BagLayers = Mapping[Topic, Timeline[Any]]
+"""Values over time, in the form of `_OF_TEAM`, by topic; one that the bag lacks has none."""
 
 
-def read_layers(paths: Sequence[Path], scanned: Sequence[str]) -> BagLayers:
-    """Read the layers of a bag, or of the parts of one.
+def read_layers(paths: Sequence[Path], scanned: Sequence[RecordedRobot]) -> tuple[BagLayers, dict[str, Timeline[Scan]]]:
+    """Read the layers of a bag, or of the parts of one, and the scans of robots by their names in the run.
 
-    Args:   scanned: names of the robots whose scans are read.
+    Args:   scanned: the robots whose scans are read.
     Raises: RecordingError: a bag cannot be read, or contains impossible values.
     """
-    # The robot of a bag without namespaces is named "robot".
-    scan_topics = {name: "/base_scan" if name == "robot" else f"/{name}/base_scan" for name in scanned}
+    scan_topics = {robot.name: f"{robot.namespace}/base_scan" for robot in scanned}
     wanted = {topic.name: (topic.type_name, convert) for topic, convert in _OF_TEAM.items()}
     wanted |= dict.fromkeys(scan_topics.values(), (SCAN.type_name, _scan))
     samples: dict[str, list[tuple[int, Any]]] = {topic: [] for topic in wanted}
@@ -95,17 +76,8 @@ def read_layers(paths: Sequence[Path], scanned: Sequence[str]) -> BagLayers:
             except ValueError as error:
                 raise RecordingError(f"{', '.join(map(str, paths))}: {topic}: {error}") from None
     lines = {topic: Timeline(() if topic in unread else some) for topic, some in samples.items()}
-    return BagLayers(
-        links=lines[NETWORK_STATE.name],
-        openings=lines[DOORS.name],
-        enclosed=lines[PEOPLE.name],
-        voice=lines[VOICE_MAP.name],
-        fire=lines[FIRE.name],
-        smoke=lines[SMOKE.name],
-        temperatures=lines[TEMPERATURE.name],
-        egress=lines[EGRESS.name],
-        scans={name: lines[topic] for name, topic in scan_topics.items()},
-    )
+    of_team = {topic: lines[topic.name] for topic in _OF_TEAM}
+    return of_team, {name: lines[topic] for name, topic in scan_topics.items()}
 
 
 def _links(message: Any) -> tuple[Link, ...]:
@@ -117,28 +89,30 @@ def _links(message: Any) -> tuple[Link, ...]:
 
 
 def _openings(message: Any) -> dict[str, float]:
+    """Return how far doors are open, by their names."""
     return {door.name: min(max(door.opening, 0.0), 1.0) for door in message.doors if math.isfinite(door.opening)}
 
 
 def _field_map(message: Any, name: str, most: float) -> FieldMap:
-    if not 0 < message.width * message.height == len(message.data):
-        raise ValueError(f"map of {len(message.data)} values; expected {message.width * message.height}")
-    _finite([message.resolution_m, message.origin.x, message.origin.y], "resolution and origin", _MOST_M)
-    if message.resolution_m <= 0.0:
-        raise ValueError(f"resolution {message.resolution_m:g} m; expected more than 0")
+    _check_cells("map of {} values", message, message.data, message.resolution_m, message.origin)
     values = _finite(message.data, name, most).astype(np.float32).reshape(message.height, message.width)
     return FieldMap((message.origin.x, message.origin.y), message.resolution_m, values)
 
 
 def _grid(message: Any) -> OccupancyGrid:
     info, origin = message.info, message.info.origin.position
-    if not 0 < info.width * info.height == len(message.data):
-        raise ValueError(f"grid of {len(message.data)} cells; expected {info.width * info.height}")
-    _finite([info.resolution, origin.x, origin.y], "resolution and origin", _MOST_M)
-    if not info.resolution > 0.0:
-        raise ValueError(f"resolution {info.resolution:g} m; expected more than 0")
+    _check_cells("grid of {} cells", info, message.data, info.resolution, origin)
     cells = np.asarray(message.data, dtype=np.int8).reshape(info.height, info.width)
     return OccupancyGrid((origin.x, origin.y), float(info.resolution), cells)
+
+
+def _check_cells(what: str, size: Any, data: Sequence[Any], cell_m: float, origin: Any) -> None:
+    """Raises: ValueError: numbers of cells that differ, or an impossible place."""
+    if not 0 < size.width * size.height == len(data):
+        raise ValueError(f"{what.format(len(data))}; expected {size.width * size.height}")
+    _finite([cell_m, origin.x, origin.y], "resolution and origin", _MOST_M)
+    if not cell_m > 0.0:
+        raise ValueError(f"resolution {cell_m:g} m; expected more than 0")
 
 
 def _scan(message: Any) -> Scan:

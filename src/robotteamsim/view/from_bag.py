@@ -8,16 +8,16 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from robotteamsim.analysis.runs.reading import read_run
-from robotteamsim.analysis.runs.recorded_run import Flags, RecordedRobot, RecordedRun, RecordedStatus
+from robotteamsim.analysis.runs.recorded_run import RecordedRobot, RecordedRun, RecordedStatus, Series
 from robotteamsim.errors import RecordingError
 from robotteamsim.interface import OUTSIDE
-from robotteamsim.recording.topics.radio import VOICE_MAP
-from robotteamsim.recording.topics.world import FIRE, SMOKE
+from robotteamsim.recording.topics.mission import EGRESS
+from robotteamsim.recording.topics.radio import NETWORK_STATE, VOICE_MAP
+from robotteamsim.recording.topics.world import DOORS, FIRE, PEOPLE, SMOKE, TEMPERATURE
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import resolve
-from robotteamsim.view.bag_layers import BagLayers, Timeline, read_layers
+from robotteamsim.view.bag_layers import BagLayers, Scan, Timeline, read_layers
 from robotteamsim.view.frame import (
     Frame,
     Link,
@@ -34,6 +34,8 @@ from robotteamsim.view.recorder import FRAME_S, MOST_SCANNED, SCAN_S, Recording
 from robotteamsim.view.scene import Scene, scene_of_run
 from robotteamsim.world.doors import DoorStates
 
+Scans = dict[str, Timeline[Scan]]
+
 MOST_FRAMES = 18_000
 """An hour of the viewer's frames; those of longer runs are farther apart."""
 
@@ -41,32 +43,25 @@ _LONGEST_S = 86_400.0
 """A longer recording would make a page that no browser opens; it usually mixes two clocks [s]."""
 
 
-def recording_of_bag(
-    paths: Sequence[Path], scenario: Scenario | None = None, odometry: Sequence[str] = ()
-) -> Recording:
-    """Return the recording of a bag, or of the parts of one.
+def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | None = None) -> Recording:
+    """Return the recording of a run that was read from a bag, or from the parts of one.
 
-    Args:   scenario: its building is drawn instead of the bag's /map. odometry: as in `read_run`.
+    Args:   scenario: its building is drawn instead of the bag's /map.
     Raises: RecordingError.
     """
-    return recording_of(read_run(paths, odometry), paths, scenario)
-
-
-def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | None = None) -> Recording:
-    """Return the recording of a run that was read from bags. Args, Raises: as `recording_of_bag`."""
     duration_s = (run.end_ns - run.start_ns) / 1e9
     if duration_s > _LONGEST_S:
         raise RecordingError(
             f"{', '.join(map(str, paths))}: lasts {duration_s:.0f} s by its stamps; expected at most "
             f"{_LONGEST_S:.0f} s, and stamps of one clock"
         )
-    layers = read_layers(paths, [robot.name for robot in run.robots] if len(run.robots) <= MOST_SCANNED else [])
+    layers, scans = read_layers(paths, run.robots if len(run.robots) <= MOST_SCANNED else ())
     _check_floor(layers, paths)
-    scene = _with_lasers(scene_of_run(run, scenario), layers)
-    found = Recording(scene, run.name, _frames(run, layers, scene, scenario))
+    scene = _with_lasers(scene_of_run(run, scenario), scans)
+    found = Recording(scene, run.name, _frames(run, layers, scans, scenario))
     for stamp_ns, event in run.events:
         found.events += shown_events([event], (stamp_ns - run.start_ns) / 1e9)
-    for stamp_ns, levels in layers.voice.samples:
+    for stamp_ns, levels in layers[VOICE_MAP].samples:
         found.voice.append(field_layer((stamp_ns - run.start_ns) / 1e9, levels, 0.0))
     fire = scenario.fire if scenario is not None else None
     _add_hazards(found, layers, run.start_ns, (fire or Fire()).heat.block_c)
@@ -76,18 +71,14 @@ def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | N
 
 def _check_floor(layers: BagLayers, paths: Sequence[Path]) -> None:
     """Raises: RecordingError: maps of one topic have different sizes or places."""
-    floors = {
-        VOICE_MAP: {(one.values.shape, one.origin_m, one.resolution_m) for _, one in layers.voice.samples},
-        FIRE: {(one.cells.shape, one.origin_m, one.resolution_m) for _, one in layers.fire.samples},
-        SMOKE: {(one.cells.shape, one.origin_m, one.resolution_m) for _, one in layers.smoke.samples},
-    }
-    for topic, found in floors.items():
-        if len(found) > 1:
+    for topic, cells in ((VOICE_MAP, "values"), (FIRE, "cells"), (SMOKE, "cells")):
+        maps = [one for _, one in layers[topic].samples]
+        if len({(getattr(one, cells).shape, one.origin_m, one.resolution_m) for one in maps}) > 1:
             files = ", ".join(map(str, paths))
             raise RecordingError(f"{files}: {topic.name}: maps of different sizes or places; expected one floor")
 
 
-def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenario | None) -> list[Frame]:
+def _frames(run: RecordedRun, layers: BagLayers, scans: Scans, scenario: Scenario | None) -> list[Frame]:
     """Return a frame each `FRAME_S`, or fewer of a long run, and one at the end, of the last values up to each."""
     statuses = Timeline((status.stamp_ns, status) for status in run.statuses)
     victims = Timeline(run.victims)
@@ -105,17 +96,17 @@ def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenari
     frames = []
     for index, stamp_ns in enumerate(stamps_ns):
         status = statuses.at(stamp_ns, _BEFORE_MISSION)
-        openings = layers.openings.at(stamp_ns, {})
-        enclosed = layers.enclosed.at(stamp_ns, frozenset())
+        openings: dict[str, float] = layers[DOORS].at(stamp_ns, {})
+        enclosed: frozenset[str] = layers[PEOPLE].at(stamp_ns, frozenset())
         fallen = {name for name, since_ns in fallen_ns.items() if since_ns <= stamp_ns}
         links, fiedler_value = _network(run, stamp_ns)
-        scans = [line.at(stamp_ns, None) for line in layers.scans.values()] if index % frames_per_scan == 0 else []
+        lasers = [line.at(stamp_ns, None) for line in scans.values()] if index % frames_per_scan == 0 else []
         frames.append(
             Frame(
                 time_s=(stamp_ns - run.start_ns) / 1e9,
                 poses=tuple(_pose(robot, stamp_ns) for robot in run.robots),
                 swarms=tuple(OUTSIDE if flags.at(stamp_ns, False) else 0 for flags in excluded),
-                links=_among(places, layers.links.at(stamp_ns, links)),
+                links=_among(places, layers[NETWORK_STATE].at(stamp_ns, links)),
                 fiedler_value=fiedler_value,
                 doors=tuple(openings.get(name, state.opening) for name, state in doors.items()),
                 victims=tuple(
@@ -127,8 +118,8 @@ def _frames(run: RecordedRun, layers: BagLayers, scene: Scene, scenario: Scenari
                 state=status.state,
                 noise_db=status.noise_db,
                 endangered=status.endangered_links,
-                scans_m=tuple(scan.ranges_m if scan else [] for scan in scans) if any(scans) else (),
-                egress=shown_egress(layers.egress.at(stamp_ns, None)),
+                scans_m=tuple(scan.ranges_m if scan else [] for scan in lasers) if any(lasers) else (),
+                egress=shown_egress(layers[EGRESS].at(stamp_ns, None)),
             )
         )
     return frames
@@ -141,26 +132,26 @@ _BEFORE_MISSION = RecordedStatus(
 
 def _add_hazards(found: Recording, layers: BagLayers, start_ns: int, block_c: float) -> None:
     """Add the maps of fire and smoke. Args: block_c: from this temperature on, cells are hot [degC]."""
-    temperatures = dict(layers.temperatures.samples)
-    for stamp_ns, grid in layers.fire.samples:
+    temperatures = dict(layers[TEMPERATURE].samples)
+    for stamp_ns, grid in layers[FIRE].samples:
         heat = temperatures.get(stamp_ns)
         is_hot = np.zeros(grid.cells.shape, dtype=bool)
         if heat is not None and heat.values.shape == is_hot.shape:
             is_hot = heat.values >= block_c
         time_s = (stamp_ns - start_ns) / 1e9
         keep_map(found.fire, fire_layer(time_s, grid.origin_m, grid.resolution_m, grid.cells, is_hot))
-    for stamp_ns, grid in layers.smoke.samples:
+    for stamp_ns, grid in layers[SMOKE].samples:
         time_s = (stamp_ns - start_ns) / 1e9
         keep_map(found.smoke, smoke_layer(time_s, grid.origin_m, grid.resolution_m, grid.cells), SMOKE_S)
 
 
-def _with_lasers(scene: Scene, layers: BagLayers) -> Scene:
+def _with_lasers(scene: Scene, scans: Scans) -> Scene:
     """Return the scene with the lasers of the bag; their places on the robots are known only from a scenario."""
     robots = []
     for robot in scene.robots:
-        scans = layers.scans[robot.name].samples if robot.name in layers.scans else []
-        if scans:
-            scan = scans[0][1]
+        samples = scans[robot.name].samples if robot.name in scans else []
+        if samples:
+            scan = samples[0][1]
             robot = msgspec.structs.replace(
                 robot,
                 beams=len(scan.ranges_m),
@@ -200,7 +191,7 @@ def _pose(robot: RecordedRobot, stamp_ns: int) -> Pose | None:
     return x_m, y_m, yaw_rad
 
 
-def _timeline(flags: Flags | None) -> Timeline[bool]:
+def _timeline(flags: Series | None) -> Timeline[bool]:
     return Timeline(() if flags is None else zip(flags.stamps_ns.tolist(), flags.values.tolist(), strict=True))
 
 

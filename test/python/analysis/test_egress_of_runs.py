@@ -24,7 +24,7 @@ from robotteamsim.mission.egress import AT_CENTRE
 from robotteamsim.recording import BagWriter, ResultWriter
 from robotteamsim.scenario.loading import from_mapping
 from robotteamsim.simulation import Result, Simulation
-from robotteamsim.view.from_bag import recording_of_bag
+from robotteamsim.view.from_bag import recording_of
 from robotteamsim.view.recorder import FrameRecorder, Recording
 
 pytestmark = pytest.mark.slow
@@ -93,7 +93,7 @@ def fled(tmp_path_factory) -> Run:
         results.events,
         read_run([folder / "store.bag"]),
         frames.recording,
-        recording_of_bag([folder / "store.bag"], scenario),
+        recording_of(read_run([folder / "store.bag"]), [folder / "store.bag"], scenario),
         json.loads((folder / "out" / "mission.json").read_text()),
     )
 

@@ -289,3 +289,29 @@ def test_transforms_without_a_stamp_have_the_times_of_recording(write_bag, tmp_p
     totals = run_totals(read_run([write(write_bag, tmp_path / "tf.bag", samples)]))
     assert totals.duration_s == pytest.approx(10.0)
     assert totals.robots[0].mean_speed_mps == pytest.approx(1.0)
+
+
+def test_robot_without_a_namespace_next_to_one_named_robot_has_the_name_of_its_topic(write_bag, drive, tmp_path):
+    path = write(write_bag, tmp_path / "two.bag", drive("/odom"), drive("/robot/odom"))
+    assert [robot.name for robot in read_run([path]).robots] == ["/odom", "robot"]
+
+
+def test_header_with_the_stamp_0_is_named_instead_of_a_second_run(write_bag, odometry, tmp_path):
+    """Stamps of a wall clock, recorded by a simulated one: without a stamp, a message counts at 0.1 s."""
+    stamps_ns = [0 if i == 3 else time_ns(i) for i in range(6)]
+    samples = [("/odom", ODOMETRY, 10**8, odometry(stamp_ns, 0.1, 0.0)) for stamp_ns in stamps_ns]
+    path = write_bag(tmp_path / "zero.bag", samples)
+    with pytest.raises(RecordingError) as refused:
+        read_run([path])
+    why = "a header has the stamp 0, and with the time of recording instead, time goes back from 1700000000.2 to 0.1 s"
+    assert str(refused.value) == f"{path}: /odom: {why}"
+
+
+def test_jump_of_motion_capture_is_no_reset_of_an_odometry(write_bag, tmp_path):
+    samples = poses("/vrpn/pose")
+    for _, _, _, message in samples[50:]:
+        message.pose.position.x += 9.0
+    (note,) = run_totals(read_run([write_bag(tmp_path / "mocap.bag", samples)])).notes
+    assert note == (
+        "vrpn: 1 jump faster than 20 m/s, the first of 9.1 m at 5.0 s: breaks in its recorded poses, not driven"
+    )

@@ -15,7 +15,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.bag_types import Ros2Types
-from robotteamsim.view.from_bag import recording_of_bag
+from robotteamsim.view.from_bag import recording_of
 
 MAKE = Ros2Types()
 ODOMETRY = "nav_msgs/msg/Odometry"
@@ -122,7 +122,8 @@ def test_file_without_definitions_is_read(odometry, tmp_path):
 
 
 def test_player_shows_a_folder(odometry, tmp_path):
-    recording = recording_of_bag([write(tmp_path / "shown", drive(odometry))])
+    path = write(tmp_path / "shown", drive(odometry))
+    recording = recording_of(read_run([path]), [path])
     assert recording.title == "shown"
     x_m, _, _ = recording.frames[-1].poses[0]
     assert x_m == pytest.approx(10.0)

@@ -426,7 +426,7 @@ def test_imported_map_is_a_plan_to_run_in(capsys, refusal, monkeypatch, tmp_path
     assert main(["plan", "import", "room.yaml"]) == 0
     assert capsys.readouterr().out.startswith("plan.yaml: ")
     assert yaml.safe_load(Path("plan.yaml").read_text())["bounds"]["max"] == [6.0, 6.0]
-    assert "plan.yaml already exists; choose another file with --out" in refusal("plan", "import", "room.yaml")
+    assert "plan.yaml already exists; choose another name with --out" in refusal("plan", "import", "room.yaml")
     Path("trial.yaml").write_text("name: trial\nplan: plan.yaml\nrobots: {count: 2, start: [3, 3, 0]}\n")
     assert main(["run", "trial.yaml", "--quiet", "--set", "mission.time_limit_s=1"]) == 0
 

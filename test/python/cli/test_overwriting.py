@@ -111,7 +111,7 @@ def test_imported_world_overwrites_no_plan_and_no_scenario(refusal, name):
     Path(name).write_text("mine")
     before = contents()
     line = refusal("plan", "import-stage", WORLD, "--out", ".")
-    assert line == f"{name} already exists; choose another folder with --out, or replace files with --force"
+    assert line == f"{name} already exists; choose another name with --out, or --force replaces it"
     assert contents() == before
 
 

@@ -33,7 +33,7 @@ def test_imported_world_is_a_scenario_to_run(capsys):
 def test_existing_folder_is_kept_unless_it_is_named(refusal):
     Path("hall").mkdir()
     line = refusal("plan", "import-stage", str(WORLD))
-    assert line == "hall already exists; choose another folder with --out, or replace files with --force"
+    assert line == "hall already exists; choose another name with --out, or --force replaces it"
     assert main(["plan", "import-stage", str(WORLD), "--out", "hall"]) == 0
     assert load("hall/hall.yaml").name == "hall"
 
@@ -76,7 +76,7 @@ def test_exported_scenario_is_imported_and_runs(capsys, refusal):
     captured = capsys.readouterr()
     assert captured.out == "w/garage_sar.world: 3 robots\n"
     assert "robotteamsim: warning: not in Stage: bays, areas, victims" in captured.err.splitlines()
-    line = "w/garage_sar.world already exists; choose another folder with --out, or replace files with --force"
+    line = "w/garage_sar.world already exists; choose another name with --out, or --force replaces it"
     assert refusal("plan", "export-stage", "garage_sar", "--out", "w") == line
     assert main(["plan", "export-stage", "garage_sar", "--out", "w", "--force", "--set", "run.step_s=0.05"]) == 0
     assert main(["plan", "import-stage", "w/garage_sar.world", "--out", "s"]) == 0

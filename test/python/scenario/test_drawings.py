@@ -263,6 +263,24 @@ def test_photo_of_a_drawing_has_its_doors_and_floor(folder, capsys, turn_deg, li
     assert " % of the pixels were neither black nor white" in line
 
 
+@pytest.mark.parametrize(("turn_deg", "is_turned"), [(3.0, False), (9.0, True)])
+def test_paper_that_is_turned_too_far_is_a_warning(folder, capsys, turn_deg, is_turned):
+    cv2.imwrite("photo.jpg", photo(turn_deg, 190.0, 4.0))
+    imported("photo.jpg", "--metres-per-pixel", "0.02")
+    warned = "warning: the paper is turned by 5 degrees or more, and only so much is undone" in capsys.readouterr().err
+    assert warned == is_turned
+
+
+@pytest.mark.parametrize("share", [0.0, 0.2])
+def test_many_grey_pixels_are_a_warning(folder, capsys, share):
+    image = drawing(texts=False)
+    image[: round(share * len(image))] = 150
+    cv2.imwrite("grey.png", image)
+    imported("grey.png", "--metres-per-pixel", "0.02")
+    warned = "20 % of the pixels are neither black nor white" in capsys.readouterr().err
+    assert warned == (share > 0.0)
+
+
 def test_grey_paper_is_floor_and_grey_areas_of_a_drawn_map_are_not(folder, capsys):
     cv2.imwrite("grey.png", np.where(drawing(texts=False) == 255, 190, 40).astype(np.uint8))
     grey, clean = (imported(f"{name}.png", "--metres-per-pixel", "0.02") for name in ("grey", "clean"))

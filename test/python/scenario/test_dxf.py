@@ -174,6 +174,19 @@ def test_parallel_lines_are_the_faces_of_one_wall(drawing, angle_deg):
     assert loss_db[0] - loss_db[1] == pytest.approx(3.8)  # one wall up to 20 cm, Table 3
 
 
+def test_doors_that_are_not_found_because_the_walls_are_turned_are_a_warning(drawing, capsys):
+    for angle_deg in (0.0, 17.0):
+        document, space = new()
+        turn = np.exp(1j * np.radians(angle_deg))
+        for ends in (((0, 0), (4, 0)), ((5, 0), (9, 0)), ((0, 0), (0, 5)), ((9, 0), (9, 5)), ((0, 5), (9, 5))):
+            one, other = (complex(*end) * turn for end in ends)
+            space.add_line((one.real, one.imag), (other.real, other.imag), dxfattribs={"layer": "WALLS"})
+        walls_of(document, "--doors")
+        doors, lines = load_floor_plan("o.yaml").doors, capsys.readouterr().err.splitlines()
+        assert len(doors) == (1 if angle_deg == 0.0 else 0)
+        assert any("and most walls are turned from these" in line for line in lines) == (angle_deg > 0.0)
+
+
 def test_wall_system_of_faces_with_corners_junctions_and_openings_is_what_was_drawn(drawing):
     # An independent way: the outline of a union of boxes, without the lines at the ends of walls in the opening.
     boxes = [(0, 0, 8, 0.3), (0, 5.7, 8, 6), (0, 0, 0.3, 6), (7.7, 0, 8, 6), (4, 0, 4.12, 6), (0, 3, 4, 3.12)]
@@ -251,7 +264,7 @@ def test_offset_of_survey_coordinates_is_printed_and_stored(drawing, capsys):
 def test_an_existing_plan_is_only_replaced_with_force(drawing, capsys):
     Path("o.yaml").write_text("mine")
     line = failed(capsys, "room.dxf", "--layer", "WALLS", "--out", "o.yaml")
-    assert line.endswith("o.yaml already exists; choose another file with --out, or --force replaces it")
+    assert line.endswith("o.yaml already exists; choose another name with --out, or --force replaces it")
     assert Path("o.yaml").read_text() == "mine"
     assert main(["plan", "import", "room.dxf", "--layer", "WALLS", "--out", "o.yaml", "--force"]) == 0
     assert load_floor_plan("o.yaml").walls

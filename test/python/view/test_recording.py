@@ -30,7 +30,7 @@ from robotteamsim.scenario.sections import Mission
 from robotteamsim.simulation import Observer, Simulation
 from robotteamsim.view.document import NO_LINK, packed
 from robotteamsim.view.frame import FAR_M, finite_ranges
-from robotteamsim.view.from_bag import MOST_FRAMES, recording_of, recording_of_bag
+from robotteamsim.view.from_bag import MOST_FRAMES, recording_of
 from robotteamsim.view.recorder import FRAME_S, FrameRecorder, Recording
 
 
@@ -85,7 +85,7 @@ def test_a_bag_shows_the_same_mission(
     listed = EventList()
     result = simulation.run([recorder, listed, writer(tmp_path / name)])
     assert [event.time_s for event in recorder.recording.events] == [event.time_s for event in listed.events]
-    bag = recording_of_bag([tmp_path / name], hall_scenario())
+    bag = recording_of(read_run([tmp_path / name]), [tmp_path / name], hall_scenario())
     by_time = {round(frame.time_s, 3): frame for frame in recorder.recording.frames}
     compared = 0
     for frame in bag.frames:
@@ -111,7 +111,7 @@ def test_a_bag_shows_the_lasers_the_doors_and_the_voice_map(
     simulation = Simulation(scenario)
     recorder = FrameRecorder(simulation)
     simulation.run([recorder, BagWriter(tmp_path / "hall.bag")])
-    own, bag = recorder.recording, recording_of_bag([tmp_path / "hall.bag"], scenario)
+    own, bag = recorder.recording, recording_of(read_run([tmp_path / "hall.bag"]), [tmp_path / "hall.bag"], scenario)
     assert {frame.doors for frame in own.frames} == {frame.doors for frame in bag.frames} == {(0.0,), (1.0,)}
     assert [frame.scans_m for frame in bag.frames if frame.scans_m][:4] == [
         frame.scans_m for frame in own.frames if frame.scans_m
@@ -141,7 +141,7 @@ def test_a_bag_with_impossible_numbers_is_rejected_in_one_line(
                 data = make.typestore.serialize_ros1(message, known.msgtype)
             odd.write(connections[known.topic], time_ns, data)
     with pytest.raises(RecordingError) as refused:
-        recording_of_bag([path])
+        recording_of(read_run([path]), [path])
     assert str(refused.value) == f"{path}: /voice_map/values: levels up to 1e+30; expected at most 1000"
 
 

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.recording import BagWriter
 from robotteamsim.scenario.loading import from_mapping
 from robotteamsim.scenario.people import People, PeopleGroup
@@ -13,7 +14,7 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.victims import Region
 from robotteamsim.simulation import Simulation
 from robotteamsim.view.frame import Frame
-from robotteamsim.view.from_bag import recording_of_bag
+from robotteamsim.view.from_bag import recording_of
 from robotteamsim.view.recorder import FrameRecorder
 
 pytestmark = pytest.mark.slow
@@ -80,7 +81,8 @@ def test_recordings_and_bags_show_collapsed_and_enclosed_people(scenario: Scenar
     simulation = Simulation(scenario)
     recorder = FrameRecorder(simulation)
     simulation.run([recorder, BagWriter(tmp_path / "hall.bag")])
-    for frames in (recorder.recording.frames, recording_of_bag([tmp_path / "hall.bag"], scenario).frames):
+    paths = [tmp_path / "hall.bag"]
+    for frames in (recorder.recording.frames, recording_of(read_run(paths), paths, scenario).frames):
         bob = _gaits(frames, 0)
         assert bob["collapsed"] == bob["reached"] == bob["carried"] == {"lies"}
         eve = {(frame.time_s < _OPENS_S, frame.victims[1].gait) for frame in frames if 0.5 < frame.time_s < 8.0}
@@ -96,7 +98,8 @@ def test_people_of_a_group_flee_in_a_recording_and_in_a_bag(scenario: Scenario, 
     simulation = Simulation(guests)
     recorder = FrameRecorder(simulation)
     simulation.run([recorder, BagWriter(tmp_path / "guests.bag")])
-    for frames in (recorder.recording.frames, recording_of_bag([tmp_path / "guests.bag"], guests).frames):
+    paths = [tmp_path / "guests.bag"]
+    for frames in (recorder.recording.frames, recording_of(read_run(paths), paths, guests).frames):
         assert [(victim.name, victim.state) for victim in frames[-1].victims] == [
             ("guest_1", "fleeing"),
             ("guest_2", "fleeing"),

@@ -2,7 +2,7 @@
 
 import csv
 import dataclasses
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, get_args
 
@@ -30,6 +30,7 @@ Row = Sequence[Any]
 
 _VICTIM_STATES = tuple(state for state in get_args(VictimState) if state != "waiting")
 
+_VICTIMS = ("victim", "located_by", "position_error_m", *(f"{state}_s" for state in _VICTIM_STATES))
 _COUNTS = ("areas_explored", "victims_heard", "victims_saved", "endangered_links")
 
 
@@ -76,20 +77,25 @@ def _bag_head() -> Row:
     return ("duration_s", *_names(MissionTotals), "distance_m", "collisions", *network, *last)
 
 
-def _bag_row(totals: RunTotals) -> Row:
+def _bag_rows(_: RecordedRun, totals: RunTotals) -> Iterator[Row]:
     mission = dataclasses.astuple(totals.mission) if totals.mission else (None,) * len(_names(MissionTotals))
     network = dataclasses.astuple(totals.network) if totals.network else (None,) * len(_names(NetworkTotals))
     own = (totals.distance_m, totals.collisions)
     missing = max((gap.missing for gap in totals.gaps), default=0)
     last = (totals.trajectory_hash, missing, totals.controllers_failed, totals.controller_failed)
-    return (totals.duration_s, *mission, *own, *network, *last)
+    yield (totals.duration_s, *mission, *own, *network, *last)
 
 
-def _gap_row(gap: Gap) -> Row:
-    return (gap.topic, gap.robot, gap.missing, gap.expected, " ".join(gap.totals))
+def _gap_rows(_: RecordedRun, totals: RunTotals) -> Iterator[Row]:
+    for gap in totals.gaps:
+        yield (gap.topic, gap.robot, gap.missing, gap.expected, " ".join(gap.totals))
 
 
-def _robot_rows(totals: RunTotals) -> Iterator[Row]:
+def _event_rows(run: RecordedRun, _: RunTotals) -> Iterator[Row]:
+    return (tuple(event.row().values()) for _, event in run.events)
+
+
+def _robot_rows(_: RecordedRun, totals: RunTotals) -> Iterator[Row]:
     for robot in totals.robots:
         context = robot.context or {}
         means = [context.get(key) for key in SwarmContext.__struct_fields__]
@@ -104,14 +110,14 @@ def _robot_names() -> Row:
     )
 
 
-def _context_rows(run: RecordedRun) -> Iterator[Row]:
+def _context_rows(run: RecordedRun, _: RunTotals) -> Iterator[Row]:
     for robot in run.robots:
         if robot.context is not None:
             for time_s, values in zip(run.time_s(robot.context.stamps_ns), robot.context.values.tolist(), strict=True):
                 yield (robot.name, time_s, *values)
 
 
-def _victim_rows(run: RecordedRun) -> Iterator[Row]:
+def _victim_rows(run: RecordedRun, _: RunTotals) -> Iterator[Row]:
     """Yield when each victim was first in each state, and who first located them how exactly; None: never."""
     events = [event for _, event in run.events]
     names = [victim.name for victim in run.victims[-1][1]] if run.victims else []
@@ -127,21 +133,25 @@ def _victim_rows(run: RecordedRun) -> Iterator[Row]:
         yield name, by, error_m, *times_s
 
 
-def _exit_rows(run: RecordedRun) -> Iterator[Row]:
+def _person_rows(run: RecordedRun, _: RunTotals) -> Iterator[Row]:
+    return map(astuple, run.egress.people if run.egress else ())
+
+
+def _exit_rows(run: RecordedRun, _: RunTotals) -> Iterator[Row]:
     if run.egress is not None:
         num_out = run.egress.num_out
         for way_out in run.egress.exits:
             yield *astuple(way_out), num_out[way_out.name]
 
 
-def _progress_rows(run: RecordedRun) -> Iterator[Row]:
+def _progress_rows(run: RecordedRun, _: RunTotals) -> Iterator[Row]:
     for status in run.statuses:
         saved, heard = status.num_saved, status.num_heard
         times_s = (status.stamp_ns - run.start_ns) / 1e9, status.time_s
         yield *times_s, status.state, sum(status.explored), heard, saved, status.endangered_links
 
 
-def _network_rows(run: RecordedRun) -> Iterator[Row]:
+def _network_rows(run: RecordedRun, _: RunTotals) -> Iterator[Row]:
     if run.network is None:
         return
     network = run.network
@@ -156,7 +166,7 @@ def _network_rows(run: RecordedRun) -> Iterator[Row]:
     yield from zip(*(column.tolist() for column in columns), strict=True)
 
 
-def _path_rows(run: RecordedRun) -> Iterator[Row]:
+def _path_rows(run: RecordedRun, _: RunTotals) -> Iterator[Row]:
     for robot in run.robots:
         track = robot.track
         times_s = run.time_s(track.stamps_ns).tolist()
@@ -164,32 +174,17 @@ def _path_rows(run: RecordedRun) -> Iterator[Row]:
             yield robot.name, track.frame, time_s, *pose, driven_m
 
 
-_TABLES: dict[str, tuple[Row, Callable[[RecordedRun, RunTotals], Iterable[Row]]]] = {
-    "bags": (_bag_head(), lambda run, totals: [_bag_row(totals)]),
-    "gaps": (_names(Gap), lambda run, totals: map(_gap_row, totals.gaps)),
-    "robots": (_robot_names(), lambda run, totals: _robot_rows(totals)),
-    "contexts": (("robot", "time_s", *SwarmContext.__struct_fields__), lambda run, totals: _context_rows(run)),
-    "events": (
-        ("time_s", "kind", "subject", "robot_id", "detail"),
-        lambda run, totals: [tuple(event.row().values()) for _, event in run.events],
-    ),
-    "victims": (
-        ("victim", "located_by", "position_error_m", *(f"{state}_s" for state in _VICTIM_STATES)),
-        lambda run, totals: _victim_rows(run),
-    ),
-    "people": (
-        PersonEgress.__struct_fields__,
-        lambda run, totals: map(astuple, run.egress.people) if run.egress else (),
-    ),
-    "exits": ((*ExitEgress.__struct_fields__, "people_out"), lambda run, totals: _exit_rows(run)),
-    "progress": (("time_s", "mission_time_s", "state", *_COUNTS), lambda run, totals: _progress_rows(run)),
-    "network": (
-        ("time_s", "links", "max_hops", "split", "fiedler_value", "endangered"),
-        lambda run, totals: _network_rows(run),
-    ),
-    "paths": (
-        ("robot", "frame", "time_s", "x_m", "y_m", "yaw_rad", "driven_m"),
-        lambda run, totals: _path_rows(run),
-    ),
+_TABLES: dict[str, tuple[Row, Callable[[RecordedRun, RunTotals], Iterator[Row]]]] = {
+    "bags": (_bag_head(), _bag_rows),
+    "gaps": (_names(Gap), _gap_rows),
+    "robots": (_robot_names(), _robot_rows),
+    "contexts": (("robot", "time_s", *SwarmContext.__struct_fields__), _context_rows),
+    "events": (("time_s", "kind", "subject", "robot_id", "detail"), _event_rows),
+    "victims": (_VICTIMS, _victim_rows),
+    "people": (PersonEgress.__struct_fields__, _person_rows),
+    "exits": ((*ExitEgress.__struct_fields__, "people_out"), _exit_rows),
+    "progress": (("time_s", "mission_time_s", "state", *_COUNTS), _progress_rows),
+    "network": (("time_s", "links", "max_hops", "split", "fiedler_value", "endangered"), _network_rows),
+    "paths": (("robot", "frame", "time_s", "x_m", "y_m", "yaw_rad", "driven_m"), _path_rows),
 }
 """The columns of each table after that of the bag, and its rows."""

@@ -6,7 +6,6 @@ import pickle
 import re
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -16,15 +15,14 @@ from robotteamsim.analysis.runs import tracks
 from robotteamsim.analysis.runs.gaps import Gap, missing_steps, usual_step_ns
 from robotteamsim.analysis.runs.path_topics import SOURCES, TF_TYPES, PathTopic, left_out, natural, path_topics
 from robotteamsim.analysis.runs.recorded_run import (
-    Flags,
     RecordedArea,
-    RecordedContext,
     RecordedEvent,
     RecordedNetwork,
     RecordedRobot,
     RecordedRun,
     RecordedStatus,
     RecordedVictim,
+    Series,
 )
 from robotteamsim.analysis.runs.tracks import Absence
 from robotteamsim.errors import RecordingError
@@ -81,31 +79,13 @@ _MOST_M, _MOST_S = 1e6, 1e9
 _CLOCKS_NS, _ONE_TIME_NS = 10 * 10**9, 86_400 * 10**9
 """Clocks may differ by less than the first, which includes delays; above the second they are not of one kind."""
 
+_NetworkSample = tuple[int, np.ndarray, np.ndarray, np.ndarray, float]
 Samples = Mapping[str, list[tuple[int, Any]]]
 """Stamps [ns] and values by topic."""
 
 
 class ContentError(RecordingError):
     """A bag is intact, but its contents cannot belong to one run."""
-
-
-@dataclass(frozen=True, slots=True)
-class _NetworkSample:
-    """One NetworkState or NetworkLinks; the matrices have num_robots^2 values."""
-
-    num_robots: int
-    adjacency: np.ndarray
-    endangered: np.ndarray
-    hop_count: np.ndarray
-    fiedler_value: float
-
-
-@dataclass(frozen=True, slots=True)
-class _ControllerSample:
-    """One ControllerStatus; context: the values of `SwarmContext`, None without adaptation."""
-
-    excluded: bool
-    context: tuple[float, ...] | None
 
 
 def read_run(paths: Sequence[Path], odometry: Sequence[str] = ()) -> RecordedRun:
@@ -153,7 +133,8 @@ def _read(bag: BagReader, name: str, odometry: Sequence[str]) -> RecordedRun:
     notes = _differing_clocks({topic: late_ns for topic, late_ns in bag.late_ns.items() if topic in names})
     if not odometry and (others := left_out(bag.topics, paths)):
         notes.append(f"{', '.join(others)}: not read, perhaps of more robots; --odometry chooses the topics")
-    once = {topic: _in_order(topic, _without_copies(topic, all_of)) for topic, all_of in samples.items() if all_of}
+    once = {topic: _without_copies(topic, all_of) for topic, all_of in samples.items() if all_of}
+    once = {topic: _in_order(topic, all_of, topic in bag.unstamped) for topic, all_of in once.items()}
     for topic in sorted(names & set(once)):
         if copies := len(samples[topic]) - len(once[topic]):
             notes.append(f"{topic}: {copies} of {len(samples[topic])} messages are copies; each counts once")
@@ -201,7 +182,10 @@ def _run(
     topics: Mapping[str, str],
 ) -> RecordedRun:
     samples = _until_end(samples)
-    by_namespace = {namespace: _robot(namespace, path, samples, transforms) for namespace, path in paths.items()}
+    names = {namespace: namespace.strip("/") or "robot" for namespace in paths}
+    if {"", "/robot"} <= set(names):
+        names[""] = paths[""].name
+    by_namespace = {key: _robot(key, names[key], path, samples, transforms) for key, path in paths.items()}
     robots = tuple(filter(None, by_namespace.values()))
     mission = tuple(status for _, status in samples.get("/mission/status", []))
     network = next((_network(topic, samples[topic]) for topic in (STATE, LINKS) if topic in samples), None)
@@ -290,13 +274,15 @@ def _without_copies(topic: str, samples: list[tuple[int, Any]]) -> list[tuple[in
     return list({(stamp_ns, pickle.dumps(value)): (stamp_ns, value) for stamp_ns, value in samples}.values())
 
 
-def _in_order(topic: str, samples: list[tuple[int, Any]]) -> list[tuple[int, Any]]:
+def _in_order(topic: str, samples: list[tuple[int, Any]], is_unstamped: bool) -> list[tuple[int, Any]]:
+    """Return samples by their stamps. Args: is_unstamped: a stamp was 0, so that the time of recording counts."""
     for (before_ns, _), step_ns in zip(samples, _steps_ns(samples), strict=False):
         if step_ns < -_MAX_DISORDER_NS and topic not in _TIMELESS:
             before_s, after_s = before_ns / 1e9, (before_ns + step_ns) / 1e9
-            raise ContentError(
-                f"{topic}: time goes back from {before_s:.1f} to {after_s:.1f} s; expected one run per bag"
-            )
+            text = f"time goes back from {before_s:.1f} to {after_s:.1f} s"
+            if is_unstamped:
+                raise ContentError(f"{topic}: a header has the stamp 0, and with the time of recording instead, {text}")
+            raise ContentError(f"{topic}: {text}; expected one run per bag")
     return sorted(samples, key=lambda sample: sample[0])
 
 
@@ -304,8 +290,9 @@ def _steps_ns(samples: list[tuple[int, Any]]) -> list[int]:
     return [after_ns - before_ns for (before_ns, _), (after_ns, _) in itertools.pairwise(samples)]
 
 
-def _robot(namespace: str, path: PathTopic, samples: Samples, transforms: tracks.Transforms) -> RecordedRobot | None:
-    name = namespace.strip("/") or "robot"
+def _robot(
+    namespace: str, name: str, path: PathTopic, samples: Samples, transforms: tracks.Transforms
+) -> RecordedRobot | None:
     number = re.fullmatch(r"robot_(\d+)", name)
     robot_id = int(number[1]) if number else None
     absences = _absences([item for item in samples.get("/mission/events", []) if item[1].robot_id == robot_id])
@@ -317,10 +304,11 @@ def _robot(namespace: str, path: PathTopic, samples: Samples, transforms: tracks
     if track is None:
         return None
     contact, statuses = samples.get(f"{namespace}/contact"), samples.get(f"{namespace}/controller/status", [])
-    excluded = _flags([(stamp_ns, status.excluded) for stamp_ns, status in statuses])
+    excluded = _series([(stamp_ns, is_excluded) for stamp_ns, (is_excluded, _) in statuses], bool)
+    context = _series([(stamp_ns, values) for stamp_ns, (_, values) in statuses if values is not None], float)
     roles = _last(samples, ROBOTS.name) or ()
     role: Role = roles[robot_id] if robot_id is not None and robot_id < len(roles) else "robot"
-    return RecordedRobot(name, robot_id, track, _flags(contact), excluded, _context(statuses), role)
+    return RecordedRobot(name, robot_id, track, _series(contact, bool), excluded, context, role, namespace)
 
 
 def _absences(events: list[tuple[int, RecordedEvent]]) -> tuple[Absence, ...]:
@@ -335,31 +323,24 @@ def _absences(events: list[tuple[int, RecordedEvent]]) -> tuple[Absence, ...]:
     return (*absences, *([] if gone_ns is None else [(gone_ns, tracks.AFTER_ALL_NS)]))
 
 
-def _flags(samples: list[tuple[int, Any]] | None) -> Flags | None:
+def _series(samples: list[tuple[int, Any]] | None, kind: type) -> Series | None:
     if not samples:
         return None
-    return Flags(np.array([stamp for stamp, _ in samples]), np.array([value for _, value in samples], dtype=bool))
-
-
-def _context(statuses: list[tuple[int, _ControllerSample]]) -> RecordedContext | None:
-    found = [(stamp_ns, status.context) for stamp_ns, status in statuses if status.context is not None]
-    if not found:
-        return None
-    return RecordedContext(np.array([stamp_ns for stamp_ns, _ in found]), np.array([values for _, values in found]))
+    return Series(np.array([stamp for stamp, _ in samples]), np.array([value for _, value in samples], dtype=kind))
 
 
 def _network(topic: str, samples: list[tuple[int, Any]]) -> RecordedNetwork:
-    sizes = sorted({state.num_robots for _, state in samples})
-    if len(sizes) > 1:
-        raise ContentError(f"{topic}: has {sizes[0]} and then {sizes[-1]} robots; expected one run per bag")
-    states = [state for _, state in samples]
+    stamps_ns, states = zip(*samples, strict=True)
+    sizes, adjacency, endangered, hop_count, fiedler_value = zip(*states, strict=True)
+    if min(sizes) < max(sizes):
+        raise ContentError(f"{topic}: has {min(sizes)} and then {max(sizes)} robots; expected one run per bag")
     shape = (len(samples), sizes[0], sizes[0])
     return RecordedNetwork(
-        np.array([stamp_ns for stamp_ns, _ in samples]),
-        np.array([state.adjacency for state in states], dtype=bool).reshape(shape),
-        np.array([state.endangered for state in states], dtype=bool).reshape(shape),
-        np.array([state.hop_count for state in states], dtype=np.int32).reshape(shape),
-        np.array([state.fiedler_value for state in states], dtype=np.float64),
+        np.array(stamps_ns),
+        np.array(adjacency, dtype=bool).reshape(shape),
+        np.array(endangered, dtype=bool).reshape(shape),
+        np.array(hop_count, dtype=np.int32).reshape(shape),
+        np.array(fiedler_value, dtype=np.float64),
     )
 
 
@@ -369,18 +350,20 @@ def _pose_sample(stamp_ns: int, message: Any) -> tracks.PoseSample:
     return tracks.PoseSample(message.header.frame_id.lstrip("/"), position.x, position.y, q.x, q.y, q.z, q.w)
 
 
-def _controller_sample(stamp_ns: int, message: Any) -> _ControllerSample:
+def _controller_sample(stamp_ns: int, message: Any) -> tuple[bool, tuple[float, ...] | None]:
+    """Return whether a robot is excluded, and the values of `SwarmContext`; None without adaptation."""
     # Older bags have no context.
     contexts: Sequence[Any] = getattr(message, "context", ())
     values = tuple(getattr(contexts[0], key) for key in SwarmContext.__struct_fields__) if len(contexts) else None
-    return _ControllerSample(message.excluded, values)
+    return message.excluded, values
 
 
 def _network_sample(stamp_ns: int, message: Any) -> _NetworkSample:
+    """Return the number of robots, matrices with its square as their number of values, and the Fiedler value."""
     n = message.num_robots
     if not n * n == len(message.adjacency) == len(message.endangered) == len(message.hop_count):
         raise ValueError(f"matrices of {len(message.adjacency)} values; expected {n * n}")
-    return _NetworkSample(n, message.adjacency, message.endangered, message.hop_count, message.fiedler_value)
+    return n, message.adjacency, message.endangered, message.hop_count, message.fiedler_value
 
 
 def _links_sample(stamp_ns: int, message: Any) -> _NetworkSample:
@@ -392,7 +375,7 @@ def _links_sample(stamp_ns: int, message: Any) -> _NetworkSample:
         unpacked(bits.reshape(n, row_bytes(n)), n) for bits in (message.adjacency, message.endangered)
     )
     hops = hops_among(adjacency, message.present != 0)
-    return _NetworkSample(n, adjacency, endangered, hops, message.fiedler_value)
+    return n, adjacency, endangered, hops, message.fiedler_value
 
 
 def _status(stamp_ns: int, message: Any) -> RecordedStatus:

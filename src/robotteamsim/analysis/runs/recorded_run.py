@@ -14,20 +14,8 @@ from robotteamsim.scenario.scenario import Role
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Flags:
-    """A Boolean over time. stamps_ns: int64, shape (n,), ascending. values: bool, shape (n,)."""
-
-    stamps_ns: np.ndarray
-    values: np.ndarray
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class RecordedContext:
-    """The measured context and adapted coefficients of a robot, while it adapts.
-
-    stamps_ns: int64, shape (n,), ascending.
-    values:    float64, shape (n, 10): metrics and coefficients in the order of `SwarmContext`.
-    """
+class Series:
+    """Values over time. stamps_ns: int64, shape (n,), ascending. values: shape (n, ...)."""
 
     stamps_ns: np.ndarray
     values: np.ndarray
@@ -37,19 +25,22 @@ class RecordedContext:
 class RecordedRobot:
     """One robot.
 
-    name:     its namespace without slashes, or "robot" if it has none.
+    name:     its namespace without slashes; without one, "robot", or its topic if that is the name of another one.
     robot_id: the number in robot_<number>; None for other names.
-    context:  None without adaptation.
+    contact, excluded: bool.
+    context:  its metrics and coefficients while it adapts, in the order of `SwarmContext`: float64, shape (n, 10); None
+              without adaptation.
     role:     in the team; "robot" also in older bags, which have no roles.
     """
 
     name: str
     robot_id: int | None
     track: Track
-    contact: Flags | None
-    excluded: Flags | None
-    context: RecordedContext | None = None
+    contact: Series | None
+    excluded: Series | None
+    context: Series | None = None
     role: Role = "robot"
+    namespace: str = ""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

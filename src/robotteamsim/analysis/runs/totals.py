@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robotteamsim.analysis.runs.gaps import Gap
-from robotteamsim.analysis.runs.recorded_run import Flags, RecordedContext, RecordedNetwork, RecordedRobot, RecordedRun
+from robotteamsim.analysis.runs.recorded_run import RecordedNetwork, RecordedRobot, RecordedRun, Series
 from robotteamsim.analysis.runs.tracks import FASTEST_MPS
 from robotteamsim.interface import SwarmContext
 from robotteamsim.mission.egress import Egress
@@ -90,7 +90,7 @@ class RunTotals:
     omitted:         what could not be computed, and the missing topic.
     controllers_failed: number of times that a controller was stopped.  controller_failed: the first one and its reason.
     gaps:            topics that lack steps, and the totals that are computed without them.
-    notes:           copies of messages, clocks that differ, jumps of the odometry.
+    notes:           copies of messages, clocks that differ, jumps of poses.
     """
 
     bag: str
@@ -213,7 +213,8 @@ def _robot(robot: RecordedRobot) -> RobotTotals:
     track = robot.track
     duration_s = float(track.stamps_ns[-1] - track.stamps_ns[0]) / 1e9
     _, speeds = speeds_mps(robot)
-    contact = robot.contact
+    contact, context = robot.contact, robot.context
+    means = [] if context is None else context.values.mean(axis=0).tolist()
     return RobotTotals(
         name=robot.name,
         source=track.source,
@@ -223,12 +224,8 @@ def _robot(robot: RecordedRobot) -> RobotTotals:
         collisions=None if contact is None else int(onsets(contact.values).sum()),
         contact_s=_duration_s(contact),
         excluded_s=_duration_s(robot.excluded),
-        context=None if robot.context is None else _mean_context(robot.context),
+        context=dict(zip(SwarmContext.__struct_fields__, means, strict=True)) if means else None,
     )
-
-
-def _mean_context(context: RecordedContext) -> dict[str, float]:
-    return dict(zip(SwarmContext.__struct_fields__, context.values.mean(axis=0).tolist(), strict=True))
 
 
 def _network(network: RecordedNetwork) -> NetworkTotals:
@@ -245,7 +242,7 @@ def _network(network: RecordedNetwork) -> NetworkTotals:
     )
 
 
-def _duration_s(flags: Flags | None) -> float | None:
+def _duration_s(flags: Series | None) -> float | None:
     return None if flags is None else _time_s(flags.stamps_ns, flags.values)
 
 
@@ -272,12 +269,13 @@ def _trajectory_hash(run: RecordedRun) -> str | None:
 
 
 def _jumps(run: RecordedRun, robot: RecordedRobot) -> list[str]:
-    """Return a line if poses jumped, as after a reset of the odometry."""
+    """Return a line if poses jumped, as after a reset of the odometry, or where motion capture lost the robot."""
     if not robot.track.jumps:
         return []
     count, (stamp_ns, length_m) = counted(len(robot.track.jumps), "jump"), robot.track.jumps[0]
     first = f"the first of {length_m:.1f} m at {run.time_s(np.array(stamp_ns)):.1f} s"
-    return [f"{robot.name}: {count} faster than {FASTEST_MPS:g} m/s, {first}: resets of the odometry, not driven"]
+    what = "resets of the odometry" if robot.track.source.startswith("odom") else "breaks in its recorded poses"
+    return [f"{robot.name}: {count} faster than {FASTEST_MPS:g} m/s, {first}: {what}, not driven"]
 
 
 def _omitted(run: RecordedRun) -> tuple[str, ...]:

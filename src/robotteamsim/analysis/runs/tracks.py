@@ -178,7 +178,8 @@ def _track(source: str, samples: Sequence[tuple[int, PoseSample]], absences: tup
     stamps_ns = np.array([stamp_ns for stamp_ns, _ in finite])
     values = np.array([pose[1:] for _, pose in finite])
     poses = np.column_stack((values[:, :2], _yaw_rad(*values[:, 2:].T)))
-    steps_m, came = _steps_m(poses), _came(stamps_ns, absences)
+    places, came = poses[:, :2].tolist(), _came(stamps_ns, absences)
+    steps_m = np.array([0.0, *itertools.starmap(math.dist, itertools.pairwise(places))])
     steps_m[[index for index in came if index < len(steps_m)]] = 0.0
     possible_m = np.maximum(np.diff(stamps_ns, prepend=stamps_ns[0]) / 1e9 * FASTEST_MPS, _SHORTEST_JUMP_M)
     jumped = np.flatnonzero(steps_m > possible_m)
@@ -193,12 +194,6 @@ def _came(stamps_ns: np.ndarray, absences: Sequence[Absence]) -> list[int]:
     came_ns = np.array([came_ns for _, came_ns in absences], dtype=np.int64)
     indices: list[int] = np.searchsorted(stamps_ns, came_ns).tolist()
     return indices
-
-
-def _steps_m(poses: np.ndarray) -> np.ndarray:
-    """Return the length of the step to each pose."""
-    places = poses[:, :2].tolist()
-    return np.array([0.0, *(math.dist(place, before) for before, place in itertools.pairwise(places))])
 
 
 def _yaw_rad(x: Any, y: Any, z: Any, w: Any) -> Any:
