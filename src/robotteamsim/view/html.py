@@ -47,8 +47,8 @@ def player_frame(recordings: Sequence[Recording], title: str, height_px: int = H
 
 
 def live_page(title: str) -> str:
-    """Return the page of a live mission, whose modules the server provides under /page/."""
-    modules = {"three": "/page/three.min.js"} | {f"viewer/{name}": f"/page/{name}.js" for name in MODULES}
+    """Return the page of a live mission, whose modules the server provides next to it, under page/."""
+    modules = {"three": "./page/three.min.js"} | {f"viewer/{name}": f"./page/{name}.js" for name in MODULES}
     return _page(title, modules, "")
 
 

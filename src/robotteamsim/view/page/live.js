@@ -10,7 +10,7 @@ export class LiveMission extends Mission {
   static async connect() {
     const mission = new LiveMission();
     await new Promise((resolve, reject) => {
-      const source = new EventSource("/frames");
+      const source = new EventSource("frames");
       source.onmessage = (message) => { mission._receive(JSON.parse(message.data)); resolve(); };
       source.onerror = () => {
         mission.onclose?.();
@@ -22,7 +22,7 @@ export class LiveMission extends Mission {
 
   /** Send a command, such as {command: "pause"}; the server's complaint is shown. */
   async send(command) {
-    const answer = await fetch("/command", {
+    const answer = await fetch("command", {
       method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(command),
     });
     this.onanswer?.((await answer.json()).error ?? "");
