@@ -71,6 +71,8 @@ class _Handler(BaseHTTPRequestHandler):
             self._reply(HTTPStatus.OK, self.server.page, "text/html; charset=utf-8")
         elif path in _SCRIPTS:
             self._reply(HTTPStatus.OK, _SCRIPTS[path].read_bytes(), "text/javascript; charset=utf-8")
+        elif path == "mission.html" and self.server.mission is not None:
+            self._send_page(self.server.mission)
         elif path == "frames" and self.server.mission is not None:
             self._send_frames(self.server.mission)
         else:
@@ -122,6 +124,12 @@ class _Handler(BaseHTTPRequestHandler):
             or self.headers.get("Origin", own_page) != own_page
             or self.headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin")
         )
+
+    def _send_page(self, mission: ShownMission) -> None:
+        try:
+            self._reply(HTTPStatus.OK, mission.page().encode(), "text/html; charset=utf-8")
+        except ValueError as error:
+            self._reply(HTTPStatus.BAD_REQUEST, str(error).encode(), "text/plain")
 
     def _send_frames(self, mission: ShownMission) -> None:
         self.close_connection = True

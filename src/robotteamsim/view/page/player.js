@@ -42,10 +42,14 @@ export class Player {
 
   draw() { this.dirty = true; }
 
+  /** Whether the page moves the time itself: in a recording, and in a live mission that has ended. */
+  get replays() { return !this.isLive || this.missions.every((mission) => mission.frames.at(-1).state === "ended"); }
+
   /** Show what a live mission reports about itself. */
   follow(status) {
-    this.playing = status.playing;
-    element("play").classList.toggle("playing", status.playing);
+    if (!this.replays || !this.replayed) this._setPlaying(status.playing && !this.replays);
+    this.replayed = this.replays;
+    this.speed = status.speed;
     const speeds = element("speed");
     if (![...speeds.options].some((option) => Number(option.value) === status.speed)) {
       speeds.add(new Option(`${status.speed}×`, status.speed));
@@ -54,10 +58,14 @@ export class Player {
   }
 
   toggle(playing = !this.playing) {
-    if (playing && !this.isLive && this.time >= this.end) this.time = this.start;
+    if (playing && this.replays && this.time >= this.end) this.seek(this.start);
+    this._setPlaying(playing);
+    if (!this.replays) this.onplay?.(playing);
+  }
+
+  _setPlaying(playing) {
     this.playing = playing;
     element("play").classList.toggle("playing", playing);
-    this.onplay?.(playing);
     this.dirty = true;
   }
 
@@ -85,16 +93,17 @@ export class Player {
   }
 
   _tick(now, before) {
-    if (this.playing && !this.isLive) {
+    if (this.playing && this.replays) {
       this.time = Math.min(this.time + this.speed * Math.min((now - before) / 1000, 0.25), this.end);
       this.dirty = true;
       if (this.time >= this.end) this.toggle(false);
     }
-    if (this.dirty) this._show();
+    if (this.dirty) this.show();
     requestAnimationFrame((next) => this._tick(next, now));
   }
 
-  _show() {
+  /** Draw all views at the current time. */
+  show() {
     this.dirty = false;
     for (const view of this.views) view.show(Math.min(this.time, view.mission.end), this.shown);
     this.panel.show(this.views, this.start, this.time);
@@ -161,7 +170,8 @@ export class Player {
   }
 
   _key(event) {
-    if (["INPUT", "SELECT", "TEXTAREA", "BUTTON"].includes(event.target.tagName)) return;
+    if (["INPUT", "SELECT", "BUTTON"].includes(event.target.tagName)) return;
+    if (this.onkey?.(event)) return;
     if (event.key === " ") { event.preventDefault(); this.toggle(); }
     if (event.key === ".") this._step();
     if (event.key === "ArrowLeft") this.seek(this.time - 1);
@@ -169,7 +179,7 @@ export class Player {
   }
 
   _step() {
-    if (this.onstep) this.onstep(); else this.seek(this.time + 0.2);
+    if (this.onstep && !this.replays) this.onstep(); else this.seek(this.time + 0.2);
   }
 
   _each(action) {
