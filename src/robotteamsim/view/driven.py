@@ -9,15 +9,11 @@ from robotteamsim.scenario.base import Point
 from robotteamsim.simulation import Simulation, StepRecord
 from robotteamsim.world.doors import DoorStates
 
-NEAR_M = 1.0
-"""A goal is at most this far from floor where the robot fits."""
+NEAR_M = 1.0  # from a goal to floor where the robot fits
 
 
 class DrivenRobots:
-    """Robots by id that drive as a viewer says, or to a goal by the navigator of the controllers.
-
-    Each is driven until it is released or leaves.
-    """
+    """Robots that drive as a viewer says, or to a goal as their controllers would, until released or absent."""
 
     def __init__(self, simulation: Simulation) -> None:
         """Drive none yet."""

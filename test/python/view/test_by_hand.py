@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 from playwright.sync_api import Browser, Page
-from shown_page import opened, served, shown, taken
+from shown_page import READY_MS, opened, served, shown, taken
 
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Twist
@@ -332,3 +332,20 @@ def test_play_after_the_end_of_a_live_mission_shows_it_again(
         page.wait_for_function("document.querySelector('.view').dataset.time === '5.0'")
         page.wait_for_selector("#play:not(.playing)")
     mission.close()
+
+
+@pytest.mark.slow
+def test_finger_next_to_a_robot_selects_it(browser: Browser, recording: Recording, tmp_path: Path) -> None:
+    path = tmp_path / "mission.html"
+    path.write_text(mission_page([recording], "mission"), encoding="utf-8")
+    with browser.new_context(viewport={"width": 600, "height": 600}, has_touch=True) as context:
+        page = context.new_page()
+        page.goto(f"file://{path}")
+        page.wait_for_selector("body[data-ready]", state="attached", timeout=READY_MS)
+        x, y = _place_of(page, "1")
+        page.mouse.click(x, y - 17)
+        _settled(page)
+        assert page.is_hidden("#robot")
+        page.touchscreen.tap(x, y - 17)
+        _settled(page)
+        assert page.inner_text("#robot h2") == "robot_1"

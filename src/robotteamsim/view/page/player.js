@@ -25,7 +25,7 @@ export class Player {
     this.dirty = true;
     this.panel = new Panel((time) => this.seek(time), views[0].mission.palette.curves);
     this._controls();
-    this._changed();
+    this.refresh();
     requestAnimationFrame((now) => this._tick(now, now));
   }
 
@@ -70,7 +70,7 @@ export class Player {
   }
 
   /** New frames or another mission: the range of time, curves and events have changed. */
-  _changed() {
+  refresh() {
     const slider = element("time");
     slider.min = this.start;
     slider.max = this.end;
@@ -84,8 +84,6 @@ export class Player {
     this.panel.curves.draw(this.curves, this.start, this.end);
     this.dirty = true;
   }
-
-  refresh() { this._changed(); }
 
   _eventColour(kind) {
     const path = EVENT_COLOURS[kind];
