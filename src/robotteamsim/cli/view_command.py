@@ -25,8 +25,8 @@ noise. A bag, also a folder of `ros2 bag record`, or the folder of `run --out`, 
 --html, the mission is written to one file that any browser opens without a network, on phones as well."""
 
 _EPILOG = """\
-Only browsers on this machine can connect. A folder is simulated again from its mission.json, which
-takes a second; the result must be the same, bit for bit.
+Only browsers on this machine can connect or, with --host, all that know the printed address. A folder
+is simulated again from its mission.json, which takes a second; the result must be the same, bit for bit.
 
 examples:
   robotteamsim view garage_sar
@@ -53,6 +53,10 @@ def add_to(commands: Any) -> None:
     parser.add_argument(
         "--speed", type=positive_number, default=10.0, metavar="X", help="simulated over wall time; default 10"
     )
+    parser.add_argument(
+        "--host", metavar="ADDRESS",
+        help="listen at this address of the machine, for all browsers that know the secret address; default 127.0.0.1",
+    )  # fmt: skip
     parser.add_argument("--port", type=whole_number, default=0, metavar="N", help="of the address; default: a free one")
     parser.add_argument("--no-browser", action="store_true", help="print the address, and open no browser")
     parser.set_defaults(command=view)
@@ -69,7 +73,7 @@ def view(options: argparse.Namespace) -> None:
     elif options.compare or _is_recorded(options.target):
         from robotteamsim.view.server import ViewServer
 
-        _serve(options, lambda: ViewServer(options.port, _page(options, targets)))
+        _serve(options, lambda: ViewServer(options.port, _page(options, targets), host=options.host))
     else:
         _show_live(options)
 
@@ -120,17 +124,18 @@ def _show_live(options: argparse.Namespace) -> None:
     mission = LiveMission(load, speed=options.speed, playing=True)
     mission.start()
     try:
-        _serve(options, lambda: ViewServer(options.port, live_page(options.target), mission))
+        _serve(options, lambda: ViewServer(options.port, live_page(options.target), mission, options.host))
     finally:
         mission.close()
 
 
 def _serve(options: argparse.Namespace, make: Any) -> None:
-    """Serve until Ctrl-C. Raises: UsageError: the port is in use. KeyboardInterrupt: the end."""
+    """Serve until Ctrl-C. Raises: UsageError: the port is in use, or no such address. KeyboardInterrupt: the end."""
     try:
         server: ViewServer = make()
     except OSError as error:
-        raise UsageError(f"--port {options.port}: {error.strerror or error}") from None
+        place = f"--host {options.host}, --port" if options.host else "--port"
+        raise UsageError(f"{place} {options.port}: {error.strerror or error}") from None
     with server:
         print(f"{server.url}  (Ctrl-C ends it)", flush=True)
         if not options.no_browser and not webbrowser.open(server.url):

@@ -102,15 +102,14 @@ def frame_of(
     Args: fallen: names of the victims who have collapsed.
     """
     scans = [finite_ranges(reading.ranges_m, FAR_M) for reading in record.readings] if with_scans else []
-    poses = []
-    for robot_id, reading in enumerate(record.readings):
-        pose = reading.true_pose
-        poses.append((pose.x_m, pose.y_m, pose.yaw_rad) if record.is_there(robot_id) else None)
     world, mission = simulation.world, simulation.mission
+    # A robot that was added after the step has no reading yet.
+    team = zip(record.readings, record.present, world.poses(), world.present, strict=True)
+    poses = [(was.true_pose if was_there else now) if is_there else None for was, was_there, now, is_there in team]
     status, enclosed = mission.status, enclosed_of(record.people)
     return Frame(
         time_s=record.mission.time_s,
-        poses=tuple(poses),
+        poses=tuple(None if pose is None else (pose.x_m, pose.y_m, pose.yaw_rad) for pose in poses),
         swarms=tuple(OUTSIDE if decision.excluded else decision.swarm for decision in record.decisions),
         links=links_of(record.network.adjacency, record.network.rssi_dbm),
         fiedler_value=record.network.fiedler_value,

@@ -47,9 +47,20 @@ def player_frame(recordings: Sequence[Recording], title: str, height_px: int = H
 
 
 def live_page(title: str) -> str:
-    """Return the page of a live mission, whose modules the server provides under /page/."""
-    modules = {"three": "/page/three.min.js"} | {f"viewer/{name}": f"/page/{name}.js" for name in MODULES}
+    """Return the page of a live mission, whose modules the server provides next to it, under page/."""
+    modules = {"three": "./page/three.min.js"} | {f"viewer/{name}": f"./page/{name}.js" for name in MODULES}
     return _page(title, modules, "")
+
+
+def size_problem(setup: Setup) -> str:
+    """Return why a page of a mission would be too large, or ""."""
+    robots, limit_s = len(setup.robots), setup.scenario.mission.time_limit_s
+    links = robots * (robots - 1) / 2 * limit_s / FRAME_S
+    if links <= MOST_LINKS:
+        return ""
+    text = f"a page of {robots} robots for {limit_s:g} s has up to {links / 1e6:,.0f} million links in all frames"
+    keys = "fewer robots (robots.count) or less time (mission.time_limit_s)"
+    return f"{text}; expected at most {MOST_LINKS // 10**6} million, with {keys}"
 
 
 class PageWriter(FrameRecorder):
@@ -62,13 +73,8 @@ class PageWriter(FrameRecorder):
     def begin(self, setup: Setup) -> None:
         """Raises: RecordingError: the file cannot be written, or would be too large."""
         check_replaceable(self._path)
-        scenario, robots = setup.scenario, len(setup.robots)
-        links = robots * (robots - 1) / 2 * scenario.mission.time_limit_s / FRAME_S
-        if links > MOST_LINKS:
-            text = f"a page of {robots} robots for {scenario.mission.time_limit_s:g} s has up to {links / 1e6:,.0f}"
-            limit = f"million links in all frames; expected at most {MOST_LINKS // 10**6} million"
-            keys = "fewer robots (robots.count) or less time (mission.time_limit_s)"
-            raise RecordingError(f"{self._path}: {text} {limit}, with {keys}; `robotteamsim view` shows it live")
+        if problem := size_problem(setup):
+            raise RecordingError(f"{self._path}: {problem}; `robotteamsim view` shows it live")
 
     def end(self, result: Result) -> None:
         """Write the page. Raises: RecordingError."""

@@ -7,12 +7,16 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from typing import Annotated
+from typing import Annotated, Any
 
 import msgspec
 
+from robotteamsim.geometry import Pose
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Simulation
+from robotteamsim.view.driven import DrivenRobots
+from robotteamsim.view.html import mission_page, size_problem
+from robotteamsim.view.recorder import FrameRecorder
 from robotteamsim.view.shown import LEAST_SPEED, MOST_SPEED, ShownMission
 from robotteamsim.wording import described
 
@@ -25,6 +29,7 @@ _BREAK_S = 1e-4
 """Least time between the steps of two frames, in which commands are executed [s]."""
 
 Coordinate = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
+Share = Annotated[float, msgspec.Meta(ge=-1.0, le=1.0)]
 
 
 class Command(msgspec.Struct, tag_field="command", forbid_unknown_fields=True):
@@ -75,6 +80,34 @@ class SetVictim(Command, tag="set_victim"):
     position_m: tuple[Coordinate, Coordinate]
 
 
+class SpawnRobot(Command, tag="spawn_robot"):
+    """Add a robot that is absent, at a place [m, map], or else at its start."""
+
+    robot: int
+    position_m: tuple[Coordinate, Coordinate] | None = None
+
+
+class Drive(Command, tag="drive"):
+    """Drive a robot by hand until it is released; shares of its greatest speeds, forward and to the left."""
+
+    robot: int
+    forward: Share
+    turn: Share
+
+
+class SetGoal(Command, tag="set_goal"):
+    """Let a robot drive to a goal [m, map], and wait there until it is released."""
+
+    robot: int
+    position_m: tuple[Coordinate, Coordinate]
+
+
+class Release(Command, tag="release"):
+    """Leave a robot to its controller again."""
+
+    robot: int
+
+
 class SetLayers(Command, tag="set_layers"):
     """Send one viewer these layers, of fire, smoke, voice, radio and laser."""
 
@@ -82,7 +115,8 @@ class SetLayers(Command, tag="set_layers"):
     layers: list[str]
 
 
-AnyCommand = Play | Pause | Step | SetSpeed | Restart | SetNoise | SetDoor | SetVictim | SetLayers
+ChangeOfRobot = SpawnRobot | Drive | SetGoal | Release
+AnyCommand = Play | Pause | Step | SetSpeed | Restart | SetNoise | SetDoor | SetVictim | SetLayers | ChangeOfRobot
 
 
 class LiveMission(ShownMission):
@@ -131,9 +165,25 @@ class LiveMission(ShownMission):
     def _begin(self, seed: int | None) -> None:
         simulation = Simulation(self._load(seed))
         simulation.mission.start()
-        self._begin_with(simulation, self._stepper.submit(simulation.step).result())
+        problem = size_problem(simulation.setup)
+        recorder = None if problem else FrameRecorder(simulation)
+        record = self._stepper.submit(simulation.step).result()
+        if recorder is not None:
+            recorder.step(record)
+        self._begin_with(simulation, record)
+        self._driven, self._recorder, self._too_large = DrivenRobots(simulation), recorder, problem
         self._error = ""
         self._publish()
+
+    def page(self) -> str:
+        """See `ShownMission.page`."""
+        with self._changed:  # the mission waits meanwhile
+            if self._recorder is None:
+                raise ValueError(self._too_large)
+            return mission_page([self._recorder.recording], self._recorder.recording.title)
+
+    def _status(self) -> dict[str, Any]:
+        return super()._status() | {"driven": self._driven.goals}
 
     def _is_running(self) -> bool:
         return self._playing and self._num_viewers > 0 and self._record.mission.state != "ended"
@@ -194,6 +244,15 @@ class LiveMission(ShownMission):
                 simulation.set_door(name, closed)
             case SetVictim(name, position_m):
                 simulation.set_victim(name, position_m)
+            case SpawnRobot(robot, position_m):
+                simulation.spawn_robot(robot, position_m and Pose(*position_m, 0.0))
+                self._driven.release(robot)
+            case Drive(robot, forward, turn):
+                self._driven.drive(robot, forward, turn)
+            case SetGoal(robot, position_m):
+                self._driven.go(robot, position_m)
+            case Release(robot):
+                self._driven.release(robot)
             case SetLayers(number, layers):
                 self._set_layers(number, layers)
             case Restart(seed):
@@ -202,4 +261,8 @@ class LiveMission(ShownMission):
 
     def _step(self) -> None:
         if self._record.mission.state != "ended":
-            self._note(self._stepper.submit(self._simulation.step).result())
+            self._driven.command(self._record)
+            record = self._stepper.submit(self._simulation.step).result()
+            self._note(record)
+            if self._recorder is not None:
+                self._recorder.step(record)

@@ -1,7 +1,9 @@
-"""Serves the viewer on this machine only: a recorded mission as one page, or a live one."""
+"""Serves the viewer, by default on this machine only: a recorded mission as one page, or a live one."""
 
 from __future__ import annotations
 
+import secrets
+import socket
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any, ClassVar
@@ -15,31 +17,38 @@ from robotteamsim.view.shown import ShownMission
 
 HOST = "127.0.0.1"
 _MAX_COMMAND_BYTES = 10_000
-_SCRIPTS = {f"/page/{name}.js": PAGE / f"{name}.js" for name in (*MODULES, "three.min")}
+_SCRIPTS = {f"page/{name}.js": PAGE / f"{name}.js" for name in (*MODULES, "three.min")}
 _COMMANDS: msgspec.json.Decoder[AnyCommand] = msgspec.json.Decoder(AnyCommand)
 _KEEP_ALIVE_S = 5.0
 _FOREIGN = "only for the viewer's own page, in a browser of this machine"
+_NO_TOKEN = "wrong or missing token: open the whole address that `robotteamsim view` has printed"
+_ALL_ADDRESSES = ("0.0.0.0", "::")
 _NO_COMMAND = "not a command of the page of a live mission"
 
 
 # aiohttp or starlette would save few of these lines, and need an event loop next to the threads of missions.
 class ViewServer(ThreadingHTTPServer):
-    """Answers browsers of this machine."""
+    """Answers browsers of this machine or, at a chosen address, all browsers that know a secret token."""
 
     daemon_threads = True
 
-    def __init__(self, port: int, page: str, mission: ShownMission | None = None) -> None:
+    def __init__(self, port: int, page: str, mission: ShownMission | None = None, host: str | None = None) -> None:
         """Args: port: 0 for a free one.  page: the HTML page.  mission: None for a page with recorded missions.
 
-        Raises: OSError: the port is in use.
+        host: listen at this address; then each path begins with a new token, without which no request is answered.
+        Raises: OSError: the port is in use, or this machine does not have the address.
         """
-        super().__init__((HOST, port), _Handler)
-        self.page, self.mission = page.encode(), mission
+        self.address_family = socket.AF_INET6 if ":" in (host or HOST) else socket.AF_INET
+        super().__init__((host or HOST, port), _Handler)
+        self.page, self.mission, self.host = page.encode(), mission, (host or HOST).lower()
+        self.root = f"/{secrets.token_urlsafe(16)}/" if host else "/"
+        """The path of the page, with which all other paths begin."""
 
     @property
     def url(self) -> str:
         """The address of the page."""
-        return f"http://{HOST}:{self.server_address[1]}/"
+        name = socket.gethostname() if self.host in _ALL_ADDRESSES else self.host
+        return f"http://{f'[{name}]' if ':' in name else name}:{self.server_address[1]}{self.root}"
 
     def handle_error(self, request: Any, client_address: Any) -> None:
         """Ignore a browser that has gone."""
@@ -55,25 +64,28 @@ class _Handler(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         """Answer a request for the page, one of its scripts, or the frames."""
-        if self._is_foreign():
-            self._reply(HTTPStatus.FORBIDDEN, _FOREIGN.encode(), "text/plain")
-        elif self.path == "/":
+        path = self._path()
+        if why := self._refusal(path):
+            self._reply(HTTPStatus.FORBIDDEN, why.encode(), "text/plain")
+        elif path == "":
             self._reply(HTTPStatus.OK, self.server.page, "text/html; charset=utf-8")
-        elif self.path in _SCRIPTS:
-            self._reply(HTTPStatus.OK, _SCRIPTS[self.path].read_bytes(), "text/javascript; charset=utf-8")
-        elif self.path == "/frames" and self.server.mission is not None:
+        elif path in _SCRIPTS:
+            self._reply(HTTPStatus.OK, _SCRIPTS[path].read_bytes(), "text/javascript; charset=utf-8")
+        elif path == "mission.html" and self.server.mission is not None:
+            self._send_page(self.server.mission)
+        elif path == "frames" and self.server.mission is not None:
             self._send_frames(self.server.mission)
         else:
             self._reply(HTTPStatus.NOT_FOUND, b"not found", "text/plain")
 
     def do_POST(self) -> None:
         """Execute a command of the page."""
-        mission = self.server.mission
+        mission, path = self.server.mission, self._path()
         # A page from elsewhere can send JSON only after a CORS preflight, which this server rejects.
         is_json = self.headers.get("Content-Type") == "application/json"
-        if mission is None or self.path != "/command" or not is_json or self._is_foreign():
+        if (why := self._refusal(path)) or mission is None or path != "command" or not is_json:
             self.close_connection = True  # the body has not been read
-            why = _FOREIGN if self._is_foreign() else _NO_COMMAND
+            why = why or _NO_COMMAND
             self._reply(HTTPStatus.FORBIDDEN, msgspec.json.encode({"error": why}), "application/json")
             return
         length = self.headers.get("Content-Length", "")
@@ -88,18 +100,36 @@ class _Handler(BaseHTTPRequestHandler):
     def log_message(self, format: str, *args: Any) -> None:
         """Log nothing."""
 
+    def _path(self) -> str | None:
+        """Return the requested path below that of the page; None without the server's token."""
+        root, path = self.server.root.encode(), self.path.encode()
+        return path[len(root) :].decode() if secrets.compare_digest(path[: len(root)], root) else None
+
+    def _refusal(self, path: str | None) -> str:
+        """Return why a request is refused, or ""."""
+        if self._is_foreign():
+            return _FOREIGN
+        return _NO_TOKEN if path is None and self.server.root != "/" else ""
+
     def _is_foreign(self) -> bool:
         """Whether the request is for a name that leads here (DNS rebinding), or comes from another site's page.
 
         Not every browser sends `Sec-Fetch-Site`, and none sends `Origin` for its own address bar or a picture.
+        A server at all addresses has any name: its token keeps others out.
         """
-        host = self.headers.get("Host", "")
-        own_page = f"http://{host}"
+        host, own = self.headers.get("Host", ""), self.server.host
+        name, own_page = host.rpartition(":")[0].strip("[]"), f"http://{host}"
         return (
-            host.rpartition(":")[0] not in (HOST, "localhost")
+            (own not in _ALL_ADDRESSES and name != own and (own, name) != (HOST, "localhost"))
             or self.headers.get("Origin", own_page) != own_page
             or self.headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin")
         )
+
+    def _send_page(self, mission: ShownMission) -> None:
+        try:
+            self._reply(HTTPStatus.OK, mission.page().encode(), "text/html; charset=utf-8")
+        except ValueError as error:
+            self._reply(HTTPStatus.BAD_REQUEST, str(error).encode(), "text/plain")
 
     def _send_frames(self, mission: ShownMission) -> None:
         self.close_connection = True

@@ -77,6 +77,10 @@ class ShownMission:
         """Execute a command of a viewer. Raises: RobotTeamSimError, ValueError: it is not possible."""
         raise NotImplementedError
 
+    def page(self) -> str:
+        """Return the mission so far as a page, as `run --html` writes it. Raises: ValueError: not possible."""
+        raise ValueError("not possible: this mission is not recorded")
+
     def subscribe(self) -> Viewer:
         """Return a new viewer."""
         with self._changed:

@@ -72,9 +72,9 @@ def seek(page: Page, time_s: float) -> dict[str, Any]:
 
 
 @contextmanager
-def served(mission: LiveMission) -> Iterator[ViewServer]:
+def served(mission: LiveMission, host: str | None = None) -> Iterator[ViewServer]:
     """Serve the page of a live mission, which has been started."""
-    with ViewServer(0, live_page("hall"), mission) as server:
+    with ViewServer(0, live_page("hall"), mission, host) as server:
         thread = threading.Thread(target=server.serve_forever, kwargs={"poll_interval": 0.05})
         thread.start()
         yield server

@@ -6,6 +6,7 @@ import http.client
 import json
 import time
 from collections.abc import Callable, Iterator
+from pathlib import Path
 
 import pytest
 from playwright.sync_api import Browser
@@ -274,9 +275,52 @@ def test_page_of_another_origin_is_refused_in_one_line(server: ViewServer, origi
         assert error == text == "only for the viewer's own page, in a browser of this machine"
 
 
+_HOSTS = ["127.0.0.1", "0.0.0.0", *(["::1"] if Path("/proc/net/if_inet6").exists() else [])]
+
+
+@pytest.mark.parametrize("host", _HOSTS)
+def test_server_at_a_chosen_address_answers_only_requests_with_its_token(mission: LiveMission, host: str) -> None:
+    with served(mission, host) as server:
+        root, near = server.root, "::1" if host == "::1" else "127.0.0.1"
+        assert len(root) >= 24
+
+        def status_of(method: str, path: str, headers: dict[str, str]) -> int:
+            connection = http.client.HTTPConnection(near, server.server_address[1], timeout=_WAIT_S)
+            connection.request(method, path, '{"command": "step"}' if method == "POST" else None, headers)
+            answer = connection.getresponse()
+            text = answer.read().decode()
+            connection.close()
+            assert ("wrong or missing token" in text) == (answer.status == 403 and "Origin" not in headers)
+            return answer.status
+
+        json_type = {"Content-Type": "application/json"}
+        wrong = [root[:-2] + "/", root.swapcase(), root[:-1], "/", "/wrong/", f"/x{root}"]
+        found = {path: status_of("GET", path, {}) for path in (root, f"{root}page/main.js", f"{root}none", *wrong)}
+        assert found == {root: 200, f"{root}page/main.js": 200, f"{root}none": 404} | dict.fromkeys(wrong, 403)
+        for path in ("/page/main.js", "/frames", "/command"):
+            assert (path, status_of("GET", path, {})) == (path, 403)
+        paths = [f"{root}command", "/command", f"{wrong[0]}command"]
+        assert [status_of("POST", path, json_type) for path in paths] == [200, 403, 403]
+        assert status_of("POST", f"{root}command", json_type | {"Origin": "https://attacker.example"}) == 403
+    with served(mission, host) as again:
+        assert again.root != root
+
+
+def test_server_at_one_address_refuses_other_names(mission: LiveMission) -> None:
+    with served(mission, "127.0.0.1") as server:
+        for name, status in (("127.0.0.1", 200), ("localhost", 200), ("attacker.example", 403)):
+            connection = http.client.HTTPConnection(*server.server_address[:2], timeout=_WAIT_S)
+            connection.request("GET", server.root, headers={"Host": f"{name}:{server.server_address[1]}"})
+            assert (name, connection.getresponse().status) == (name, status)
+            connection.close()
+
+
 @pytest.mark.slow
-def test_live_page_follows_the_mission_and_sends_commands(browser: Browser, server: ViewServer) -> None:
-    with opened(browser, server.url) as page:
+@pytest.mark.parametrize("host", [None, "127.0.0.1"], ids=["default", "token"])
+def test_live_page_follows_the_mission_and_sends_commands(
+    browser: Browser, mission: LiveMission, host: str | None
+) -> None:
+    with served(mission, host) as server, opened(browser, server.url) as page:
         page.fill("#live-noise", "42")
         page.click("#live >> text=set")
         page.click("#step")

@@ -4,6 +4,7 @@ import { LiveControls, LiveMission } from "viewer/live";
 import { decodeMissions } from "viewer/mission";
 import { make } from "viewer/panel";
 import { Player } from "viewer/player";
+import { savePage, savePicture } from "viewer/saving";
 import { View } from "viewer/view";
 
 const NO_WEBGL = "This page needs WebGL 2, which this browser does not offer: turn on hardware acceleration, or use another browser.";
@@ -20,6 +21,7 @@ export async function start() {
       await new Promise((done) => requestAnimationFrame(done));
       player.views.forEach((view) => view.finish());
     }
+    offerFiles(player);
     document.body.dataset.ready = "true";
   } catch (error) {
     fail(`This page cannot be shown: ${error.message}`);
@@ -27,19 +29,30 @@ export async function start() {
   }
 }
 
+/** Let the buttons save a picture, and the mission as a page unless this page is a file of its own. */
+function offerFiles(player) {
+  const title = () => player.missions.map((mission) => mission.title).join(" and ");
+  const complain = (error) => fail(`This cannot be saved: ${error.message}`);
+  element("picture").addEventListener("click", () => savePicture(player, title()).catch(complain));
+  element("save").addEventListener("click", () =>
+    savePage(player.isLive ? "mission.html" : location.href, title()).catch(complain));
+  element("save").hidden = !location.protocol.startsWith("http");
+}
+
 function fail(text) {
   element("failure").hidden = false;
   element("failure").textContent = text;
 }
 
-function addView(mission, player, name, floor = () => false, door = () => false) {
+function addView(mission, player, name, live = {}) {
   const container = make("div", "", { className: "view" });
   element("views").append(container);
   const callbacks = {
     onDraw: () => player()?.draw(),
     onSelect: (selected, robot) => { selected.selected = robot; player()?.draw(); },
-    onDoor: door,
-    onFloor: floor,
+    onDoor: () => false,
+    onFloor: () => false,
+    ...live,
   };
   const view = new View(container, mission, callbacks);
   if (name) container.append(make("div", name, { className: "name" }));
@@ -91,14 +104,18 @@ async function startLive() {
   const mission = await LiveMission.connect();
   let player = null, controls = null;
   element("title").textContent = mission.title;
-  const view = addView(mission, () => player, "", (x, y) => controls.floor(x, y), (name) => controls.door(name));
+  const view = addView(mission, () => player, "", {
+    onFloor: (x, y) => controls.floor(x, y),
+    onDoor: (name) => controls.door(name),
+    onGoal: (robot, place) => controls.goal(robot, place),
+  });
   player = new Player([view]);
-  player.following = true;
+  player.seek(mission.end);
   player.follow(mission.status);
   controls = new LiveControls(element("live"), mission, player);
   mission.onupdate = () => {
     if (player.following) player.time = mission.end;
-    controls.refreshVictims();
+    controls.refresh();
     player.follow(mission.status);
     if (mission.status.error) controls.answer.textContent = mission.status.error;
     element("failure").hidden = true;

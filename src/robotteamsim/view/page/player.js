@@ -25,7 +25,7 @@ export class Player {
     this.dirty = true;
     this.panel = new Panel((time) => this.seek(time), views[0].mission.palette.curves);
     this._controls();
-    this._changed();
+    this.refresh();
     requestAnimationFrame((now) => this._tick(now, now));
   }
 
@@ -42,10 +42,14 @@ export class Player {
 
   draw() { this.dirty = true; }
 
+  /** Whether the page moves the time itself: in a recording, and in a live mission that has ended. */
+  get replays() { return !this.isLive || this.missions.every((mission) => mission.frames.at(-1).state === "ended"); }
+
   /** Show what a live mission reports about itself. */
   follow(status) {
-    this.playing = status.playing;
-    element("play").classList.toggle("playing", status.playing);
+    if (!this.replays || !this.replayed) this._setPlaying(status.playing && !this.replays);
+    this.replayed = this.replays;
+    this.speed = status.speed;
     const speeds = element("speed");
     if (![...speeds.options].some((option) => Number(option.value) === status.speed)) {
       speeds.add(new Option(`${status.speed}×`, status.speed));
@@ -54,15 +58,19 @@ export class Player {
   }
 
   toggle(playing = !this.playing) {
-    if (playing && !this.isLive && this.time >= this.end) this.time = this.start;
+    if (playing && this.replays && this.time >= this.end) this.seek(this.start);
+    this._setPlaying(playing);
+    if (!this.replays) this.onplay?.(playing);
+  }
+
+  _setPlaying(playing) {
     this.playing = playing;
     element("play").classList.toggle("playing", playing);
-    this.onplay?.(playing);
     this.dirty = true;
   }
 
   /** New frames or another mission: the range of time, curves and events have changed. */
-  _changed() {
+  refresh() {
     const slider = element("time");
     slider.min = this.start;
     slider.max = this.end;
@@ -77,24 +85,23 @@ export class Player {
     this.dirty = true;
   }
 
-  refresh() { this._changed(); }
-
   _eventColour(kind) {
     const path = EVENT_COLOURS[kind];
     return path ? path.split(".").reduce((part, key) => part[key], this.views[0].mission.palette) : this.views[0].mission.palette.event;
   }
 
   _tick(now, before) {
-    if (this.playing && !this.isLive) {
+    if (this.playing && this.replays) {
       this.time = Math.min(this.time + this.speed * Math.min((now - before) / 1000, 0.25), this.end);
       this.dirty = true;
       if (this.time >= this.end) this.toggle(false);
     }
-    if (this.dirty) this._show();
+    if (this.dirty) this.show();
     requestAnimationFrame((next) => this._tick(next, now));
   }
 
-  _show() {
+  /** Draw all views at the current time. */
+  show() {
     this.dirty = false;
     for (const view of this.views) view.show(Math.min(this.time, view.mission.end), this.shown);
     this.panel.show(this.views, this.start, this.time);
@@ -161,7 +168,8 @@ export class Player {
   }
 
   _key(event) {
-    if (["INPUT", "SELECT", "TEXTAREA", "BUTTON"].includes(event.target.tagName)) return;
+    if (["INPUT", "SELECT", "BUTTON"].includes(event.target.tagName)) return;
+    if (this.onkey?.(event)) return;
     if (event.key === " ") { event.preventDefault(); this.toggle(); }
     if (event.key === ".") this._step();
     if (event.key === "ArrowLeft") this.seek(this.time - 1);
@@ -169,7 +177,7 @@ export class Player {
   }
 
   _step() {
-    if (this.onstep) this.onstep(); else this.seek(this.time + 0.2);
+    if (this.onstep && !this.replays) this.onstep(); else this.seek(this.time + 0.2);
   }
 
   _each(action) {

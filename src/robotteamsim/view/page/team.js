@@ -9,7 +9,7 @@ import { Lines } from "viewer/lines";
 
 const TRAIL_S = 40, MOST_TRAILS = 60;
 const TRAIL_STEP_M = 0.15; // nearer points of a trail are left out
-const LINK_Z = 0.6, TRAIL_Z = 0.05;
+const LINK_Z = 0.6, TRAIL_Z = 0.05, CROSS_M = 0.4;
 const LEAST_SIZE = 0.0085; // of a robot's radius, as a share of its distance from the camera: far robots are enlarged
 const [STRONG_DBM, WEAK_DBM, ENDANGERED_DBM] = [-50, -70, -80];
 
@@ -42,7 +42,8 @@ export class Team {
     this.linkColours = new Map(); // by signal [dBm]
     this.trails = new Lines(0.75);
     this.trailColours = scene.robots.slice(0, MOST_TRAILS).map((robot) => new Color(robot.colour));
-    this.group.add(this.links.object, this.trails.object);
+    this.goals = new Lines(1);
+    this.group.add(this.links.object, this.trails.object, this.goals.object);
     this.areas = scene.areas.map((area) => this._area(area));
     this.objects = scene.objects.map((object) => this._object(object));
     this.ring = new Mesh(new RingGeometry(1.15, 1.5, 40), new MeshBasicMaterial({ side: DoubleSide }));
@@ -168,6 +169,20 @@ export class Team {
       });
     });
     this.trails.finish();
+  }
+
+  /** Draw lines to the goals of robots that are driven by hand, and crosses there. Args: goals: [x, y] or null, by id. */
+  showGoals(frame, goals) {
+    this.goals.clear();
+    for (const [robot, goal] of Object.entries(goals)) {
+      const pose = frame.poses[robot], colour = new Color(this.robots[robot].colour);
+      if (!pose || !goal) continue;
+      this.goals.add(pose, goal, LINK_Z, colour);
+      const [x, y] = goal, r = CROSS_M;
+      this.goals.add([x - r, y - r], [x + r, y + r], LINK_Z, colour);
+      this.goals.add([x - r, y + r], [x + r, y - r], LINK_Z, colour);
+    }
+    this.goals.finish();
   }
 
   /** Mark the selected robot; null: none. */

@@ -11,7 +11,7 @@ import { Layers } from "viewer/layers";
 import { People } from "viewer/people";
 import { Team, enlarged } from "viewer/team";
 
-const CLICK_PX = 5;
+const CLICK_PX = 5, FINGER_PX = 24;
 const TILT_RAD = 0.5; // from the vertical
 const FILLED = { x: 0.96, y: 0.93 }; // of the picture by a building that fits
 
@@ -19,7 +19,7 @@ export class View {
   selected = null;
   selectedVictim = null; // by name
 
-  /** Args: callbacks: onSelect(robot), onDoor(name), onFloor(x, y), onDraw(). */
+  /** Args: callbacks: onSelect(robot), onDoor(name), onFloor(x, y), onDraw(), and in a live mission onGoal(robot, [x, y]). */
   constructor(container, mission, callbacks) {
     Object.assign(this, { container, mission, callbacks });
     this.renderer = new WebGLRenderer({ antialias: true });
@@ -114,31 +114,76 @@ export class View {
   _listen() {
     const canvas = this.renderer.domElement;
     let down = null;
-    canvas.addEventListener("pointerdown", (event) => { down = [event.clientX, event.clientY]; });
+    const isFar = (event) => Math.hypot(event.clientX - down[0], event.clientY - down[1]) > CLICK_PX;
+    const end = () => {
+      down = this.drag = null;
+      this.controls.enabled = true;
+      this.callbacks.onDraw();
+    };
+    canvas.addEventListener("pointerdown", (event) => {
+      document.activeElement.blur(); // keys are for the mission
+      down = [event.clientX, event.clientY];
+      const { robot } = this.callbacks.onGoal && event.button === 0 ? this._hit(event) : {};
+      this.drag = robot === undefined ? null : { robot, goal: null };
+      this.controls.enabled = !this.drag;
+      if (this.drag) canvas.setPointerCapture(event.pointerId);
+    }, { capture: true }); // before the controls of the camera
+    canvas.addEventListener("pointermove", (event) => {
+      if (!this.drag || !isFar(event)) return;
+      this.drag.goal = this._floor(this._ray(event));
+      this.callbacks.onDraw();
+    });
     canvas.addEventListener("pointerup", (event) => {
       if (!down) return; // the drag began elsewhere
-      const far = Math.hypot(event.clientX - down[0], event.clientY - down[1]) > CLICK_PX;
-      down = null;
-      if (far) this.moved = true; else if (event.button === 0) this._click(event);
+      const { drag } = this, far = isFar(event);
+      end();
+      if (far && drag?.goal) this.callbacks.onGoal(drag.robot, drag.goal);
+      else if (far) this.moved ||= !drag;
+      else if (event.button === 0) this._click(event);
     });
+    canvas.addEventListener("pointercancel", end);
     canvas.addEventListener("wheel", () => { this.moved = true; }, { passive: true });
   }
 
-  _click(event) {
+  /** A ray from the eye through a place of the window. */
+  _ray(event) {
     const box = this.renderer.domElement.getBoundingClientRect();
     const place = new Vector2(
       2 * (event.clientX - box.left) / box.width - 1, 1 - 2 * (event.clientY - box.top) / box.height);
     const ray = new Raycaster();
     ray.setFromCamera(place, this.camera);
-    const robot = ray.intersectObjects(this.team.bodies)[0], person = this.people.hit(ray);
-    this.selectedVictim = person && !(robot?.distance < person.distance) ? this.frame.victims[person.victim]?.name ?? null : null;
-    if (this.selectedVictim) return this.callbacks.onSelect(this, null);
-    if (person?.robot !== undefined) return this.callbacks.onSelect(this, person.robot);
-    if (robot) return this.callbacks.onSelect(this, robot.object.userData.ids[robot.instanceId]);
+    return ray;
+  }
+
+  /** Where a ray meets the floor, [x, y], or null. */
+  _floor(ray) {
+    const place = ray.ray.intersectPlane(new Plane(new Vector3(0, 0, 1), 0), new Vector3());
+    return place && [place.x, place.y];
+  }
+
+  /** What is at a place of the window: {robot} or {victim}, an index of the frame, or {}. A finger need not be exact. */
+  _hit(event, ray = this._ray(event)) {
+    const body = ray.intersectObjects(this.team.bodies)[0], person = this.people.hit(ray);
+    if (person && !(body?.distance < person.distance)) return person;
+    if (body) return { robot: body.object.userData.ids[body.instanceId] };
+    if (event.pointerType !== "touch") return {};
+    const { left, top, width, height } = this.renderer.domElement.getBoundingClientRect();
+    const far = this.frame.poses.map((pose) => {
+      const at = pose && this._project([pose[0], pose[1], 0]);
+      return at ? Math.hypot(left + at[0] * width - event.clientX, top + at[1] * height - event.clientY) : Infinity;
+    });
+    const robot = far.indexOf(Math.min(...far));
+    return far[robot] < FINGER_PX ? { robot } : {};
+  }
+
+  _click(event) {
+    const ray = this._ray(event), floor = this._floor(ray);
+    if (floor && this.callbacks.onFloor(...floor)) return;
+    const { robot, victim } = this._hit(event, ray);
+    this.selectedVictim = this.frame.victims[victim]?.name ?? null;
+    if (victim !== undefined || robot !== undefined) return this.callbacks.onSelect(this, robot ?? null);
     const door = ray.intersectObjects(this.building.doors.map(({ leaf }) => leaf))[0];
     if (door && this.callbacks.onDoor(door.object.userData.door)) return;
-    const floor = ray.ray.intersectPlane(new Plane(new Vector3(0, 0, 1), 0), new Vector3());
-    if (floor && this.callbacks.onFloor(floor.x, floor.y)) return;
     this.callbacks.onSelect(this, null);
   }
 
@@ -151,6 +196,7 @@ export class View {
     this.people.show(frame, this.camera);
     this.hazards.show(this.mission, frame, shown);
     this.team.mark(frame, this.selected, this.camera);
+    this.team.showGoals(frame, { ...this.mission.status?.driven, ...(this.drag?.goal && { [this.drag.robot]: this.drag.goal }) });
     this.layers.show(this.mission, frame, shown, this.selected);
     this._follow(frame);
     this.renderer.render(this.scene, this.camera);
