@@ -16,8 +16,8 @@ for preset in ("zigbee", "wifi_5_ghz", "wifi_2_4_ghz", "lora_868_mhz"):
     scenario = load("isr_floor_0_sar", [f"radio.preset={preset}"])
     free = occupancy_grid(scenario.plan, CELL_M).cells == FREE
     rssi_dbm = RadioField(scenario.plan, scenario.radio).rssi_map_dbm(HALL_M, CELL_M).values[free]
-    # Yours: the shares at or above network.lost_below_dbm and network.endangered_below_dbm of the scenario.
-    linked, good = 0.0, 0.0
+    # Yours: not 0 dBm, but scenario.network.lost_below_dbm, and endangered_below_dbm for good links.
+    linked = good = np.mean(rssi_dbm >= 0.0)
     print(f"{preset}: {100 * linked:.0f} % linked, {100 * good:.0f} % with a good link")
     results += f"{100 * linked:.0f} {100 * good:.0f} "
 print("check:", sha256(results.encode()).hexdigest()[:8])

@@ -8,6 +8,6 @@ class WallFollower:
         pass
 
     def step(self, observation, inbox, task):
-        ranges_m = observation.robot.ranges_m  # from right to left
-        # Yours: rts.Decision(rts.Twist(forward [m/s], 0.0, turn to the left [rad/s])), depending on ranges_m.
+        # Yours: rts.Decision(rts.Twist(forward [m/s], 0.0, turn to the left [rad/s])), depending on
+        # observation.robot.ranges_m, which are from right to left.
         return rts.Decision()
