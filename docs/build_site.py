@@ -38,6 +38,7 @@ SECTIONS = {
     ),
     "How-to guides": (
         "own_building",
+        "python",
         "viewer",
         "experiments",
         "benchmark",
