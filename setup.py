@@ -8,6 +8,7 @@ setup(
         packages=find_packages("src"),
         package_dir={"": "src"},
         package_data={
+            "robotteamsim": ["py.typed"],
             "robotteamsim.analysis.benchmark": ["*.html"],
             "robotteamsim.analysis.report": ["*.html"],
             "robotteamsim.view": ["page/*"],

@@ -39,6 +39,7 @@ SECTIONS = {
     ),
     "How-to guides": (
         "own_building",
+        "python",
         "viewer",
         "experiments",
         "benchmark",
@@ -116,6 +117,7 @@ def write_sources(folder: Path) -> None:
     shutil.copytree(DOCS / "images", folder / "images")
     shutil.copytree(DOCS / "images", folder / "extra" / "images")
     shutil.copytree(DOCS / "exercises", folder / "exercises")
+    shutil.copytree(ROOT / "examples", folder / "examples")
     for place in (folder, folder / "extra"):
         shutil.copytree(ROOT / "study" / "report", place / "study" / "report")
     shutil.copy(ROOT / "study" / "README.md", folder / "study")

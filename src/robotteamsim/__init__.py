@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     from robotteamsim.scenario.plan import Grid
     from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
     from robotteamsim.setup import Setup
-    from robotteamsim.simulation import Result, Simulation, StepRecord
+    from robotteamsim.simulation import Observer, Result, Simulation, StepRecord
+    from robotteamsim.view.own_loop import LiveView
 
 # In a catkin devel space, the C++ module is in another folder; processes that Python spawns see this one first.
 __path__ = pkgutil.extend_path(__path__, __name__)
@@ -50,8 +51,10 @@ __all__ = [
     "FieldMap",
     "Grid",
     "KnownMap",
+    "LiveView",
     "Message",
     "Observation",
+    "Observer",
     "OdometryReading",
     "PathController",
     "PlanningGrid",
@@ -87,7 +90,8 @@ _MODULES = {
     "scenario.plan": ("Grid",),
     "sensing.readings": ("OdometryReading", "RobotReading", "VoiceReading"),
     "setup": ("Setup",),
-    "simulation": ("Result", "Simulation", "StepRecord"),
+    "simulation": ("Observer", "Result", "Simulation", "StepRecord"),
+    "view.own_loop": ("LiveView",),
 }
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 

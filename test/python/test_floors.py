@@ -34,6 +34,7 @@ FLOORS = (
     ("view",),
     ("nodes",),
     ("cli", "learning", "notebook", "ros", "ros2"),
+    ("__main__",),  # runs cli
 )
 FLOOR_OF = {part: floor for floor, parts in enumerate(FLOORS) for part in parts}
 

@@ -9,14 +9,14 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.progress import track
 
 from robotteamsim import scenario
 from robotteamsim.cli.output import OutputConsole, add_png_option, check_outputs
-from robotteamsim.cli.parser import UsageError, path_of, positive_number
+from robotteamsim.cli.parser import Parser, UsageError, path_of, positive_number
 from robotteamsim.recording.bag_paths import files_of
 from robotteamsim.recording.files import write_atomically
 from robotteamsim.wording import counted, printable
@@ -56,11 +56,9 @@ examples:
   robotteamsim analyse --join mission_0.bag mission_1.bag mission_2.bag"""
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to the parser."""
-    parser = commands.add_parser(
-        "analyse", help="summarise bags as tables and pictures", description=_DESCRIPTION, epilog=_EPILOG
-    )
+def add_to(parser: Parser) -> None:
+    """Describe the command to its parser."""
+    parser.description, parser.epilog = _DESCRIPTION, _EPILOG
     parser.add_argument(
         "bags", nargs="+", type=path_of, metavar="BAG", help="one or more bags; several are summarised in one table"
     )

@@ -20,7 +20,7 @@ from robotteamsim.campaign import protocol as protocols
 from robotteamsim.campaign.summary import UNLIMITED, aligned
 from robotteamsim.cli.campaign_command import add_worker_options, command_line, run_stored
 from robotteamsim.cli.parser import (
-    SCENARIO_HELP,
+    Parser,
     UsageError,
     folder_of,
     number,
@@ -29,6 +29,7 @@ from robotteamsim.cli.parser import (
     positive_whole_number,
     whole_number,
 )
+from robotteamsim.cli.shipped_names import SCENARIO_HELP
 from robotteamsim.scenario.controllers import is_policy_file
 from robotteamsim.wording import printable
 
@@ -68,9 +69,9 @@ examples:
   robotteamsim benchmark patrol --building cumberland.yaml --graph cumberland.graph --full --out DIR"""
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to the parser."""
-    parser = commands.add_parser("benchmark", help="compare controllers under one protocol", description=__doc__)
+def add_to(parser: Parser) -> None:
+    """Describe the command to its parser."""
+    parser.description = __doc__
     kinds = parser.add_subparsers(title="benchmarks", metavar="search|patrol", required=True)
     search = kinds.add_parser("search", help="searches for random victims", description=_SEARCH, epilog=_SEARCH_EPILOG)
     names = ", ".join(protocols.BUILDINGS)

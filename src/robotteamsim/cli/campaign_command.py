@@ -26,9 +26,10 @@ from robotteamsim.campaign.summary import (
     summarise,
     summary_table,
 )
-from robotteamsim.cli.parser import SCENARIO_HELP, address, number, path_of, positive_whole_number, whole_number
+from robotteamsim.cli.parser import Parser, address, number, path_of, positive_whole_number, whole_number
 from robotteamsim.cli.progress import CampaignProgress
 from robotteamsim.cli.run_command import add_code_option, add_set_option
+from robotteamsim.cli.shipped_names import SCENARIO_HELP
 from robotteamsim.wording import printable
 
 DEFAULT_TRIALS = 30
@@ -51,9 +52,9 @@ examples:
   robotteamsim campaign my.yaml --design design.yaml --out DIR --scheduler tcp://head:8786"""
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to the parser."""
-    parser = commands.add_parser("campaign", help="run many missions", description=_DESCRIPTION, epilog=_EPILOG)
+def add_to(parser: Parser) -> None:
+    """Describe the command to its parser."""
+    parser.description, parser.epilog = _DESCRIPTION, _EPILOG
     parser.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
     parser.add_argument("--out", type=path_of, required=True, metavar="DIR", help="folder of the campaign")
     parser.add_argument(

@@ -5,6 +5,8 @@ from __future__ import annotations
 import argparse
 import contextlib
 import errno
+import gc
+import importlib
 import logging
 import os
 import re
@@ -13,23 +15,9 @@ import traceback
 from collections.abc import Iterator, Sequence
 
 import robotteamsim
-from robotteamsim.cli import (
-    analyse_command,
-    benchmark_command,
-    campaign_command,
-    completion_command,
-    field_command,
-    new_command,
-    plan_command,
-    report_command,
-    run_command,
-    scenario_command,
-    view_command,
-)
-from robotteamsim.cli.foreign_files import foreign_file
 from robotteamsim.cli.interrupt import HungUp, Terminated, signals_raised
-from robotteamsim.cli.output import close_stdout, open_streams
 from robotteamsim.cli.parser import Parser, UsageError
+from robotteamsim.cli.streams import close_stdout, open_streams
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.extras import missing_extra
 from robotteamsim.wording import described, printable
@@ -42,6 +30,21 @@ EXIT_BROKEN_PIPE = 141
 EXIT_TERMINATED = 143
 
 _DEBUG = "--debug"
+
+_COMMANDS = {
+    "run": "run one mission",
+    "view": "watch a mission in the browser, or write it as one HTML file",
+    "campaign": "run many missions",
+    "report": "make a campaign's report",
+    "benchmark": "compare controllers under one protocol",
+    "analyse": "summarise bags as tables and pictures",
+    "scenario": "check, show or list scenarios",
+    "plan": "import, export or draw floor plans",
+    "field": "draw a radio or voice map",
+    "new": "write a scenario, controller or exercises to start from",
+    "completion": "print a script for completion in a shell",
+}
+"""What each command does, which its module <name>_command describes; imported on use, because that takes a while."""
 
 _EXAMPLES = """\
 examples:
@@ -81,8 +84,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except (Exception, KeyboardInterrupt) as error:
         if _DEBUG in words:
             traceback.print_exc()
-        foreign = foreign_file(words) if isinstance(error, RobotTeamSimError) else None
-        return _reported(raised[-1] if raised else UsageError(foreign) if foreign else error)
+        if isinstance(error, RobotTeamSimError) and not raised:
+            from robotteamsim.cli.foreign_files import foreign_file
+
+            foreign = foreign_file(words)
+            error = UsageError(foreign) if foreign else error
+        return _reported(raised[-1] if raised else error)
 
 
 @contextlib.contextmanager
@@ -113,10 +120,13 @@ def _run(words: list[str]) -> int:
         if not word.isascii() and re.search("[\ud800-\udfff]", word):  # what Python makes of other bytes
             raise UsageError(f"{word}: is not UTF-8; rename the file, or write the value in UTF-8")
     try:
-        options = make_parser().parse_args(words)
+        options = make_parser(words).parse_args(words)
     except SystemExit:
         sys.stdout.flush()  # of a help text, whose reader may be gone
         raise
+    if not gc.isenabled():
+        gc.freeze()  # what imports have made stays
+        gc.enable()
     status = options.command(options)
     sys.stdout.flush()
     return status or 0
@@ -158,8 +168,8 @@ def _reported(error: BaseException) -> int:
     return status
 
 
-def make_parser() -> argparse.ArgumentParser:
-    """Return the parser of all commands."""
+def make_parser(words: Sequence[str] = tuple(_COMMANDS)) -> argparse.ArgumentParser:
+    """Return the parser of all commands; only those among the words have their options."""
     parser = Parser(
         prog="robotteamsim",
         description="Simulate teams of mobile robots in search and rescue missions, and analyse the results.",
@@ -168,19 +178,9 @@ def make_parser() -> argparse.ArgumentParser:
     parser.add_argument("-V", "--version", action="version", version=f"robotteamsim {robotteamsim.__version__}")
     parser.add_argument(_DEBUG, action="store_true", help="print the traceback of an error")
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
-    for command in (
-        run_command,
-        view_command,
-        campaign_command,
-        report_command,
-        benchmark_command,
-        analyse_command,
-        scenario_command,
-        plan_command,
-        field_command,
-        new_command,
-    ):
-        command.add_to(commands)
-    completion_command.add_to(commands, make_parser)
+    for name, text in _COMMANDS.items():
+        command = commands.add_parser(name, help=text)
+        if name in words:
+            importlib.import_module(f"robotteamsim.cli.{name}_command").add_to(command)
     commands.add_parser("help", help="describe a command, such as `robotteamsim help run`")
     return parser

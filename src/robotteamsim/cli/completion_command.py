@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Callable
-from functools import partial
 from typing import Any
 
-from robotteamsim.cli.parser import COMPLETE_KEYS, COMPLETE_SCENARIOS, UsageError
+from robotteamsim.cli.parser import COMPLETE_KEYS, COMPLETE_SCENARIOS, Parser, UsageError
 from robotteamsim.scenario.problems import paths
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.shipped import scenario_names
@@ -21,17 +19,17 @@ examples:
   robotteamsim completion zsh > DIR/_robotteamsim      with DIR in $fpath"""
 
 
-def add_to(commands: Any, make_parser: Callable[[], argparse.ArgumentParser]) -> None:
-    """Add the command to the parser."""
-    parser = commands.add_parser(
-        "completion", help="print a script for completion in a shell", description=__doc__, epilog=_EPILOG
-    )
+def add_to(parser: Parser) -> None:
+    """Describe the command to its parser."""
+    parser.description, parser.epilog = __doc__, _EPILOG
     parser.add_argument("shell", choices=SHELLS, help="the shell")
-    parser.set_defaults(command=partial(run, make_parser))
+    parser.set_defaults(command=run)
 
 
-def run(make_parser: Callable[[], argparse.ArgumentParser], options: argparse.Namespace) -> None:
+def run(options: argparse.Namespace) -> None:
     """Print the script."""
+    from robotteamsim.cli.command_line import make_parser  # which imports this module
+
     try:
         import shtab
     except ModuleNotFoundError:

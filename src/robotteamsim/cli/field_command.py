@@ -6,14 +6,15 @@ import argparse
 import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
 from robotteamsim import scenario
 from robotteamsim.cli.output import add_png_option, check_outputs, save
-from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, number, path_of, point
+from robotteamsim.cli.parser import Parser, UsageError, number, path_of, point
 from robotteamsim.cli.run_command import add_set_option
+from robotteamsim.cli.shipped_names import SCENARIO_HELP
 from robotteamsim.errors import ScenarioError
 from robotteamsim.recording.files import atomically
 from robotteamsim.setup import resolve
@@ -58,9 +59,9 @@ examples:
   robotteamsim field voice garage_sar --at 29,4.5 --set voice.wall_loss_db=6 --png one.png --out one.npz"""
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to the parser."""
-    parser = commands.add_parser("field", help="draw a radio or voice map", description=__doc__)
+def add_to(parser: Parser) -> None:
+    """Describe the command to its parser."""
+    parser.description = __doc__
     kinds = parser.add_subparsers(title="maps", metavar="radio|voice", required=True)
 
     radio = kinds.add_parser(

@@ -1,17 +1,21 @@
 """Ctrl-C, SIGTERM, and SIGHUP of a closed terminal."""
 
+from __future__ import annotations
+
 import contextlib
 import signal
 import sys
 import threading
 from collections.abc import Iterator
 from types import FrameType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from robotteamsim.cli.output import leave_closed_terminal
+from robotteamsim.cli.streams import leave_closed_terminal
 from robotteamsim.ending import ending_signals
-from robotteamsim.setup import Setup
-from robotteamsim.simulation import Result, StepRecord
+
+if TYPE_CHECKING:
+    from robotteamsim.setup import Setup
+    from robotteamsim.simulation import Result, StepRecord
 
 
 class Terminated(KeyboardInterrupt):

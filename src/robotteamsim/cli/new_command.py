@@ -6,11 +6,10 @@ import re
 import shutil
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 import yaml
 
-from robotteamsim.cli.parser import UsageError
+from robotteamsim.cli.parser import Parser, UsageError
 from robotteamsim.recording.files import make_folder, write_atomically
 from robotteamsim.scenario.controllers import ALGORITHMS
 from robotteamsim.scenario.shipped import share_roots
@@ -56,14 +55,9 @@ _NEXT = {
 }
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to the parser."""
-    parser = commands.add_parser(
-        "new",
-        help="write a scenario, controller or exercises to start from",
-        description=__doc__,
-        epilog=_EPILOG,
-    )
+def add_to(parser: Parser) -> None:
+    """Describe the command to its parser."""
+    parser.description, parser.epilog = __doc__, _EPILOG
     parser.add_argument("kind", choices=tuple(_FILES), help="what to write")
     parser.add_argument(
         "name", metavar="NAME", nargs="?", help="lower-case letters, digits and _, such as my_house; default exercises"

@@ -1,10 +1,8 @@
-"""What commands write: to the standard streams, also closed, full, or in another encoding, and to pictures."""
+"""What commands write: tables, warnings, pictures and other files."""
 
 from __future__ import annotations
 
 import argparse
-import contextlib
-import io
 import os
 import sys
 from collections.abc import Collection, Iterable, Mapping, Sequence
@@ -28,48 +26,6 @@ class OutputConsole(Console):
     def on_broken_pipe(self) -> NoReturn:
         """Raises: BrokenPipeError."""
         raise BrokenPipeError
-
-
-def open_streams() -> None:
-    """Make stdout and stderr usable.
-
-    A closed one is replaced by /dev/null: print would otherwise write errors to stdout, and the next file to be opened
-    would take its number. One that another program has left without blocking waits for its reader again. Characters
-    that the encoding does not have are escaped.
-    """
-    for name, number in (("stdout", 1), ("stderr", 2)):
-        if getattr(sys, name) is None:
-            _open_null(number)
-            setattr(sys, name, os.fdopen(number, "w"))
-        if sys.platform != "win32":
-            with contextlib.suppress(OSError):  # a stream without a file
-                os.set_blocking(number, True)
-    if isinstance(sys.stdout, io.TextIOWrapper):
-        sys.stdout.reconfigure(errors="backslashreplace")
-
-
-def close_stdout() -> None:
-    """Discard what is left in the buffer of stdout; Python would otherwise report an error when it flushes at exit."""
-    try:
-        _open_null(sys.stdout.fileno())
-    except (OSError, ValueError):  # a stream without a file, as in tests
-        return
-
-
-def leave_closed_terminal() -> None:
-    """Discard what is written to a terminal that was closed; each write would be an error, and files stay open."""
-    for number in (1, 2):
-        try:
-            os.write(number, b"")
-        except OSError:
-            _open_null(number)
-
-
-def _open_null(number: int) -> None:
-    null = os.open(os.devnull, os.O_WRONLY)
-    if null != number:
-        os.dup2(null, number)
-        os.close(null)
 
 
 def add_png_option(parser: argparse.ArgumentParser, text: str = "the picture to write", required: bool = True) -> None:

@@ -11,16 +11,13 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from robotteamsim.errors import RobotTeamSimError
-from robotteamsim.scenario.shipped import map_names, scenario_names
 
-SCENARIO_HELP = f"a file, or a shipped scenario: {', '.join(scenario_names())}"
 COMPLETE_FILES = {"bash": "_shtab_compgen_files", "zsh": "_files", "tcsh": "f"}
 COMPLETE_SCENARIOS = {"bash": "_robotteamsim_scenarios", "zsh": "_files", "tcsh": "f"}
 COMPLETE_KEYS = {"bash": "_robotteamsim_keys"}
 """What shells complete, as shtab names it."""
 PICTURES = (".png", ".pdf", ".svg")
 """Kinds of pictures that commands write."""
-PLAN_HELP = f"a floor plan, a map_server yaml, or a shipped map: {', '.join(map_names())}"
 
 
 class UsageError(RobotTeamSimError):
@@ -39,7 +36,7 @@ class Parser(argparse.ArgumentParser):
         if choices := settings.get("choices"):
             settings["type"] = partial(self._one_of, choices, names[0])
         action = super().add_argument(*names, **settings)
-        if settings.get("help") == SCENARIO_HELP:
+        if settings.get("metavar") == "SCENARIO":
             action.complete = COMPLETE_SCENARIOS  # type: ignore[attr-defined]  # read by shtab
         elif settings.get("type") in (path_of, picture_of, folder_of):
             action.complete = COMPLETE_FILES  # type: ignore[attr-defined]

@@ -4,15 +4,15 @@ import argparse
 import math
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from robotteamsim import scenario
 from robotteamsim.cli import stage_commands
 from robotteamsim.cli.output import add_png_option, check_outputs, expect_new, save, warn
-from robotteamsim.cli.parser import PLAN_HELP, SCENARIO_HELP, UsageError, number, path_of, positive_number
+from robotteamsim.cli.parser import Parser, UsageError, number, path_of, positive_number
 from robotteamsim.cli.run_command import add_set_option
+from robotteamsim.cli.shipped_names import PLAN_HELP, SCENARIO_HELP
 from robotteamsim.map_import.paper import MOST_TURN_DEG
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
 from robotteamsim.scenario.door_places import without_misplaced_doors
@@ -80,9 +80,9 @@ _ROBOT_M = 0.2
 """Radius of the robot for which parts of the floor count as connected."""
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to the parser."""
-    parser = commands.add_parser("plan", help="import, export or draw floor plans", description=__doc__)
+def add_to(parser: Parser) -> None:
+    """Describe the command to its parser."""
+    parser.description = __doc__
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
 
     image = actions.add_parser(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from contextlib import AbstractContextManager
+from typing import TYPE_CHECKING
 
 from rich.console import Console
 from rich.progress import (
@@ -16,9 +17,10 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 
-from robotteamsim.campaign import Outcome
-from robotteamsim.setup import Setup
-from robotteamsim.simulation import Result, StepRecord
+if TYPE_CHECKING:
+    from robotteamsim.campaign import Outcome
+    from robotteamsim.setup import Setup
+    from robotteamsim.simulation import Result, StepRecord
 
 _REFRESH_S = 0.1
 _LINE_EVERY_S = 10.0

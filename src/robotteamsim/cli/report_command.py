@@ -6,10 +6,10 @@ import argparse
 import json
 import textwrap
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from robotteamsim.campaign import StoredCampaign, read_store
-from robotteamsim.cli.parser import path_of
+from robotteamsim.cli.parser import Parser, path_of
 from robotteamsim.cli.run_command import add_code_option
 from robotteamsim.errors import CampaignError
 from robotteamsim.recording.files import prepare_folder, remove_empty
@@ -32,9 +32,9 @@ examples:
   robotteamsim report garage_1 garage_2 garage_3 --out garage_report"""
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to the parser."""
-    parser = commands.add_parser("report", help="make a campaign's report", description=_DESCRIPTION, epilog=_EPILOG)
+def add_to(parser: Parser) -> None:
+    """Describe the command to its parser."""
+    parser.description, parser.epilog = _DESCRIPTION, _EPILOG
     parser.add_argument(
         "folders",
         type=path_of,

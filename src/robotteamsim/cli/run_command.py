@@ -4,25 +4,24 @@ import argparse
 import json
 import sys
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 
-from robotteamsim import scenario
+from robotteamsim import recording, scenario
 from robotteamsim.analysis.runs.tables import print_result
 from robotteamsim.cli.interrupt import InterruptBetweenSteps
 from robotteamsim.cli.output import OutputConsole, check_outputs
-from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, number, path_of, whole_number
+from robotteamsim.cli.parser import Parser, UsageError, number, path_of, whole_number
 from robotteamsim.cli.progress import ProgressBar, preparing
+from robotteamsim.cli.shipped_names import SCENARIO_HELP
 from robotteamsim.control import foreign_code
 from robotteamsim.errors import ScenarioError
 from robotteamsim.mission.events import failure_of
-from robotteamsim.recording import BagWriter, McapWriter, ResultWriter, TumWriter, result_summary
+from robotteamsim.recording import ResultWriter, TumWriter, result_summary
 from robotteamsim.recording.measures import Measures
 from robotteamsim.recording.results import FILE_NAME, EventList
 from robotteamsim.simulation import Observer, Simulation
 from robotteamsim.simulation.controllers import check_constructed
-from robotteamsim.view.html import PageWriter
 from robotteamsim.wording import counted, printable
 
 ALLOW_CODE = "--allow-code"
@@ -46,9 +45,9 @@ examples:
   robotteamsim run garage_sar --json | jq .trajectory_hash"""
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to the parser."""
-    parser = commands.add_parser("run", help="run one mission", description=_DESCRIPTION, epilog=_EPILOG)
+def add_to(parser: Parser) -> None:
+    """Describe the command to its parser."""
+    parser.description, parser.epilog = _DESCRIPTION, _EPILOG
     parser.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
     add_scenario_options(parser)
     parser.add_argument("--out", type=path_of, metavar="DIR", help="write mission.json and trajectories to this folder")
@@ -112,6 +111,8 @@ def run(options: argparse.Namespace) -> int:
     events, measures = EventList(), Measures()
     observers: list[Observer] = [events, measures, *_recorders(options)]
     if options.html:
+        from robotteamsim.view.html import PageWriter
+
         observers.append(PageWriter(options.html, simulation))
     if not options.quiet:
         observers.append(ProgressBar(console))
@@ -167,8 +168,8 @@ def load_scenario(options: argparse.Namespace, name: str) -> scenario.Scenario:
 
 
 def _recorders(options: argparse.Namespace) -> list[Observer]:
-    recorders: list[Observer] = [BagWriter(options.bag)] if options.bag else []
-    recorders += [McapWriter(options.mcap)] if options.mcap else []
+    recorders: list[Observer] = [recording.BagWriter(options.bag)] if options.bag else []
+    recorders += [recording.McapWriter(options.mcap)] if options.mcap else []
     if options.out:
         # mission.json is written last: if it exists, the rest is complete.
         recorders += [TumWriter(options.out / TRAJECTORIES), ResultWriter(options.out)]

@@ -6,14 +6,15 @@ import json
 import os
 from itertools import takewhile
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ruamel.yaml.error import YAMLError
 
 from robotteamsim import scenario
 from robotteamsim.cli.output import add_png_option, check_outputs, mistakes_of, report_mistakes, save
-from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of
+from robotteamsim.cli.parser import Parser, UsageError, path_of
 from robotteamsim.cli.run_command import add_code_option, add_set_option, check_code
+from robotteamsim.cli.shipped_names import SCENARIO_HELP
 from robotteamsim.control.baselines.patrol_graph import patrol_graph
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.recording.files import atomically, write_atomically
@@ -32,9 +33,9 @@ With an editor's YAML extension, this first line enables completion and checks:
   # yaml-language-server: $schema=scenario.schema.json"""
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to the parser."""
-    parser = commands.add_parser("scenario", help="check, show or list scenarios", description=__doc__)
+def add_to(parser: Parser) -> None:
+    """Describe the command to its parser."""
+    parser.description = __doc__
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
 
     check = actions.add_parser("check", help="report all mistakes in scenarios")

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 from robotteamsim import scenario
 from robotteamsim.cli.output import check_outputs
-from robotteamsim.cli.parser import SCENARIO_HELP, UsageError, path_of, positive_number, whole_number
+from robotteamsim.cli.parser import Parser, UsageError, path_of, positive_number, whole_number
 from robotteamsim.cli.run_command import TRAJECTORIES, add_scenario_options, check_code, load_scenario
+from robotteamsim.cli.shipped_names import SCENARIO_HELP
 from robotteamsim.recording.bag_paths import files_of, is_bag
 from robotteamsim.recording.files import write_atomically
 from robotteamsim.recording.results import FILE_NAME, read_mission
@@ -36,12 +37,9 @@ examples:
   robotteamsim view one.bag --compare two.bag --html both.html"""
 
 
-def add_to(commands: Any) -> None:
-    """Add the command to the parser."""
-    parser = commands.add_parser(
-        "view", help="watch a mission in the browser, or write it as one HTML file", description=_DESCRIPTION,
-        epilog=_EPILOG,
-    )  # fmt: skip
+def add_to(parser: Parser) -> None:
+    """Describe the command to its parser."""
+    parser.description, parser.epilog = _DESCRIPTION, _EPILOG
     parser.add_argument("target", metavar="TARGET", help=f"a bag, a folder of `run --out`, or {SCENARIO_HELP}")
     add_scenario_options(parser)
     parser.add_argument("--html", type=path_of, metavar="FILE", help="write one self-contained page instead")

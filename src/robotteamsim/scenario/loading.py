@@ -15,7 +15,6 @@ from robotteamsim.scenario.base import Model
 from robotteamsim.scenario.controllers import is_policy_file
 from robotteamsim.scenario.door_places import misplaced_doors
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.map_image import import_map
 from robotteamsim.scenario.origin import Key, Origin
 from robotteamsim.scenario.overrides import Override, drop_foreign_keys
 from robotteamsim.scenario.patrol import read_patrol_graph
@@ -190,6 +189,8 @@ def _read_plan(path: Path, place: str) -> tuple[FloorPlan, tuple[Path, ...]]:
     if "plan" in data and not _is_plan(data):
         raise ScenarioError(f"{place}: this is a scenario, not a floor plan; its key 'plan' names its floor plan")
     if "image" in data:
+        from robotteamsim.scenario.map_image import import_map  # late: few plans are images, and it imports much
+
         return import_map(path), (path, path.parent / str(data["image"]))
     plan = _validated(FloorPlan, data, Origin(place))
     _check_doors(plan, "", Origin(place))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, PrivateAttr, Tag, model_validator
@@ -20,6 +21,7 @@ from robotteamsim.scenario.radio_presets import with_preset
 from robotteamsim.scenario.rescue import CommandCentre, Relays
 from robotteamsim.scenario.schedule import ScheduledEvent, check_schedule
 from robotteamsim.scenario.sections import Mission, Network, PlacedRobot, Radio, Run, Team, Voice
+from robotteamsim.wording import counted
 
 MAX_ROBOTS = 3000
 MAX_OBJECTS = 1000
@@ -309,6 +311,18 @@ class Scenario(Model):
     def origin(self) -> Origin:
         """Its source, which errors found later name."""
         return self._origin
+
+    def __repr__(self) -> str:
+        team, mission = counted(self.num_robots, "robot"), self.mission
+        people = f"{counted(len(mission.areas), 'area')}, {counted(self.num_victims, 'victim')}"
+        return f"<Scenario {self.name}: {team}, {people}, plan {self.plan.name}, seed {self.run.seed}>"
+
+    def _repr_html_(self) -> str:
+        """Return the text of `robotteamsim scenario show`, folded, for notebooks."""
+        from robotteamsim.scenario.loading import dump
+
+        summary, text = html.escape(repr(self)), html.escape(dump(self))
+        return f"<details><summary>{summary}</summary><pre>{text}</pre></details>"
 
     def read_from(self, origin: Origin, plan_file: str | None) -> Scenario:
         """Return this scenario with its source and the file of its plan; None if it has no such file."""

@@ -84,6 +84,12 @@ class StepRecord(msgspec.Struct, frozen=True, kw_only=True, eq=False):
         """Stamp of the step [s]."""
         return self.sim_time_ns / 1e9
 
+    def __repr__(self) -> str:
+        mission = self.mission
+        saved = f"{mission.victims_saved} of {len(self.victims)} victims saved"
+        areas = f"{mission.areas_explored} of {len(mission.explored)} areas explored"
+        return f"<StepRecord {self.step_index}: {self.sim_time_s:g} s, {mission.state}, {areas}, {saved}>"
+
 
 class RobotTotals(msgspec.Struct, frozen=True):
     """Totals of one robot over a trial.

@@ -188,13 +188,6 @@ def test_wrong_value_in_a_design_file_is_named_with_the_file(refusal, tmp_path):
 
 
 @pytest.mark.slow
-def test_other_commands_do_not_wait_for_dask():
-    late = "{'dask', 'distributed', 'scipy.stats'}"
-    code = f"import sys, robotteamsim.cli.command_line; assert not {late} & set(sys.modules)"
-    subprocess.run([sys.executable, "-c", code], check=True)
-
-
-@pytest.mark.slow
 def test_interrupted_campaign_completes_later(tmp_path):
     command = [sys.executable, "-m", "robotteamsim.cli", "campaign", "garage_sar", *NOISE]
     command += ["--trials", "20", "--workers", "2", "--set", "mission.time_limit_s=20", "--quiet", "--out"]

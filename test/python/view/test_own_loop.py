@@ -1,0 +1,97 @@
+"""A program's own loop on a page: each step is shown, the page can pause it, and the file plays it."""
+
+from __future__ import annotations
+
+import json
+import threading
+import urllib.error
+import urllib.request
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+import robotteamsim as rts
+from robotteamsim.recording import BagWriter
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.scenario.sections import Mission
+from robotteamsim.view.live import Pause, SetLayers, SetNoise, SetSpeed, Step
+from robotteamsim.view.recorder import record_mission
+from robotteamsim.view.shown import MOST_SPEED
+
+
+@pytest.fixture
+def short(hall_scenario: Callable[..., Scenario]) -> Scenario:
+    return hall_scenario(mission=Mission(time_limit_s=2.0))
+
+
+def test_a_loop_without_commands_is_the_same_mission_as_run(short: Scenario, tmp_path: Path) -> None:
+    recording, result = record_mission(short)
+    with rts.LiveView(rts.Simulation(short), speed=MOST_SPEED, browser=False) as view:
+        while view.step().mission.state != "ended":
+            pass
+    assert view.result is not None
+    assert view.result.trajectory_hash == result.trajectory_hash
+    view.save(tmp_path / "loop.html")
+    assert (tmp_path / "loop.html").stat().st_size > 100_000
+    assert recording.title in (tmp_path / "loop.html").read_text(encoding="utf-8")
+
+
+def test_page_receives_the_scene_and_then_the_frames_and_the_end(short: Scenario) -> None:
+    with rts.LiveView(rts.Simulation(short), speed=MOST_SPEED, browser=False) as view:
+        viewer = view.subscribe()
+        view.step()
+        first = view.take(viewer, 1.0)
+        assert first is not None
+        assert first.restarted
+        assert len(first.scene.robots) == 2
+        while view.step().mission.state != "ended":
+            pass
+        last = view.take(viewer, 1.0)
+        assert last is not None
+        assert last.frames[-1].state == "ended"
+        with urllib.request.urlopen(view.url, timeout=10.0) as page:
+            assert b"<html" in page.read()
+
+
+def test_page_pauses_the_program_and_lets_it_make_one_step(short: Scenario) -> None:
+    simulation = rts.Simulation(short)
+    with rts.LiveView(simulation, browser=False) as view:
+        view.execute(Pause())
+        made = threading.Event()
+        thread = threading.Thread(target=lambda: (view.step(), made.set()))
+        thread.start()
+        view.execute(SetSpeed(MOST_SPEED))
+        view.execute(SetLayers(1, ["laser"]))
+        assert not made.wait(0.2)
+        view.execute(Step())
+        assert made.wait(10.0)
+        thread.join()
+        assert simulation.world.step_index == 1
+
+
+def test_page_may_not_change_what_the_program_changes(short: Scenario) -> None:
+    with rts.LiveView(rts.Simulation(short), browser=False) as view:
+        view.step()
+        body = json.dumps({"command": "set_noise", "noise_db": 20.0}).encode()
+        request = urllib.request.Request(f"{view.url}command", body, {"Content-Type": "application/json"})
+        with pytest.raises(urllib.error.HTTPError) as refused:
+            urllib.request.urlopen(request, timeout=10.0)
+        with refused.value as answer:
+            assert "only it changes doors, noise, victims and seed" in json.loads(answer.read())["error"]
+        with pytest.raises(ValueError, match="a program steps this mission"):
+            view.execute(SetNoise(20.0))
+
+
+def test_a_loop_that_is_left_early_closes_its_bag(short: Scenario, tmp_path: Path) -> None:
+    bag = tmp_path / "loop.bag"
+    with rts.LiveView(rts.Simulation(short), speed=MOST_SPEED, observers=[BagWriter(bag)], browser=False) as view:
+        view.step()
+    assert view.result is None
+    assert [path.name for path in tmp_path.iterdir()] == ["loop.bag"]
+
+
+@pytest.mark.parametrize("speed", [0.0, float("nan"), float("inf"), -1.0])
+def test_a_speed_out_of_range_is_refused(short: Scenario, speed: float) -> None:
+    with pytest.raises(ValueError, match=r"^speed: .*; expected 0\.001 to 1000$"):
+        rts.LiveView(rts.Simulation(short), speed=speed, browser=False)
