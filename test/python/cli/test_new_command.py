@@ -29,6 +29,11 @@ def test_new_scenario_is_a_mission_that_ends_well(capsys):
         "house_plan.yaml",
         "next: robotteamsim run house.yaml",
     ]
+    with pytest.raises(SystemExit):
+        main(["scenario", "schema", "--help"])
+    first, *_ = Path("house.yaml").read_text().splitlines()
+    assert first.startswith("# yaml-language-server: $schema=")
+    assert capsys.readouterr().out.endswith(f"{first}\n")
     loaded = load("house.yaml")
     assert (loaded.name, loaded.plan.name) == ("house", "house")
     result = Simulation(loaded).run()
