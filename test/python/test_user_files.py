@@ -58,7 +58,7 @@ _READERS = {
     "recording/bag_file.py": "bag (ROS 1, MCAP, SQLite",
     "recording/bag_reader.py": "bag (ROS 1, MCAP, SQLite",
     "recording/bag_writer.py": "bag (ROS 1, MCAP, SQLite",  # what an earlier program has left
-    "recording/mcap_writer.py": "bag (ROS 1, MCAP, SQLite",
+    "recording/ros_recorder.py": "bag (ROS 1, MCAP, SQLite",
     "recording/results.py": "`mission.json`",
     "scenario/dxf_content.py": "drawing (DXF)",
     "scenario/patrol.py": "patrol graph",
