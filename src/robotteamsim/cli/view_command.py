@@ -53,7 +53,8 @@ def add_to(parser: Parser) -> None:
     )
     parser.add_argument(
         "--host", metavar="ADDRESS",
-        help="listen at this address of the machine, for all browsers that know the secret address; default 127.0.0.1",
+        help="listen at this address of the machine; browsers need the printed one, which contains a secret; default "
+        "127.0.0.1",
     )  # fmt: skip
     parser.add_argument("--port", type=whole_number, default=0, metavar="N", help="of the address; default: a free one")
     parser.add_argument("--no-browser", action="store_true", help="print the address, and open no browser")
@@ -84,6 +85,8 @@ def _check(options: argparse.Namespace, targets: list[str]) -> None:
         raise UsageError(f"--port {options.port} is outside 0 to 65535")
     if not LEAST_SPEED <= options.speed <= MOST_SPEED:
         raise UsageError(f"--speed {options.speed:g} is outside {LEAST_SPEED:g} to {MOST_SPEED:g}")
+    if options.host == "" or (options.host and options.html):
+        raise UsageError(f"--host {options.host or repr('')}: expected an address, and no --html, which serves nothing")
     for option, value in (("--scenario", options.scenario), ("--odometry", ", ".join(options.odometry))):
         if value and not any(map(is_bag, targets)):
             raise UsageError(f"{option} {value}: only allowed for bags; got {', '.join(targets)}")
@@ -131,9 +134,9 @@ def _serve(options: argparse.Namespace, make: Any) -> None:
     """Serve until Ctrl-C. Raises: UsageError: the port is in use, or no such address. KeyboardInterrupt: the end."""
     try:
         server: ViewServer = make()
-    except OSError as error:
+    except (OSError, TypeError) as error:
         place = f"--host {options.host}, --port" if options.host else "--port"
-        raise UsageError(f"{place} {options.port}: {error.strerror or error}") from None
+        raise UsageError(f"{place} {options.port}: {getattr(error, 'strerror', None) or error}") from None
     with server:
         print(f"{server.url}  (Ctrl-C ends it)", flush=True)
         if not options.no_browser and not webbrowser.open(server.url):

@@ -8,20 +8,18 @@ import time
 
 from robotteamsim.simulation import Simulation, StepRecord
 from robotteamsim.view.html import live_page
-from robotteamsim.view.live import AnyCommand, Pause, Play, SetLayers, SetSpeed, Step
+from robotteamsim.view.recorder import FrameRecorder
 from robotteamsim.view.server import ViewServer
-from robotteamsim.view.shown import ShownMission
+from robotteamsim.view.shown import FRAME_WALL_S
+from robotteamsim.view.stepped import SteppedMission
 
 _logger = logging.getLogger(__name__)
 
 SPEED = 10.0
 """Simulated over wall time while somebody watches; the page changes it."""
 
-_FRAME_WALL_S = 1.0 / 15.0
-"""Least time between frames within a step of the environment [s]."""
 
-
-class Window(ShownMission):
+class Window(SteppedMission):
     """Shows missions at an address of this machine, which is logged once, and so printed.
 
     While nobody watches, the environment does not wait. Pause, step and speed of the page make it wait.
@@ -29,11 +27,10 @@ class Window(ShownMission):
 
     def __init__(self, title: str) -> None:
         """Open nothing yet. Args: title: of the page."""
-        super().__init__(speed=SPEED, playing=True)
+        super().__init__(speed=SPEED)
         self._title = title
         self._server: ViewServer | None = None
         self._stepped: Simulation | None = None
-        self._is_one_step = False
         self._frame_s = self._due_s = 0.0
 
     def note(self, simulation: Simulation, record: StepRecord) -> None:
@@ -43,8 +40,8 @@ class Window(ShownMission):
                 self._note(record)
             else:
                 self._stepped, self._frame_s = simulation, 0.0
-                self._begin_with(simulation, record)
-            if not self._playing or time.perf_counter() - self._frame_s > _FRAME_WALL_S:
+                self._begin_with(FrameRecorder(simulation), record)
+            if not self._playing or time.perf_counter() - self._frame_s > FRAME_WALL_S:
                 self._show()
             self._wait(simulation.scenario.run.step_s)
         if self._server is None:
@@ -54,26 +51,6 @@ class Window(ShownMission):
         """Show the last step, after a step of the environment."""
         with self._changed:
             self._show()
-
-    def execute(self, command: AnyCommand) -> None:
-        """Let the environment wait or go on. Raises: ValueError: it alone decides about the rest."""
-        with self._changed:
-            match command:
-                case Play():
-                    self._playing = True
-                case Pause():
-                    self._playing = False
-                case Step():
-                    self._playing, self._is_one_step = False, True
-                case SetSpeed(speed):
-                    self._speed = speed
-                case SetLayers(number, layers):
-                    self._set_layers(number, layers)
-                case _:
-                    raise ValueError("not possible: an environment steps this mission")
-            # No new frame, because the environment may be within a step.
-            self._version += 1
-            self._changed.notify_all()
 
     def close(self) -> None:
         """End the page."""

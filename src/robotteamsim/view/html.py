@@ -52,15 +52,15 @@ def live_page(title: str) -> str:
     return _page(title, modules, "")
 
 
-def size_problem(setup: Setup) -> str:
+def size_problem(setup: Setup, most_links: int = MOST_LINKS) -> str:
     """Return why a page of a mission would be too large, or ""."""
     robots, limit_s = len(setup.robots), setup.scenario.mission.time_limit_s
     links = robots * (robots - 1) / 2 * limit_s / FRAME_S
-    if links <= MOST_LINKS:
+    if links <= most_links:
         return ""
     text = f"a page of {robots} robots for {limit_s:g} s has up to {links / 1e6:,.0f} million links in all frames"
     keys = "fewer robots (robots.count) or less time (mission.time_limit_s)"
-    return f"{text}; expected at most {MOST_LINKS // 10**6} million, with {keys}"
+    return f"{text}; expected at most {most_links // 10**6} million, with {keys}"
 
 
 class PageWriter(FrameRecorder):

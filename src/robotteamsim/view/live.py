@@ -15,15 +15,11 @@ from robotteamsim.geometry import Pose
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.simulation import Simulation
 from robotteamsim.view.driven import DrivenRobots
-from robotteamsim.view.html import mission_page, size_problem
 from robotteamsim.view.recorder import FrameRecorder
-from robotteamsim.view.shown import LEAST_SPEED, MOST_SPEED, ShownMission
+from robotteamsim.view.shown import FRAME_WALL_S, LEAST_SPEED, MOST_SPEED, ShownMission
 from robotteamsim.wording import described
 
 logger = logging.getLogger(__name__)
-
-_FRAME_WALL_S = 1.0 / 15.0
-"""Least time between frames that are sent [s]."""
 
 _BREAK_S = 1e-4
 """Least time between the steps of two frames, in which commands are executed [s]."""
@@ -127,8 +123,6 @@ class LiveMission(ShownMission):
 
         Raises: RobotTeamSimError: the scenario cannot be simulated.  ValueError: the speed is out of range.
         """
-        if not LEAST_SPEED <= speed <= MOST_SPEED:
-            raise ValueError(f"speed: {speed:g}; expected {LEAST_SPEED:g} to {MOST_SPEED:g}")
         super().__init__(speed=speed, playing=playing)
         self._load = load
         self._due_s = 0.0
@@ -165,25 +159,14 @@ class LiveMission(ShownMission):
     def _begin(self, seed: int | None) -> None:
         simulation = Simulation(self._load(seed))
         simulation.mission.start()
-        problem = size_problem(simulation.setup)
-        recorder = None if problem else FrameRecorder(simulation)
+        recorder = FrameRecorder(simulation)
         record = self._stepper.submit(simulation.step).result()
-        if recorder is not None:
-            recorder.step(record)
-        self._begin_with(simulation, record)
-        self._driven, self._recorder, self._too_large = DrivenRobots(simulation), recorder, problem
-        self._error = ""
+        self._begin_with(recorder, record)
+        self._driven, self._error = DrivenRobots(simulation), ""
         self._publish()
 
-    def page(self) -> str:
-        """See `ShownMission.page`."""
-        with self._changed:  # the mission waits meanwhile
-            if self._recorder is None:
-                raise ValueError(self._too_large)
-            return mission_page([self._recorder.recording], self._recorder.recording.title)
-
     def _status(self) -> dict[str, Any]:
-        return super()._status() | {"driven": self._driven.goals}
+        return super()._status() | {"driven": dict(self._driven.goals)}
 
     def _is_running(self) -> bool:
         return self._playing and self._num_viewers > 0 and self._record.mission.state != "ended"
@@ -213,7 +196,7 @@ class LiveMission(ShownMission):
                 begin_s = time.perf_counter()
                 if begin_s < wanted_s:  # a command was executed
                     continue
-                frame_s = begin_s + _FRAME_WALL_S
+                frame_s = begin_s + FRAME_WALL_S
                 while self._is_running() and self._due_s <= time.perf_counter() < frame_s:
                     self._due_s += self._simulation.scenario.run.step_s / self._speed
                     try:
@@ -250,7 +233,7 @@ class LiveMission(ShownMission):
             case Drive(robot, forward, turn):
                 self._driven.drive(robot, forward, turn)
             case SetGoal(robot, position_m):
-                self._driven.go(robot, position_m)
+                self._driven.set_goal(robot, position_m)
             case Release(robot):
                 self._driven.release(robot)
             case SetLayers(number, layers):
@@ -262,7 +245,4 @@ class LiveMission(ShownMission):
     def _step(self) -> None:
         if self._record.mission.state != "ended":
             self._driven.command(self._record)
-            record = self._stepper.submit(self._simulation.step).result()
-            self._note(record)
-            if self._recorder is not None:
-                self._recorder.step(record)
+            self._note(self._stepper.submit(self._simulation.step).result())

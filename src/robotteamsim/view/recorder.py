@@ -45,8 +45,8 @@ class FrameRecorder(Observer):
     """Observes a simulation and keeps its frames in `recording`."""
 
     def __init__(self, simulation: Simulation) -> None:
-        self._simulation = simulation
-        self._coverage = RadioCoverage(simulation.scenario)
+        self.simulation = simulation
+        self.coverage = RadioCoverage(simulation.scenario)
         scenario = simulation.scenario
         self._every = max(round(FRAME_S / scenario.run.step_s), 1)
         self._every_scan = max(round(SCAN_S / scenario.run.step_s / self._every), 1) * self._every
@@ -70,10 +70,10 @@ class FrameRecorder(Observer):
         if index % self._every and record.mission.state != "ended":
             return
         with_scans = self._has_scans and index % self._every_scan == 0
-        frame = frame_of(record, self._simulation, with_scans=with_scans, fallen=self._fallen)
+        frame = frame_of(record, self.simulation, with_scans=with_scans, fallen=self._fallen)
         found.frames.append(frame)
         if index % self._every_radio == 0:
-            found.radio += self._coverage.at(frame)
+            found.radio += self.coverage.at(frame)
 
 
 class RadioCoverage:

@@ -20,8 +20,7 @@ _MAX_COMMAND_BYTES = 10_000
 _SCRIPTS = {f"page/{name}.js": PAGE / f"{name}.js" for name in (*MODULES, "three.min")}
 _COMMANDS: msgspec.json.Decoder[AnyCommand] = msgspec.json.Decoder(AnyCommand)
 _KEEP_ALIVE_S = 5.0
-_FOREIGN = "only for the viewer's own page, in a browser of this machine"
-_NO_TOKEN = "wrong or missing token: open the whole address that `robotteamsim view` has printed"
+_REFUSED = "only for the viewer's own page: open the whole address that was printed"
 _ALL_ADDRESSES = ("0.0.0.0", "::")
 _NO_COMMAND = "not a command of the page of a live mission"
 
@@ -60,13 +59,17 @@ class _Handler(BaseHTTPRequestHandler):
     server_version = "robotteamsim"
     timeout = 30.0
     """A browser that stops within a request is left [s]."""
-    _HEADERS: ClassVar = {"Cache-Control": "no-store", "X-Content-Type-Options": "nosniff"}
+    _HEADERS: ClassVar = {
+        "Cache-Control": "no-store",
+        "Referrer-Policy": "same-origin",
+        "X-Content-Type-Options": "nosniff",
+    }
 
     def do_GET(self) -> None:
         """Answer a request for the page, one of its scripts, or the frames."""
         path = self._path()
-        if why := self._refusal(path):
-            self._reply(HTTPStatus.FORBIDDEN, why.encode(), "text/plain")
+        if path is None:
+            self._reply(HTTPStatus.FORBIDDEN, _REFUSED.encode(), "text/plain")
         elif path == "":
             self._reply(HTTPStatus.OK, self.server.page, "text/html; charset=utf-8")
         elif path in _SCRIPTS:
@@ -83,13 +86,13 @@ class _Handler(BaseHTTPRequestHandler):
         mission, path = self.server.mission, self._path()
         # A page from elsewhere can send JSON only after a CORS preflight, which this server rejects.
         is_json = self.headers.get("Content-Type") == "application/json"
-        if (why := self._refusal(path)) or mission is None or path != "command" or not is_json:
+        if mission is None or path != "command" or not is_json:
             self.close_connection = True  # the body has not been read
-            why = why or _NO_COMMAND
+            why = _REFUSED if path is None else _NO_COMMAND
             self._reply(HTTPStatus.FORBIDDEN, msgspec.json.encode({"error": why}), "application/json")
             return
         length = self.headers.get("Content-Length", "")
-        if not length.isdecimal() or int(length) > _MAX_COMMAND_BYTES:
+        if not length.isdecimal() or len(length) > 5 or int(length) > _MAX_COMMAND_BYTES:
             self.close_connection = True
             self._reply(HTTPStatus.BAD_REQUEST, b'{"error": "the command is too long"}', "application/json")
             return
@@ -101,29 +104,20 @@ class _Handler(BaseHTTPRequestHandler):
         """Log nothing."""
 
     def _path(self) -> str | None:
-        """Return the requested path below that of the page; None without the server's token."""
-        root, path = self.server.root.encode(), self.path.encode()
-        return path[len(root) :].decode() if secrets.compare_digest(path[: len(root)], root) else None
+        """Return the requested path below that of the page; None if the request is refused.
 
-    def _refusal(self, path: str | None) -> str:
-        """Return why a request is refused, or ""."""
-        if self._is_foreign():
-            return _FOREIGN
-        return _NO_TOKEN if path is None and self.server.root != "/" else ""
-
-    def _is_foreign(self) -> bool:
-        """Whether the request is for a name that leads here (DNS rebinding), or comes from another site's page.
-
-        Not every browser sends `Sec-Fetch-Site`, and none sends `Origin` for its own address bar or a picture.
-        A server at all addresses has any name: its token keeps others out.
+        Pages of other sites are refused and, without a token, names that lead here (DNS rebinding). Not every browser
+        sends `Sec-Fetch-Site`, and none sends `Origin` for its own address bar or a picture.
         """
-        host, own = self.headers.get("Host", ""), self.server.host
-        name, own_page = host.rpartition(":")[0].strip("[]"), f"http://{host}"
-        return (
-            (own not in _ALL_ADDRESSES and name != own and (own, name) != (HOST, "localhost"))
-            or self.headers.get("Origin", own_page) != own_page
-            or self.headers.get("Sec-Fetch-Site", "none") not in ("none", "same-origin")
+        root, host = self.server.root, self.headers.get("Host", "")
+        own_page = f"http://{host}"
+        is_ours = (
+            secrets.compare_digest(self.path[: len(root)].encode(), root.encode())
+            and (root != "/" or host.partition(":")[0] in (HOST, "localhost"))
+            and self.headers.get("Origin", own_page) == own_page
+            and self.headers.get("Sec-Fetch-Site", "none") in ("none", "same-origin")
         )
+        return self.path[len(root) :] if is_ours else None
 
     def _send_page(self, mission: ShownMission) -> None:
         try:
@@ -139,8 +133,7 @@ class _Handler(BaseHTTPRequestHandler):
         self.end_headers()
         viewer = mission.subscribe()
         try:
-            while not mission.is_closed:
-                update = mission.take(viewer, _KEEP_ALIVE_S)
+            while (update := mission.take(viewer, _KEEP_ALIVE_S)) is not None or not mission.is_closed:
                 # A comment finds out whether the browser is still there.
                 data = b": \n\n" if update is None else b"data: " + msgspec.json.encode(update) + b"\n\n"
                 self.wfile.write(data)

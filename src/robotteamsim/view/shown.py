@@ -8,18 +8,24 @@ from typing import Any
 import msgspec
 
 from robotteamsim.hazards import HazardField
-from robotteamsim.simulation import Simulation, StepRecord
+from robotteamsim.simulation import StepRecord
 from robotteamsim.view.document import film, header
 from robotteamsim.view.frame import Frame, ShownEvent, fallen_of, frame_of, shown_events
+from robotteamsim.view.html import mission_page, size_problem
 from robotteamsim.view.layers import LayerMap, field_layer, hazard_layers
-from robotteamsim.view.recorder import RadioCoverage, Recording
-from robotteamsim.view.scene import scene_of
+from robotteamsim.view.recorder import FrameRecorder, Recording
 
 _RADIO_SIM_S = 1.0
 """Simulated time between maps of the radio coverage [s]."""
 
 LEAST_SPEED, MOST_SPEED = 0.001, 1000.0
 """Of a mission that is watched: simulated over wall time."""
+
+FRAME_WALL_S = 1.0 / 15.0
+"""Least time between frames that are sent [s]."""
+
+_MOST_LINKS = 5_000_000
+"""Of all frames that are kept for a page that a viewer may save."""
 
 FIRST_LAYERS = frozenset(("fire", "smoke"))
 """Those that a new viewer shows."""
@@ -62,7 +68,9 @@ class ShownMission:
     """What has been simulated of a mission, for any number of viewers; a subclass simulates and executes commands."""
 
     def __init__(self, *, speed: float, playing: bool) -> None:
-        """Args: speed: simulated over wall time."""
+        """Args: speed: simulated over wall time. Raises: ValueError: it is out of range."""
+        if not LEAST_SPEED <= speed <= MOST_SPEED:
+            raise ValueError(f"speed: {speed:g}; expected {LEAST_SPEED:g} to {MOST_SPEED:g}")
         self._speed, self._playing, self._error = speed, playing, ""
         self._viewers: list[Viewer] = []
         self._num_viewers = 0
@@ -78,8 +86,11 @@ class ShownMission:
         raise NotImplementedError
 
     def page(self) -> str:
-        """Return the mission so far as a page, as `run --html` writes it. Raises: ValueError: not possible."""
-        raise ValueError("not possible: this mission is not recorded")
+        """Return the mission so far as a page, as `run --html` writes it. Raises: ValueError: it would be too large."""
+        with self._changed:  # the mission waits meanwhile
+            if self._too_large:
+                raise ValueError(self._too_large)
+            return mission_page([self._recorder.recording], self._recorder.recording.title)
 
     def subscribe(self) -> Viewer:
         """Return a new viewer."""
@@ -125,13 +136,14 @@ class ShownMission:
         scene = self._header if is_new else {}
         return Update(self._status(), events, frames, layers, viewer.number, restarted=is_new, **scene)
 
-    def _begin_with(self, simulation: Simulation, record: StepRecord) -> None:
-        """Show a simulation from now on. Args: record: of its first step that is shown."""
+    def _begin_with(self, recorder: FrameRecorder, record: StepRecord) -> None:
+        """Show the simulation of a new recorder from now on. Args: record: of its first step that is shown."""
+        simulation = recorder.simulation
         scenario = simulation.scenario  # with the places of random victims
-        recording = Recording(scene_of(simulation.setup), f"{scenario.name}, seed {scenario.run.seed}")
-        coverage = RadioCoverage(scenario)
+        shown = Recording(recorder.recording.scene, f"{scenario.name}, seed {scenario.run.seed}")
         # All that can fail comes before this, so that a failed restart changes nothing.
-        self._simulation, self._coverage, self._header = simulation, coverage, header(recording)
+        self._simulation, self._recorder, self._header = simulation, recorder, header(shown)
+        self._too_large = size_problem(simulation.setup, _MOST_LINKS)
         self._missions += 1
         self._events: list[ShownEvent] = []
         self._fallen: frozenset[str] = frozenset()
@@ -150,6 +162,8 @@ class ShownMission:
 
     def _note(self, record: StepRecord) -> None:
         self._record = record
+        if not self._too_large:
+            self._recorder.step(record)
         self._events += shown_events(record.events, record.mission.time_s)
         self._fallen |= fallen_of(record.events)
         if record.hazards is not None:
@@ -177,7 +191,7 @@ class ShownMission:
             maps["voice"] = field_layer(time_s, voice.map(), 0.0)
         if "radio" in shown and time_s - self._radio_s >= _RADIO_SIM_S:
             self._radio_s = time_s
-            maps |= {"radio": coverage[0]} if (coverage := self._coverage.at(self._frames[-1])) else {}
+            maps |= {"radio": coverage[0]} if (coverage := self._recorder.coverage.at(self._frames[-1])) else {}
         if self._hazards is not None and not shown.isdisjoint(FIRST_LAYERS):
             maps |= hazard_layers(time_s, self._hazards)
             self._hazards = None

@@ -104,11 +104,14 @@ def test_page_shows_each_step_until_the_environment_is_closed(env, caplog):
         Page(address)
 
 
+_ONLY_THE_PROGRAM = "not possible: a program steps this mission, and only it changes anything else"
+
+
 def test_page_lets_the_environment_wait_and_changes_nothing_else(env, caplog):
     env.reset(seed=7)
     page = Page(logged(caplog))
     page.update()
-    assert page.send(command="set_noise", noise_db=50.0) == "not possible: an environment steps this mission"
+    assert page.send(command="set_noise", noise_db=50.0) == _ONLY_THE_PROGRAM
     assert page.send(command="pause") == ""
     before_s = env.record.mission.time_s
     steps = threading.Thread(target=stand, args=(env,))

@@ -138,6 +138,16 @@ def test_what_is_not_possible_changes_nothing(mission: LiveMission, command: Any
     assert taken(mission, viewer).status["driven"] == {}
 
 
+def test_goal_that_is_refused_leaves_a_robot_to_whoever_drives_it(mission: LiveMission) -> None:
+    mission.execute(Drive(0, 1.0, 0.0))
+    with pytest.raises(ValueError, match="no floor"):
+        mission.execute(SetGoal(0, (100.0, 4.0)))
+    assert taken(mission, mission.subscribe()).status["driven"] == {0: None}
+    before = _frame(mission).poses[0]
+    mission.execute(Release(1))  # nobody drives it, so nothing changes
+    assert _frame(mission, Step()).poses[0] != before
+
+
 def _ended(scenario: Scenario, *commands: AnyCommand) -> LiveMission:
     """Return a mission that has ended, which was changed by commands after its first step."""
     mission = LiveMission(lambda _: scenario, speed=1000.0, playing=False)

@@ -70,6 +70,27 @@ def test_page_pauses_the_program_and_lets_it_make_one_step(short: Scenario) -> N
         assert simulation.world.step_index == 1
 
 
+def test_pause_is_shown_while_the_program_does_something_else(short: Scenario) -> None:
+    with rts.LiveView(rts.Simulation(short), browser=False) as view:
+        viewer = view.subscribe()
+        view.step()
+        first = view.take(viewer, 1.0)
+        assert first is not None
+        assert first.status["playing"]
+        view.execute(Pause())  # the program is not within `step`
+        second = view.take(viewer, 1.0)
+        assert second is not None
+        assert not second.status["playing"]
+
+
+def test_page_of_the_loop_can_be_saved_from_the_browser(short: Scenario, tmp_path: Path) -> None:
+    with rts.LiveView(rts.Simulation(short), speed=MOST_SPEED, browser=False) as view:
+        view.step()
+        view.save(tmp_path / "loop.html")
+        with urllib.request.urlopen(f"{view.url}mission.html", timeout=10.0) as page:
+            assert page.read() == (tmp_path / "loop.html").read_bytes()
+
+
 def test_page_may_not_change_what_the_program_changes(short: Scenario) -> None:
     with rts.LiveView(rts.Simulation(short), browser=False) as view:
         view.step()
@@ -78,7 +99,7 @@ def test_page_may_not_change_what_the_program_changes(short: Scenario) -> None:
         with pytest.raises(urllib.error.HTTPError) as refused:
             urllib.request.urlopen(request, timeout=10.0)
         with refused.value as answer:
-            assert "only it changes doors, noise, victims and seed" in json.loads(answer.read())["error"]
+            assert "only it changes anything else" in json.loads(answer.read())["error"]
         with pytest.raises(ValueError, match="a program steps this mission"):
             view.execute(SetNoise(20.0))
 

@@ -21,7 +21,7 @@ export class LiveMission extends Mission {
     return mission;
   }
 
-  /** Send a command, such as {command: "pause"}, after those before it; the server's complaint is shown. */
+  /** Send a command, such as {command: "pause"}, after those before it; the server's error is shown. */
   send(command) {
     this.sent = this.sent.then(async () => {
       const answer = await fetch("command", {
@@ -74,13 +74,11 @@ export class LiveControls {
     this.victims = make("select", "", { ariaLabel: "victim" });
     this.name = make("input", "", { type: "text", maxLength: 100, ariaLabel: "name of a new victim", id: "live-name" });
     this.absent = make("select", "", { ariaLabel: "absent robot", id: "live-absent" });
-    const atStart = make("button", "at start", { type: "button" });
-    atStart.addEventListener("click", () => this._command("spawn_robot", { robot: Number(this.absent.value) }));
-    this.reserve = this._row("robot", [this.absent], "add", () => this._place("the robot", "spawn_robot", {
-      robot: Number(this.absent.value) }));
+    const robot = () => ({ robot: Number(this.absent.value) });
+    const atStart = make("button", "at start", { type: "button", onclick: () => this._command("spawn_robot", robot()) });
+    this.reserve = this._row("robot", [this.absent], "add", () => this._place("the robot", "spawn_robot", robot()));
     this.reserve.append(atStart);
-    section.replaceChildren(
-      make("h2", "Live"),
+    const commands = [
       this._numberRow("noise [dB]", "noise", "set", "expected a number", Number.isFinite, "set_noise", "noise_db"),
       this._numberRow("seed", "seed", "restart", "expected a whole number from 0 on", isSeed, "restart", "seed"),
       this._row("victim", [this.victims], "move", () => this._placeVictim(this.victims.value)),
@@ -88,8 +86,9 @@ export class LiveControls {
       this.reserve,
       this.driven,
       make("p", mission.scene.doors.length ? `${HINT} Click on a door to open or close it.` : HINT),
-      this.answer,
-    );
+    ];
+    // A mission that a program steps has none of these.
+    section.replaceChildren(make("h2", "Live"), ...("driven" in mission.status ? commands : []), this.answer);
     this.refreshNumbers();
     this.refresh();
     mission.onanswer = (error) => { this.answer.textContent = error; };
@@ -158,9 +157,8 @@ export class LiveControls {
     }
     this.reserve.hidden = !absent.length;
     this.driven.replaceChildren(...driven.map((robot) => {
-      const button = make("button", `release ${robots[robot].name}`, { title: "Leave it to its controller again" });
-      button.addEventListener("click", () => this._command("release", { robot: Number(robot) }));
-      return button;
+      const title = "Leave it to its controller again", onclick = () => this._command("release", { robot: Number(robot) });
+      return make("button", `release ${robots[robot].name}`, { title, onclick });
     }));
   }
 

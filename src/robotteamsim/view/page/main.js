@@ -32,7 +32,8 @@ export async function start() {
 /** Let the buttons save a picture, and the mission as a page unless this page is a file of its own. */
 function offerFiles(player) {
   const title = () => player.missions.map((mission) => mission.title).join(" and ");
-  const complain = (error) => fail(`This cannot be saved: ${error.message}`);
+  // A live page hides its failure with the next frame.
+  const complain = ({ message }) => (player.missions[0].onanswer ?? fail)(`This cannot be saved: ${message}`);
   element("picture").addEventListener("click", () => savePicture(player, title()).catch(complain));
   element("save").addEventListener("click", () =>
     savePage(player.isLive ? "mission.html" : location.href, title()).catch(complain));
@@ -124,7 +125,9 @@ async function startLive() {
   mission.onrestart = () => {
     element("title").textContent = mission.title;
     player.following = true;
+    controls.held.clear();
     controls.refreshNumbers();
+    player.onlayers(player.shown);
     view.rebuild();
   };
   mission.onclose = () => fail("The simulation has ended, or its program was closed.");
