@@ -26,7 +26,7 @@ from robotteamsim.scenario.yaml_text import mapping_of, read_text
 from robotteamsim.setup import Setup, resolve
 from robotteamsim.simulation import Simulation
 from robotteamsim.wording import counted
-from robotteamsim.world.floor_parts import FloorPart, part_texts, parts_without
+from robotteamsim.world.floor_parts import part_texts, parts_without, places_without
 
 _SCHEMA_EPILOG = """\
 With an editor's YAML extension, this first line enables completion and checks:
@@ -87,16 +87,23 @@ def run_check(options: argparse.Namespace) -> None:
             f"{name}: valid: {counted(loaded.num_robots, 'robot')}, {counted(len(mission.areas), 'area')}, "
             f"{counted(loaded.num_victims, 'victim')} in {loaded.plan.name} of {width_m:g} x {height_m:g} m"
         )
-        for part in part_texts(_unreachable(setup)):
+        for part in _unreachable(setup):
             print(f"{name}: no robot can get to {part}, not even through doors")
     report_mistakes(mistakes)
 
 
-def _unreachable(setup: Setup) -> tuple[FloorPart, ...]:
-    """Return the parts of the floor that no robot can reach from its start, such as rooms without a door."""
-    robots = [robot for robot in setup.robots[: setup.scenario.num_robots] if robot.present]
-    starts = [robot.start_pose[:2] for robot in robots]
-    return parts_without(setup.plan, min(robot.reach_m for robot in robots), starts) if robots else ()
+def _unreachable(setup: Setup) -> list[str]:
+    """Return the areas, victims and parts of the floor that no robot can reach from its start."""
+    of = setup.scenario
+    robots = [robot for robot in setup.robots[: of.num_robots] if robot.present]
+    if not robots:
+        return []
+    within = setup.plan, min(robot.reach_m for robot in robots), [robot.start_pose[:2] for robot in robots]
+    places = [(f"area {area.name}", area.center, area.radius_m) for area in of.mission.areas]
+    places += [(f"victim {one.name}", one.position, of.mission.save_distance_m) for one in of.mission.victims]
+    missed = (places[index] for index in places_without(*within, [place[1:] for place in places]))
+    found = [f"{what} at [{x_m:g}, {y_m:g}]" for what, (x_m, y_m), _ in missed]
+    return found + part_texts(parts_without(*within))
 
 
 def _mistake_in_setting_up(setup: Setup, name: str) -> str:

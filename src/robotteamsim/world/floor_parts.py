@@ -27,6 +27,10 @@ _THIN_M = 0.4
 """Floor at the edge of the plan whose mean width is smaller is outside the building."""
 
 
+_SURROUNDED = 0.25
+"""Floor at the edge of the plan that surrounds more than this share of its own area is outside the building."""
+
+
 class FloorPart(NamedTuple):
     """A part of the floor that no door connects with the others. place: somewhere inside it [m, map]."""
 
@@ -45,7 +49,7 @@ def part_texts(parts: Sequence[FloorPart]) -> list[str]:
 def floor_parts(plan: FloorPlan, radius_m: float) -> tuple[FloorPart, ...]:
     """Return the parts of the floor between which a disc cannot move, even through open doors, the largest first.
 
-    Parts below LEAST_M2 are omitted, and those outside the building but for the largest part.
+    Parts below LEAST_M2 are omitted, and those outside the building.
 
     Args: radius_m: of the disc; areas are those that its centre can be in.
     """
@@ -55,29 +59,51 @@ def floor_parts(plan: FloorPlan, radius_m: float) -> tuple[FloorPart, ...]:
 def parts_without(plan: FloorPlan, radius_m: float, starts: Sequence[Point]) -> tuple[FloorPart, ...]:
     """Return the parts of the floor that a disc cannot reach from any of some starts [m, map]; see `floor_parts`."""
     shapes = _shapes(plan, radius_m)
-    if not starts:
-        return tuple(map(_part, shapes))
-    tree = shapely.STRtree(shapes)
-    _, reached = tree.query_nearest(shapely.points(starts), max_distance=_NEAR_M)
+    reached = _reached(shapes, starts)
     return tuple(_part(shape) for index, shape in enumerate(shapes) if index not in reached)
 
 
-def _shapes(plan: FloorPlan, radius_m: float) -> list[shapely.Polygon]:
-    """Return where the centre of a disc can be if all doors are open, in parts, the largest first."""
+def places_without(
+    plan: FloorPlan, radius_m: float, starts: Sequence[Point], places: Sequence[tuple[Point, float]]
+) -> list[int]:
+    """Return which of some places, discs of a centre [m, map] and a radius [m], a disc cannot enter from any start."""
+    shapes, _ = _all_shapes(plan, radius_m)
+    floor = shapely.union_all([shapes[index] for index in _reached(shapes, starts)])
+    return [i for i, (centre, near_m) in enumerate(places) if not shapely.dwithin(floor, shapely.Point(centre), near_m)]
+
+
+def _reached(shapes: Sequence[shapely.Polygon], starts: Sequence[Point]) -> set[int]:
+    """Return the indices of the parts of the floor in which somebody starts."""
+    if not starts or not shapes:
+        return set()
+    _, reached = shapely.STRtree(shapes).query_nearest(shapely.points(starts), max_distance=_NEAR_M)
+    return set(reached.tolist())
+
+
+def _all_shapes(plan: FloorPlan, radius_m: float) -> tuple[list[shapely.Polygon], shapely.Polygon]:
+    """Return where the centre of a disc can be if all doors are open, the largest part first; and the whole page."""
     walls = obstacles(plan.model_copy(update={"doors": ()}))
     page = shapely.box(*plan.bounds.min, *plan.bounds.max)
     floor = shapely.difference(page, shapely.buffer(walls, radius_m))
     parts = [part for part in shapely.get_parts(floor) if part.area >= LEAST_M2]
-    largest, *others = sorted(parts, key=lambda part: (-part.area, part.bounds)) or [shapely.Polygon()]
-    indoors = [part for part in others if not _is_outside(part, largest, page, radius_m)]
-    return [largest, *indoors] if largest.area else []
+    return sorted(parts, key=lambda part: (-part.area, part.bounds)), page
 
 
-def _is_outside(part: shapely.Polygon, largest: shapely.Polygon, page: shapely.Polygon, radius_m: float) -> bool:
-    """Whether a part is the floor around a building, or a strip of it, at the edge of the plan."""
-    if part.distance(page.exterior) > radius_m + _EDGE_M:
-        return False
-    return bool(part.area < _THIN_M * part.length / 2.0 or shapely.Polygon(part.exterior).contains(largest))
+def _shapes(plan: FloorPlan, radius_m: float) -> list[shapely.Polygon]:
+    """Return the parts that are not outside the building, or the largest if all are."""
+    parts, page = _all_shapes(plan, radius_m)
+    at_edge = [part.distance(page.exterior) <= radius_m + _EDGE_M for part in parts]
+    indoors = [part for part, is_near in zip(parts, at_edge, strict=True) if not (is_near and _is_outside(part, parts))]
+    return indoors or parts[:1]
+
+
+def _is_outside(part: shapely.Polygon, parts: Sequence[shapely.Polygon]) -> bool:
+    """Whether a part at the edge of the plan is the floor around a building, or a strip of it."""
+    if part.area < _THIN_M * part.length / 2.0:
+        return True
+    around = shapely.Polygon(part.exterior)
+    inside_m2 = sum(other.area for other in parts if other is not part and around.contains(other))
+    return bool(inside_m2 > _SURROUNDED * part.area)
 
 
 def _part(shape: shapely.Polygon) -> FloorPart:

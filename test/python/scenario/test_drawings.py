@@ -127,7 +127,7 @@ def test_parts_of_the_floor_are_found_among_many_closets():
 
 
 def test_of_many_rooms_without_a_door_ten_are_named(folder, capsys):
-    image = np.full((400, 640), 255, dtype=np.uint8)
+    image = np.full((400, 640), 255, dtype=np.uint8)  # of twelve rooms; the paper around them is outside
     for column in range(3):
         for row in range(4):
             x, y = 40 + 200 * column, 20 + 95 * row
@@ -136,7 +136,7 @@ def test_of_many_rooms_without_a_door_ten_are_named(folder, capsys):
     imported("boxes.png", "--metres-per-pixel", "0.05")
     *named, more = capsys.readouterr().err.splitlines()
     assert len(named) == 10
-    assert more == "robotteamsim: warning: no door leads from the largest part of the floor to 2 smaller parts"
+    assert more == "robotteamsim: warning: no door leads from the largest part of the floor to 1 smaller part"
 
 
 def test_rooms_without_a_door_are_reported_by_import_and_check(folder, capsys):
@@ -158,7 +158,23 @@ def test_rooms_without_a_door_are_reported_by_import_and_check(folder, capsys):
     assert len(lines) == 2
 
 
-@pytest.mark.parametrize("margin_m", [0.5, 2.0])
+def test_areas_and_victims_where_no_robot_can_get_are_reported(folder, capsys):
+    imported("clean.png", "--metres-per-pixel", "0.02", "--doors")
+    areas = "areas: [{name: in, center: [10.5, 6.25], radius_m: 0.5}, {name: far, center: [2.0, 2.0]}]"
+    victims = "victims: [{name: ann, position: [10.5, 6.25]}, {name: bob, position: [2.5, 2.0]}]"
+    text = (
+        f"name: house\nplan: plan.yaml\nrobots: {{count: 1, start: [2.0, 2.0, 0.0]}}\nmission: {{{areas}, {victims}}}\n"
+    )
+    Path("house.yaml").write_text(text, encoding="utf-8")
+    capsys.readouterr()
+    assert main(["scenario", "check", "house.yaml"]) == 0
+    assert capsys.readouterr().out.splitlines()[1:3] == [
+        "house.yaml: no robot can get to area in at [10.5, 6.25], not even through doors",
+        "house.yaml: no robot can get to victim ann at [10.5, 6.25], not even through doors",
+    ]
+
+
+@pytest.mark.parametrize("margin_m", [0.5, 2.0, 4.0])
 def test_floor_around_a_building_is_not_reported(margin_m):
     walls = [
         Wall.model_validate({"name": f"w{i}", "from": a, "to": b})
