@@ -76,6 +76,7 @@ class Trial:
         self._hash = TrajectoryHash()
         self._totals = TeamTotals(self._scenario.team_size, self._scenario.run.step_s)
         self._wall_start_s = time.perf_counter()
+        self._num_steps = 0
         self._observers: list[Observer] = []
         try:
             for observer in tuple(observers):
@@ -86,9 +87,16 @@ class Trial:
             raise
 
     def add(self, record: StepRecord) -> None:
-        """Add a step. Nothing changes after the end of the mission."""
+        """Add a step. Nothing changes after the end of the mission.
+
+        Raises: ValueError: a step before it was not added, so that totals and hash would be of another mission.
+        """
         if self.result is not None:
             return
+        if record.step_index != self._num_steps + 1:
+            others = f"the simulation made {record.step_index - 1 - self._num_steps} steps elsewhere"
+            raise ValueError(f"{others}, which its result would lack; expected all steps of a new Simulation")
+        self._num_steps += 1
         state, excluded = record.readings.state, [decision.excluded for decision in record.decisions]
         self._hash.update(record.sim_time_ns, state.true_pose)
         self._totals.update(state, excluded, record.mission.state == "running")

@@ -69,8 +69,8 @@ class ShownMission:
 
     def __init__(self, *, speed: float, playing: bool) -> None:
         """Args: speed: simulated over wall time. Raises: ValueError: it is out of range."""
-        if not LEAST_SPEED <= speed <= MOST_SPEED:
-            raise ValueError(f"speed: {speed:g}; expected {LEAST_SPEED:g} to {MOST_SPEED:g}")
+        if not isinstance(speed, (int, float)) or not LEAST_SPEED <= speed <= MOST_SPEED:
+            raise ValueError(f"speed: {speed!r:.60}; expected {LEAST_SPEED:g} to {MOST_SPEED:g}")
         self._speed, self._playing, self._error = speed, playing, ""
         self._viewers: list[Viewer] = []
         self._num_viewers = 0

@@ -91,6 +91,25 @@ def test_page_of_the_loop_can_be_saved_from_the_browser(short: Scenario, tmp_pat
             assert page.read() == (tmp_path / "loop.html").read_bytes()
 
 
+def test_steps_that_the_loop_did_not_make_are_refused(short: Scenario) -> None:
+    simulation = rts.Simulation(short)
+    with rts.LiveView(simulation, speed=MOST_SPEED, browser=False) as view:
+        view.step()
+        simulation.step()
+        with pytest.raises(ValueError, match="made 1 steps elsewhere, which its result would lack"):
+            view.step()
+    with pytest.raises(ValueError, match="made 3 steps elsewhere"):
+        simulation.run()
+
+
+@pytest.mark.parametrize(
+    ("what", "speed", "line"), [("hall", 10.0, "'hall' is not a Simulation"), (None, "fast", "'fast'")]
+)
+def test_what_cannot_be_watched_is_refused_in_one_line(short: Scenario, what: str, speed: object, line: str) -> None:
+    with pytest.raises(ValueError, match=line):
+        rts.LiveView(what or rts.Simulation(short), speed=speed, browser=False)
+
+
 def test_page_may_not_change_what_the_program_changes(short: Scenario) -> None:
     with rts.LiveView(rts.Simulation(short), browser=False) as view:
         view.step()
