@@ -12,7 +12,8 @@ __all__ = ["main", "run_and_exit"]
 def run_and_exit() -> NoReturn:
     """Run one command and end the process with its exit status.
 
-    Before and after the command, while modules are imported and Python cleans up, Ctrl-C ends it without a traceback.
+    While Python imports the first modules and cleans up at the end, Ctrl-C ends it without a word. From the import of
+    the command's own modules on, it prints "interrupted", and the status is 130.
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     gc.disable()  # until the command begins: searching what imports make for garbage takes a tenth of the start

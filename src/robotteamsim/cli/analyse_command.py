@@ -34,13 +34,13 @@ _MIN_FILM_S, _MAX_FILM_S = 1.0, 600.0
 _GIF_WIDTH_PX, _GIF_FRAMES_PER_S, _GIF_SAMPLES = 960, 10, 8
 _MP4_WIDTH_PX, _MP4_FRAMES_PER_S = 1280, 25
 
-_DESCRIPTION = """\
+DESCRIPTION = """\
 Summarise bags: the course of the mission, the distances driven, the state of the network. Bags may
 come from ROS runs, headless runs, real robots or another simulator with the same topics: bags of
 ROS 1, or folders, MCAP files and .db3 files of ROS 2, compressed or not. Values that cannot be
 computed from a bag are omitted, and listed with the missing topic."""
 
-_EPILOG = """\
+EPILOG = """\
 Topics: /mission/status, events, victims, areas; /network/state or links; for each robot odom or
 base_pose_ground_truth, contact, controller/status; /map; tf of the team or in each robot's namespace.
 Paths are those of the true poses if the bag has them, else of odometry, transformed to map with tf,
@@ -58,7 +58,6 @@ examples:
 
 def add_to(parser: Parser) -> None:
     """Describe the command to its parser."""
-    parser.description, parser.epilog = _DESCRIPTION, _EPILOG
     parser.add_argument(
         "bags", nargs="+", type=path_of, metavar="BAG", help="one or more bags; several are summarised in one table"
     )

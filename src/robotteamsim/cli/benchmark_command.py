@@ -29,7 +29,7 @@ from robotteamsim.cli.parser import (
     positive_whole_number,
     whole_number,
 )
-from robotteamsim.cli.shipped_names import SCENARIO_HELP
+from robotteamsim.cli.run_command import SCENARIO_HELP
 from robotteamsim.scenario.controllers import is_policy_file
 from robotteamsim.wording import printable
 
@@ -71,7 +71,6 @@ examples:
 
 def add_to(parser: Parser) -> None:
     """Describe the command to its parser."""
-    parser.description = __doc__
     kinds = parser.add_subparsers(title="benchmarks", metavar="search|patrol", required=True)
     search = kinds.add_parser("search", help="searches for random victims", description=_SEARCH, epilog=_SEARCH_EPILOG)
     names = ", ".join(protocols.BUILDINGS)

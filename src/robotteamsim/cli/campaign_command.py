@@ -28,8 +28,7 @@ from robotteamsim.campaign.summary import (
 )
 from robotteamsim.cli.parser import Parser, address, number, path_of, positive_whole_number, whole_number
 from robotteamsim.cli.progress import CampaignProgress
-from robotteamsim.cli.run_command import add_code_option, add_set_option
-from robotteamsim.cli.shipped_names import SCENARIO_HELP
+from robotteamsim.cli.run_command import SCENARIO_HELP, add_code_option, add_set_option
 from robotteamsim.wording import printable
 
 DEFAULT_TRIALS = 30
@@ -37,12 +36,12 @@ DEFAULT_SEED = 1
 EXIT_INCOMPLETE = 1
 _MAX_LISTED_FAILURES = 10
 
-_DESCRIPTION = """\
+DESCRIPTION = """\
 Run many missions on all cores and print tables of their results. Each result is stored
 in DIR as soon as its mission ends. If a campaign is stopped or killed, the same command
 resumes it. The results do not depend on the number of workers."""
 
-_EPILOG = """\
+EPILOG = """\
 DIR receives campaign.sqlite, which contains everything, and trials.csv. The table at the end
 has one line per cell; `robotteamsim report DIR` makes figures and tables for a paper.
 
@@ -54,7 +53,6 @@ examples:
 
 def add_to(parser: Parser) -> None:
     """Describe the command to its parser."""
-    parser.description, parser.epilog = _DESCRIPTION, _EPILOG
     parser.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
     parser.add_argument("--out", type=path_of, required=True, metavar="DIR", help="folder of the campaign")
     parser.add_argument(

@@ -120,7 +120,7 @@ def _run(words: list[str]) -> int:
         if not word.isascii() and re.search("[\ud800-\udfff]", word):  # what Python makes of other bytes
             raise UsageError(f"{word}: is not UTF-8; rename the file, or write the value in UTF-8")
     try:
-        options = make_parser(words).parse_args(words)
+        options = make_parser(words[:1]).parse_args(words)
     except SystemExit:
         sys.stdout.flush()  # of a help text, whose reader may be gone
         raise
@@ -169,7 +169,7 @@ def _reported(error: BaseException) -> int:
 
 
 def make_parser(words: Sequence[str] = tuple(_COMMANDS)) -> argparse.ArgumentParser:
-    """Return the parser of all commands; only those among the words have their options."""
+    """Return the parser of all commands; only those among the words have their texts and options."""
     parser = Parser(
         prog="robotteamsim",
         description="Simulate teams of mobile robots in search and rescue missions, and analyse the results.",
@@ -181,6 +181,9 @@ def make_parser(words: Sequence[str] = tuple(_COMMANDS)) -> argparse.ArgumentPar
     for name, text in _COMMANDS.items():
         command = commands.add_parser(name, help=text)
         if name in words:
-            importlib.import_module(f"robotteamsim.cli.{name}_command").add_to(command)
+            module = importlib.import_module(f"robotteamsim.cli.{name}_command")
+            command.description = getattr(module, "DESCRIPTION", module.__doc__)
+            command.epilog = getattr(module, "EPILOG", None)
+            module.add_to(command)
     commands.add_parser("help", help="describe a command, such as `robotteamsim help run`")
     return parser

@@ -12,7 +12,7 @@ from robotteamsim.scenario.shipped import scenario_names
 
 SHELLS = ("bash", "zsh", "fish", "tcsh")
 
-_EPILOG = """\
+EPILOG = """\
 examples:
   robotteamsim completion bash > ~/.local/share/bash-completion/completions/robotteamsim
   robotteamsim completion fish > ~/.config/fish/completions/robotteamsim.fish
@@ -21,7 +21,6 @@ examples:
 
 def add_to(parser: Parser) -> None:
     """Describe the command to its parser."""
-    parser.description, parser.epilog = __doc__, _EPILOG
     parser.add_argument("shell", choices=SHELLS, help="the shell")
     parser.set_defaults(command=run)
 

@@ -13,8 +13,7 @@ import numpy as np
 from robotteamsim import scenario
 from robotteamsim.cli.output import add_png_option, check_outputs, save
 from robotteamsim.cli.parser import Parser, UsageError, number, path_of, point
-from robotteamsim.cli.run_command import add_set_option
-from robotteamsim.cli.shipped_names import SCENARIO_HELP
+from robotteamsim.cli.run_command import SCENARIO_HELP, add_set_option
 from robotteamsim.errors import ScenarioError
 from robotteamsim.recording.files import atomically
 from robotteamsim.setup import resolve
@@ -61,7 +60,6 @@ examples:
 
 def add_to(parser: Parser) -> None:
     """Describe the command to its parser."""
-    parser.description = __doc__
     kinds = parser.add_subparsers(title="maps", metavar="radio|voice", required=True)
 
     radio = kinds.add_parser(

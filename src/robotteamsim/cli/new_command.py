@@ -15,7 +15,7 @@ from robotteamsim.scenario.controllers import ALGORITHMS
 from robotteamsim.scenario.shipped import share_roots
 from robotteamsim.scenario.yaml_text import shown
 
-_EPILOG = """\
+EPILOG = """\
 examples:
   robotteamsim new scenario house          house.yaml and house_plan.yaml
   robotteamsim new controller wanderer     wanderer.py with the class Wanderer
@@ -51,25 +51,20 @@ _NEXT = {
     "package": "pip install ./{name} && robotteamsim run tutorial_arena --set control.algorithm={name}\n"
     "or, with {name}/ in the src/ of a catkin workspace: catkin_make && source devel/setup.bash && "
     "roslaunch {name} {name}.launch",
-    "exercises": "cd {name} && python3 radio_range.py, as docs/exercises.md says",
+    "exercises": "cd {name} && python3 radio_range.py  (docs/exercises.md)",
 }
 
 
 def add_to(parser: Parser) -> None:
     """Describe the command to its parser."""
-    parser.description, parser.epilog = __doc__, _EPILOG
     parser.add_argument("kind", choices=tuple(_FILES), help="what to write")
-    parser.add_argument(
-        "name", metavar="NAME", nargs="?", help="lower-case letters, digits and _, such as my_house; default exercises"
-    )
+    parser.add_argument("name", metavar="NAME", nargs="?", help="lower-case letters, digits and _; default: the kind")
     parser.set_defaults(command=run)
 
 
 def run(options: argparse.Namespace) -> None:
-    """Write a template in the current folder. Raises: UsageError: the name is missing or invalid, or a file exists."""
-    name = options.name or ("exercises" if options.kind == "exercises" else None)
-    if name is None:
-        raise UsageError(f"NAME: missing; expected a name for the {options.kind}, such as my_house")
+    """Write a template in the current folder. Raises: UsageError: the name is invalid, or a file exists."""
+    name = options.kind if options.name is None else options.name
     if not re.fullmatch(r"[a-z][a-z0-9_]{0,63}", name):
         expected = "expected at most 64 lower-case letters, digits and _, such as my_house"
         raise UsageError(f"NAME: {shown(name)} is not valid; {expected}")

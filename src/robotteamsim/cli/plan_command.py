@@ -11,8 +11,7 @@ from robotteamsim import scenario
 from robotteamsim.cli import stage_commands
 from robotteamsim.cli.output import add_png_option, check_outputs, expect_new, save, warn
 from robotteamsim.cli.parser import Parser, UsageError, number, path_of, positive_number
-from robotteamsim.cli.run_command import add_set_option
-from robotteamsim.cli.shipped_names import PLAN_HELP, SCENARIO_HELP
+from robotteamsim.cli.run_command import SCENARIO_HELP, add_set_option
 from robotteamsim.map_import.paper import MOST_TURN_DEG
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
 from robotteamsim.scenario.door_places import without_misplaced_doors
@@ -67,6 +66,7 @@ examples:
   python -m mujoco.viewer --mjcf=DIR/garage_sar.xml"""
 
 
+_PLAN_HELP = f"a floor plan, a map_server yaml, or a shipped map: {', '.join(scenario.map_names())}"
 _DOOR_WIDTHS_M = (0.6, 1.6)
 _DOOR_WIDTHS_TEXT = ",".join(f"{width_m:g}" for width_m in _DOOR_WIDTHS_M)
 _MOST_PLACES = 10
@@ -82,7 +82,6 @@ _ROBOT_M = 0.2
 
 def add_to(parser: Parser) -> None:
     """Describe the command to its parser."""
-    parser.description = __doc__
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
 
     image = actions.add_parser(
@@ -118,7 +117,7 @@ def add_to(parser: Parser) -> None:
         export.add_argument("--out", type=path_of, required=True, metavar="DIR", help=f"where to write {written}")
 
     render = actions.add_parser("render", help="draw a floor plan")
-    render.add_argument("plan", metavar="PLAN", help=PLAN_HELP)
+    render.add_argument("plan", metavar="PLAN", help=_PLAN_HELP)
     add_png_option(render)
     render.set_defaults(command=render_plan)
 

@@ -18,13 +18,13 @@ from robotteamsim.wording import printable
 if TYPE_CHECKING:
     from robotteamsim.analysis.report import Report
 
-_DESCRIPTION = """\
+DESCRIPTION = """\
 Make the report of a campaign: report.html, which needs no other file, the figures as PNG,
 PDF and SVG, and the tables as CSV and LaTeX. The same store always gives the same bytes. The page compares
 the settings, and plays the best, the median and the worst mission, which are simulated again and
 must have the stored trajectories."""
 
-_EPILOG = """\
+EPILOG = """\
 examples:
   robotteamsim report DIR
   robotteamsim report DIR --out page
@@ -34,7 +34,6 @@ examples:
 
 def add_to(parser: Parser) -> None:
     """Describe the command to its parser."""
-    parser.description, parser.epilog = _DESCRIPTION, _EPILOG
     parser.add_argument(
         "folders",
         type=path_of,

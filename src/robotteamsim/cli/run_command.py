@@ -13,7 +13,6 @@ from robotteamsim.cli.interrupt import InterruptBetweenSteps
 from robotteamsim.cli.output import OutputConsole, check_outputs
 from robotteamsim.cli.parser import Parser, UsageError, number, path_of, whole_number
 from robotteamsim.cli.progress import ProgressBar, preparing
-from robotteamsim.cli.shipped_names import SCENARIO_HELP
 from robotteamsim.control import foreign_code
 from robotteamsim.errors import ScenarioError
 from robotteamsim.mission.events import failure_of
@@ -27,12 +26,13 @@ from robotteamsim.wording import counted, printable
 ALLOW_CODE = "--allow-code"
 TRAJECTORIES = "trajectories"
 """The folder of trajectories within --out."""
+SCENARIO_HELP = f"a file, or a shipped scenario: {', '.join(scenario.scenario_names())}"
 
-_DESCRIPTION = """\
+DESCRIPTION = """\
 Run one mission and print its events and totals. The same scenario and seed give
 bit-identical trajectories, headless and in ROS with lockstep:=true."""
 
-_EPILOG = """\
+EPILOG = """\
 --out writes mission.json (result, all events, all settings, versions) and
 trajectories/robot_<id>.tum. --bag writes the same topics as a ROS run; play it back
 with `roslaunch robotteamsim replay.launch bag:=...`. --mcap writes them as ROS 2 messages,
@@ -47,7 +47,6 @@ examples:
 
 def add_to(parser: Parser) -> None:
     """Describe the command to its parser."""
-    parser.description, parser.epilog = _DESCRIPTION, _EPILOG
     parser.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP)
     add_scenario_options(parser)
     parser.add_argument("--out", type=path_of, metavar="DIR", help="write mission.json and trajectories to this folder")

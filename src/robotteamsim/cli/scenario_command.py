@@ -13,8 +13,7 @@ from ruamel.yaml.error import YAMLError
 from robotteamsim import scenario
 from robotteamsim.cli.output import add_png_option, check_outputs, mistakes_of, report_mistakes, save
 from robotteamsim.cli.parser import Parser, UsageError, path_of
-from robotteamsim.cli.run_command import add_code_option, add_set_option, check_code
-from robotteamsim.cli.shipped_names import SCENARIO_HELP
+from robotteamsim.cli.run_command import SCENARIO_HELP, add_code_option, add_set_option, check_code
 from robotteamsim.control.baselines.patrol_graph import patrol_graph
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.recording.files import atomically, write_atomically
@@ -35,7 +34,6 @@ With an editor's YAML extension, this first line enables completion and checks:
 
 def add_to(parser: Parser) -> None:
     """Describe the command to its parser."""
-    parser.description = __doc__
     actions = parser.add_subparsers(title="actions", metavar="ACTION", required=True)
 
     check = actions.add_parser("check", help="report all mistakes in scenarios")

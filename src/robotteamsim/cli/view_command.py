@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 from robotteamsim import scenario
 from robotteamsim.cli.output import check_outputs
 from robotteamsim.cli.parser import Parser, UsageError, path_of, positive_number, whole_number
-from robotteamsim.cli.run_command import TRAJECTORIES, add_scenario_options, check_code, load_scenario
-from robotteamsim.cli.shipped_names import SCENARIO_HELP
+from robotteamsim.cli.run_command import SCENARIO_HELP, TRAJECTORIES, add_scenario_options, check_code, load_scenario
 from robotteamsim.recording.bag_paths import files_of, is_bag
 from robotteamsim.recording.files import write_atomically
 from robotteamsim.recording.results import FILE_NAME, read_mission
@@ -20,12 +19,12 @@ if TYPE_CHECKING:
     from robotteamsim.view.recorder import Recording
     from robotteamsim.view.server import ViewServer
 
-_DESCRIPTION = """\
+DESCRIPTION = """\
 Show a mission in the browser. A scenario runs live: pause it, open doors, move victims, change the
 noise. A bag, also a folder of `ros2 bag record`, or the folder of `run --out`, is played back. With
 --html, the mission is written to one file that any browser opens without a network, on phones as well."""
 
-_EPILOG = """\
+EPILOG = """\
 Only browsers on this machine can connect or, with --host, all that know the printed address. A folder
 is simulated again from its mission.json, which takes a second; the result must be the same, bit for bit.
 
@@ -39,7 +38,6 @@ examples:
 
 def add_to(parser: Parser) -> None:
     """Describe the command to its parser."""
-    parser.description, parser.epilog = _DESCRIPTION, _EPILOG
     parser.add_argument("target", metavar="TARGET", help=f"a bag, a folder of `run --out`, or {SCENARIO_HELP}")
     add_scenario_options(parser)
     parser.add_argument("--html", type=path_of, metavar="FILE", help="write one self-contained page instead")

@@ -44,8 +44,12 @@ FINE_M = 0.01
 
 
 class Paper(NamedTuple):
-    """A drawing in grey, uint8, and the edge of its pixels [m]; the share of the image's pixels that were neither black
-    nor white; its turn, now undone.
+    """A drawing on white paper.
+
+    pixels:     grey, uint8.
+    cell_m:     edge of a pixel [m].
+    grey_share: of the image's pixels, how many were neither black nor white.
+    turn_deg:   how far it was turned before.
     """
 
     pixels: np.ndarray

@@ -19,6 +19,7 @@ class BagTypes:
 
     def __init__(self, typestore: Typestore | None = None) -> None:
         self.typestore = bag_typestore() if typestore is None else typestore
+        self.serialized = self.typestore.serialize_ros1
         self._classes = {name.replace("/msg/", "/"): cls for name, cls in self.typestore.types.items()}
         self._time = self._classes["builtin_interfaces/Time"]
         self._duration = self._classes["builtin_interfaces/Duration"]
@@ -26,10 +27,6 @@ class BagTypes:
     def __call__(self, type_name: str, /, **attributes: Any) -> Any:
         """Return a message of a type such as "nav_msgs/Odometry"."""
         return self._classes[type_name](**attributes)
-
-    def serialized(self, message: Any, kind: str) -> Any:
-        """Return the bytes of a message of a type such as "nav_msgs/msg/Odometry"."""
-        return self.typestore.serialize_ros1(message, kind)
 
     def time(self, time_ns: int) -> Any:
         """Return the stamp of a time [ns]."""
@@ -45,6 +42,7 @@ class Ros2Types(BagTypes):
 
     def __init__(self) -> None:
         super().__init__(bag_typestore(Stores.ROS2_HUMBLE))
+        self.serialized = self.typestore.serialize_cdr
 
     def __call__(self, type_name: str, /, **attributes: Any) -> Any:
         """Return a message; headers of ROS 2 have no `seq`, and names no capitals."""
@@ -58,10 +56,6 @@ class Ros2Types(BagTypes):
             mesh = self("visualization_msgs/MeshFile", filename="", data=no_data)
             attributes |= {"texture_resource": "", "texture": texture, "uv_coordinates": [], "mesh_file": mesh}
         return super().__call__(type_name, **attributes)
-
-    def serialized(self, message: Any, kind: str) -> Any:
-        """Return the bytes of a message in CDR."""
-        return self.typestore.serialize_cdr(message, kind)
 
 
 @cache

@@ -55,15 +55,6 @@ class BagWriter(RosRecorder):
     _types = BagTypes
     _rescue = "rosbag reindex {active}"
 
-    def abandon(self) -> None:
-        """Close the bag of an interrupted run; an empty one is deleted.
-
-        After an incomplete step the .active file stays, for `rosbag reindex`.
-        """
-        if self._steps and self._within_step:
-            self._abort()
-        super().abandon()
-
     def _new_writer(self) -> _Writer:
         writer = _Writer(self._active)
         writer.chunk_threshold = CHUNK_BYTES

@@ -29,13 +29,13 @@ from robotteamsim.user_files import open_regular
 class RosRecorder(ABC):
     """Writes the topics of a ROS run to a file while the trial runs.
 
-    Like `rosbag record`, it writes to `path`.active, and the file becomes `path` when the run ends or is interrupted.
-    After a kill or a full disk, the .active one stays.
+    Like `rosbag record`, it writes to `path`.active, and the file becomes `path` when the run ends or is interrupted
+    between steps. After a kill or a full disk, the .active one stays.
     """
 
     _types: type[BagTypes]
     _rescue: str
-    """The command that makes a file readable that was not closed."""
+    """The command that repairs a file that was not closed."""
 
     def __init__(self, path: Path, *, localized: bool = False) -> None:
         """Args: localized: whether /tf also has map -> odom of each robot, as with `localization:=ground_truth`."""
@@ -80,24 +80,29 @@ class RosRecorder(ABC):
         self._close()
 
     def abandon(self) -> None:
-        """Close the file of an interrupted run; an empty one is deleted."""
+        """Close the file of an interrupted run; an empty one is deleted.
+
+        After an incomplete step the .active one stays: its last message may be incomplete.
+        """
         if self._writer is None:
             return
-        if self._steps:
+        if self._steps and not self._within_step:
             with contextlib.suppress(RecordingError):
                 self._close()
             return
         self._abort()
-        with contextlib.suppress(OSError):
-            self._remove_temporary()
-        remove_empty(self._created)
+        if not self._steps:
+            with contextlib.suppress(OSError):
+                self._remove_temporary()
+            remove_empty(self._created)
 
     def _close(self) -> None:
         try:
             self._writer.close()
             self._writer = None
             rename_complete(self._active, self._path)
-            self._remove_temporary()
+            if self._temporary != self._active:
+                self._remove_temporary()
         except OSError as error:
             raise self._write_error(error) from error
 

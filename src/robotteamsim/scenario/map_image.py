@@ -280,13 +280,12 @@ def import_image(image: MapImage, path: Path, rules: DrawingRules) -> FloorPlan:
     def plan() -> FloorPlan:
         dark = np.where(left_out(image, rules), 0.0, image.dark)
         grid = Grid(settings.origin[:2], settings.resolution)
-        thin = thin_strokes(~image.free, max(rules.thinnest_m, PANE_M) / settings.resolution)
-        limits = (*settings.import_thresholds, settings.resolution)
-        has_windows = rules.windows_m is not None
-        bold = solid_cells(np.where(thin, 0.0, dark), *limits, closed=True) if has_windows else thin
-        windows = _windows(bold, grid, rules, thin)
-        for area, _ in windows:
-            dark[area] = np.where(thin[area], 0.0, dark[area])
+        limits, windows = (*settings.import_thresholds, settings.resolution), []
+        if rules.windows_m is not None:
+            thin = thin_strokes(~image.free, max(rules.thinnest_m, PANE_M) / settings.resolution)
+            windows = _windows(solid_cells(np.where(thin, 0.0, dark), *limits, closed=True), grid, rules, thin)
+            for area, _ in windows:
+                dark[area] = np.where(thin[area], 0.0, dark[area])
         solid = solid_cells(dark, *limits, closed=True)
         walls, blocks = walls_and_blocks(solid, settings.origin[:2], cell_m)
         walls, doors = [*walls, *(window for _, window in windows)], _doors(solid, grid, rules, windows)
@@ -380,6 +379,7 @@ def _windows(solid: np.ndarray, grid: Grid, rules: DrawingRules, thin: np.ndarra
 
 def _doors(solid: np.ndarray, grid: Grid, rules: DrawingRules, windows: Sequence[Window]) -> list[Door]:
     """Return an open door door_1, door_2, ... in each gap between walls and windows."""
+    solid = solid.copy()
     for area, _ in windows:
         solid[area] = True
     found = [] if rules.doors_m is None else gaps(solid, _sizes(rules.doors_m, grid.resolution_m))

@@ -51,6 +51,22 @@ def test_new_controller_runs(capsys, monkeypatch, tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("kind", "wanted"),
+    [
+        ("scenario", ["scenario.yaml", "scenario_plan.yaml"]),
+        ("controller", ["controller.py"]),
+        ("package", ["package"]),
+        ("exercises", ["exercises"]),
+    ],
+)
+def test_name_is_that_of_the_kind_if_none_is_given(capsys, refusal, kind, wanted):
+    assert main(["new", kind]) == 0
+    capsys.readouterr()
+    assert sorted(os.listdir()) == wanted
+    assert refusal("new", kind) == f"{wanted[0]}: exists already; expected a new name"
+
+
+@pytest.mark.parametrize(
     ("name", "title"), [("wall_walker", "WallWalker"), ("my_controller_of_test", "MyControllerOfTest")]
 )
 def test_new_package_registers_its_controller_by_name(name, title):
@@ -85,6 +101,7 @@ def test_new_package_is_a_catkin_package_too():
             ("scenario", "../x"),
             "NAME: '../x' is not valid; expected at most 64 lower-case letters, digits and _, such as my_house",
         ),
+        (("scenario", ""), "NAME: '' is not valid"),
         (("scenario", "a" * 65), "NAME: 'aaaaaaaa"),
         (("scenario", "true"), "NAME: 'true' is not text in YAML; expected another name"),
         (("controller", "json"), "NAME: 'json' is the name of something else in Python or robotteamsim"),

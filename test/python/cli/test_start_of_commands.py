@@ -40,6 +40,12 @@ def test_a_mission_without_files_imports_nothing_for_bags_pages_images_and_campa
     assert not names.intersection(late)
 
 
+def test_argument_that_is_named_like_a_command_imports_no_command() -> None:
+    names = imported("run", "campaign")
+    assert "robotteamsim.cli.run_command" in names
+    assert "robotteamsim.cli.campaign_command" not in names
+
+
 def test_parser_of_all_commands_imports_nothing_that_takes_seconds() -> None:
     late = "{'dask', 'distributed', 'scipy.stats', 'matplotlib'}"
     code = f"import sys, robotteamsim.cli.command_line as c; c.make_parser(); assert not {late} & set(sys.modules)"

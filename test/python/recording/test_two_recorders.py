@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pytest
 from rosbags import rosbag1, rosbag2
+from rosbags.rosbag2 import storage_mcap
 
 from robotteamsim.errors import RecordingError
-from robotteamsim.recording import BagWriter, McapWriter
+from robotteamsim.recording import BagWriter, McapWriter, ros_recorder
 from robotteamsim.recording.files import lock_active
 from robotteamsim.simulation.trial import Trial
 
@@ -80,3 +81,35 @@ def test_file_that_another_program_has_replaced_before_it_is_locked_is_named(tmp
         active.touch()
         with pytest.raises(RecordingError, match="another program writes"):
             lock_active(file.fileno(), path, active)
+
+
+@RECORDERS
+def test_interrupted_step_leaves_an_active_file_and_not_the_name_of_a_complete_one(
+    trial, tmp_path, monkeypatch, recorder, name
+):
+    def interrupt(*_arguments: object) -> None:
+        """Interrupt between the index of a chunk and its record, in an MCAP file; before any, in a bag."""
+        raise KeyboardInterrupt
+
+    recording = recorder(tmp_path / name)
+    recording.begin(trial.setup)
+    recording.step(trial.record(1))
+    monkeypatch.setattr(storage_mcap, "write_record", interrupt)
+    monkeypatch.setattr(rosbag1.Writer, "write", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        recording.step(trial.record(2))
+    monkeypatch.undo()
+    recording.abandon()
+    assert [path.name for path in tmp_path.iterdir()] == [f"{name}.active"]
+
+
+def test_file_that_another_program_opens_once_a_bag_is_complete_stays(trial, tmp_path, monkeypatch):
+    active, complete = tmp_path / "mission.bag.active", ros_recorder.rename_complete
+
+    def complete_and_open(part: Path, path: Path) -> None:
+        complete(part, path)
+        active.touch()
+
+    monkeypatch.setattr(ros_recorder, "rename_complete", complete_and_open)
+    trial.play(BagWriter(tmp_path / "mission.bag"), steps=1)
+    assert active.exists()

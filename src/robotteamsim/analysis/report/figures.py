@@ -56,6 +56,9 @@ _LEVEL_LETTERS = 4
 _TITLE_LETTERS = 40
 """A line of a panel's title."""
 
+Counts = Callable[[Sample], np.ndarray]
+"""What is counted in each mission of a sample."""
+
 
 @dataclass(frozen=True, slots=True)
 class Sheet:
@@ -63,7 +66,7 @@ class Sheet:
 
     width_inches:  of the figure.
     text_pt, title_pt, legend_pt: sizes of the text.
-    panels:        so many fit beside each other.
+    panels:        most panels next to each other.
     label_letters: of a line of a label next to a row, or in a legend.
     """
 
@@ -151,14 +154,7 @@ def draw_times(panels: Sequence[Panel], *, sheet: Sheet = SCREEN) -> Figure:
 
 
 @styled
-def draw_counts(
-    panels: Sequence[Panel],
-    of: Callable[[Sample], np.ndarray],
-    what: str,
-    top: int | None,
-    *,
-    sheet: Sheet = SCREEN,
-) -> Figure:
+def draw_counts(panels: Sequence[Panel], of: Counts, what: str, top: int | None, *, sheet: Sheet = SCREEN) -> Figure:
     """Draw the share of missions with each count, with Clopper-Pearson 95 % intervals.
 
     Args: of: returns the counts of a sample.  what: what is counted.  top: greatest possible count; None: unlimited.

@@ -5,22 +5,22 @@ from __future__ import annotations
 import itertools
 import json
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 
 import jinja2
-import numpy as np
 from markupsafe import Markup
 
 from robotteamsim import palette
 from robotteamsim.analysis.report import figures, maps
 from robotteamsim.analysis.report.contrasts import MAX_PAIRS, Contrast, compared_pairs, contrasts, overall
 from robotteamsim.analysis.report.egress import egress_table, exit_table
+from robotteamsim.analysis.report.figures import SCREEN, Counts, Sheet
 from robotteamsim.analysis.report.pictures import Picture, picture
 from robotteamsim.analysis.report.rank_tests import PERMUTATIONS
-from robotteamsim.analysis.report.samples import Campaign, Cell, Panel, Sample, panels_of, pooled
+from robotteamsim.analysis.report.samples import Campaign, Cell, Panel, panels_of, pooled
 from robotteamsim.analysis.report.statistics import TABLES
 from robotteamsim.analysis.report.tables import Table, campaign_tables
 from robotteamsim.analysis.report.wording import difference_text, listed, p_text
@@ -122,7 +122,7 @@ def make_report(
     missions: ShownMissions | None = None,
     *,
     each_pair: bool = False,
-    paper: figures.Sheet | None = None,
+    paper: Sheet | None = None,
 ) -> Report:
     """Return the report of one stored campaign, or of several of one design; the same stores give the same bytes.
 
@@ -201,16 +201,12 @@ def campaign_notes(campaign: Campaign, missions: ShownMissions | None) -> tuple[
     return tuple(notes)
 
 
-def campaign_pictures(
-    campaign: Campaign, panels: Sequence[Panel], sheet: figures.Sheet = figures.SCREEN
-) -> Iterator[Picture]:
+def campaign_pictures(campaign: Campaign, panels: Sequence[Panel], sheet: Sheet = SCREEN) -> Iterator[Picture]:
     """Yield the figures of a campaign. Args: panels: the missions to show."""
     samples = [each.missions for panel in panels for each in panel.series]
     num_victims = max(sample.num_victims for sample in samples)
     if num_victims > 0:
-        yield _counts_picture(
-            panels, "victims", "Victims saved", lambda sample: sample.victims_saved, num_victims, sheet
-        )
+        yield _counts_picture(panels, "victims", "Victims saved", lambda one: one.victims_saved, num_victims, sheet)
     yield picture(
         "times",
         "Mission durations",
@@ -238,27 +234,25 @@ def campaign_pictures(
         )
     num_areas = max(sample.num_areas for sample in samples)
     if num_areas > 0:
-        yield _counts_picture(panels, "areas", "Areas explored", lambda sample: sample.areas_explored, num_areas, sheet)
+        yield _counts_picture(panels, "areas", "Areas explored", lambda one: one.areas_explored, num_areas, sheet)
     threshold = f"{campaign.scenario.network.endangered_below_dbm:g} dBm".replace("-", "\N{MINUS SIGN}")
     yield picture(
         "endangered",
         "Endangered links",
         f"Share of missions by how often a link fell below {threshold}.",
-        figures.draw_counts(panels, lambda sample: sample.endangered, "times a link was endangered", None, sheet=sheet),
+        figures.draw_counts(panels, lambda one: one.endangered, "times a link was endangered", None, sheet=sheet),
         sheet,
     )
     yield from _path_pictures(campaign.cells, sheet)
 
 
-def _counts_picture(
-    panels: Sequence[Panel], name: str, title: str, of: Callable[[Sample], np.ndarray], top: int, sheet: figures.Sheet
-) -> Picture:
+def _counts_picture(panels: Sequence[Panel], name: str, title: str, of: Counts, top: int, sheet: Sheet) -> Picture:
     what = title[0].lower() + title[1:]
     caption = f"Share of missions by number of {what}. Bars end in exact (Clopper-Pearson) intervals."
     return picture(name, title, caption, figures.draw_counts(panels, of, what, top, sheet=sheet), sheet)
 
 
-def _path_pictures(cells: Sequence[Cell], sheet: figures.Sheet) -> Iterator[Picture]:
+def _path_pictures(cells: Sequence[Cell], sheet: Sheet) -> Iterator[Picture]:
     if heated := maps.drawable(cells):
         caption = (
             "Mean time that robots spent at each place in a mission. Red: the path of one robot in the mission of "

@@ -7,7 +7,7 @@ import re
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -79,9 +79,18 @@ _MOST_M, _MOST_S = 1e6, 1e9
 _CLOCKS_NS, _ONE_TIME_NS = 10 * 10**9, 86_400 * 10**9
 """Clocks may differ by less than the first, which includes delays; above the second they are not of one kind."""
 
-_NetworkSample = tuple[int, np.ndarray, np.ndarray, np.ndarray, float]
 Samples = Mapping[str, list[tuple[int, Any]]]
 """Stamps [ns] and values by topic."""
+
+
+class _NetworkSample(NamedTuple):
+    """A state of the network; its matrices have the square of the number of robots as their number of values."""
+
+    num_robots: int
+    adjacency: np.ndarray
+    endangered: np.ndarray
+    hop_count: np.ndarray
+    fiedler_value: float
 
 
 class ContentError(RecordingError):
@@ -330,17 +339,17 @@ def _series(samples: list[tuple[int, Any]] | None, kind: type) -> Series | None:
 
 
 def _network(topic: str, samples: list[tuple[int, Any]]) -> RecordedNetwork:
-    stamps_ns, states = zip(*samples, strict=True)
-    sizes, adjacency, endangered, hop_count, fiedler_value = zip(*states, strict=True)
+    states: list[_NetworkSample] = [state for _, state in samples]
+    sizes = [state.num_robots for state in states]
     if min(sizes) < max(sizes):
         raise ContentError(f"{topic}: has {min(sizes)} and then {max(sizes)} robots; expected one run per bag")
     shape = (len(samples), sizes[0], sizes[0])
     return RecordedNetwork(
-        np.array(stamps_ns),
-        np.array(adjacency, dtype=bool).reshape(shape),
-        np.array(endangered, dtype=bool).reshape(shape),
-        np.array(hop_count, dtype=np.int32).reshape(shape),
-        np.array(fiedler_value, dtype=np.float64),
+        np.array([stamp_ns for stamp_ns, _ in samples]),
+        np.array([state.adjacency for state in states], dtype=bool).reshape(shape),
+        np.array([state.endangered for state in states], dtype=bool).reshape(shape),
+        np.array([state.hop_count for state in states], dtype=np.int32).reshape(shape),
+        np.array([state.fiedler_value for state in states], dtype=np.float64),
     )
 
 
@@ -359,11 +368,10 @@ def _controller_sample(stamp_ns: int, message: Any) -> tuple[bool, tuple[float, 
 
 
 def _network_sample(stamp_ns: int, message: Any) -> _NetworkSample:
-    """Return the number of robots, matrices with its square as their number of values, and the Fiedler value."""
     n = message.num_robots
     if not n * n == len(message.adjacency) == len(message.endangered) == len(message.hop_count):
         raise ValueError(f"matrices of {len(message.adjacency)} values; expected {n * n}")
-    return n, message.adjacency, message.endangered, message.hop_count, message.fiedler_value
+    return _NetworkSample(n, message.adjacency, message.endangered, message.hop_count, message.fiedler_value)
 
 
 def _links_sample(stamp_ns: int, message: Any) -> _NetworkSample:
@@ -375,7 +383,7 @@ def _links_sample(stamp_ns: int, message: Any) -> _NetworkSample:
         unpacked(bits.reshape(n, row_bytes(n)), n) for bits in (message.adjacency, message.endangered)
     )
     hops = hops_among(adjacency, message.present != 0)
-    return n, adjacency, endangered, hops, message.fiedler_value
+    return _NetworkSample(n, adjacency, endangered, hops, message.fiedler_value)
 
 
 def _status(stamp_ns: int, message: Any) -> RecordedStatus:
