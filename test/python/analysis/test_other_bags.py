@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -228,6 +229,19 @@ def test_jump_of_the_odometry_is_reported_and_not_driven(write_bag, odometry, tm
     assert totals.notes == (
         "robot: 1 jump faster than 20 m/s, the first of 4.9 m at 5.0 s: resets of the odometry, not driven",
     )
+
+
+@pytest.mark.parametrize(("lost", "robots"), [(range(40, 60), ["r1", "r2"]), (STEPS, ["r1"])], ids=["some", "all"])
+def test_poses_that_are_not_finite_are_reported_and_missing(write_bag, odometry, drive, tmp_path, lost, robots):
+    """r2 publishes NaN in some steps, or in all: there is no distance of these."""
+    samples = [
+        ("/r2/odom", ODOMETRY, time_ns(i), odometry(time_ns(i), math.nan if i in lost else 0.1 * i, 0.0)) for i in STEPS
+    ]
+    run = read_run([write(write_bag, tmp_path / "nan.bag", drive("/r1/odom"), samples)])
+    totals = run_totals(run)
+    assert [robot.name for robot in run.robots] == robots
+    assert totals.notes == (f"/r2/odom: {len(lost)} of 101 poses are not finite; they are left out",)
+    assert [(gap.topic, gap.missing) for gap in run.gaps] == ([("/r2/odom", 20)] if len(robots) == 2 else [])
 
 
 def test_stamps_that_jitter_are_not_jumps(write_bag, odometry, tmp_path):

@@ -147,6 +147,10 @@ def _read(bag: BagReader, name: str, odometry: Sequence[str]) -> RecordedRun:
     for topic in sorted(names & set(once)):
         if copies := len(samples[topic]) - len(once[topic]):
             notes.append(f"{topic}: {copies} of {len(samples[topic])} messages are copies; each counts once")
+        finite = [(stamp_ns, pose) for stamp_ns, pose in once[topic] if tracks.is_finite(pose)]
+        if lost := len(once[topic]) - len(finite):
+            notes.append(f"{topic}: {lost} of {len(once[topic])} poses are not finite; they are left out")
+        once[topic] = finite
     return _run(name, once, paths, transforms, tuple(sorted(unread)), tuple(notes), bag.topics)
 
 

@@ -131,6 +131,11 @@ class Transforms:
             namespace = namespace.rpartition("/")[0]
 
 
+def is_finite(pose: PoseSample) -> bool:
+    """Return whether all numbers of a pose are finite, and no place is farther than any robot drives."""
+    return all(abs(value) < _FARTHEST_M for value in pose[1:])
+
+
 def from_truth(samples: Sequence[tuple[int, PoseSample]], absences: tuple[Absence, ...] = ()) -> Track | None:
     """Return the track of true poses in `map`, or None if no pose is finite."""
     track = _track("truth", samples, absences)
@@ -172,7 +177,7 @@ def from_odometry(
 
 def _track(source: str, samples: Sequence[tuple[int, PoseSample]], absences: tuple[Absence, ...]) -> Track | None:
     """Return the track of recorded poses in their own frame, without NaN, which lost robots publish; None: no poses."""
-    finite = [(stamp_ns, pose) for stamp_ns, pose in samples if all(abs(value) < _FARTHEST_M for value in pose[1:])]
+    finite = [(stamp_ns, pose) for stamp_ns, pose in samples if is_finite(pose)]
     if not finite:
         return None
     stamps_ns = np.array([stamp_ns for stamp_ns, _ in finite])
