@@ -41,7 +41,7 @@ _COMMANDS = {
     "scenario": "check, show or list scenarios",
     "plan": "import, export or draw floor plans",
     "field": "draw a radio or voice map",
-    "new": "write a scenario, controller or exercises to start from",
+    "new": "write a scenario, controller, package or exercises to start from",
     "completion": "print a script for completion in a shell",
 }
 """What each command does, which its module <name>_command describes; imported on use, because that takes a while."""
