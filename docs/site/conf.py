@@ -48,6 +48,7 @@ _ITEM = {
     "Raises": re.compile(r"(?:^|\n|[ ]{2}|(?<=\.) )[ ]*([A-Z]\w+(?:, [A-Z]\w+)*)(?::[ ]|\.?(?=\n|\Z))"),
 }
 _FIELD = {"Args": "param", "Raises": "raises"}
+_SECTIONS = {"Args": "Arguments", "Returns": "Returns", "Raises": "Raises"}
 
 
 def _fields(text):
@@ -56,7 +57,7 @@ def _fields(text):
     for kind, body in _SECTION.findall(text):
         parts = _ITEM[kind].split(body)[1:] if kind in _ITEM else []
         if not parts:  # such as "as `load`"
-            fields.append(f":{kind}: {_joined(body)}")
+            fields.append(f":{_SECTIONS[kind]}: {_joined(body)}")
         for names, meaning in zip(parts[::2], parts[1::2], strict=True):
             fields += (f":{_FIELD[kind]} {name}: {_joined(meaning)}" for name in names.split(", "))
     return _SECTION.sub("", text).rstrip(), fields
