@@ -12,6 +12,7 @@ import numpy as np
 from robotteamsim import _core
 from robotteamsim.setup import Setup
 from robotteamsim.simulation.record import Observer, Result, RobotTotals, StepRecord
+from robotteamsim.wording import counted
 
 
 class TrajectoryHash:
@@ -94,7 +95,7 @@ class Trial:
         if self.result is not None:
             return
         if record.step_index != self._num_steps + 1:
-            others = f"the simulation made {record.step_index - 1 - self._num_steps} steps elsewhere"
+            others = f"the simulation made {counted(record.step_index - 1 - self._num_steps, 'step')} elsewhere"
             raise ValueError(f"{others}, which its result would lack; expected all steps of a new Simulation")
         self._num_steps += 1
         state, excluded = record.readings.state, [decision.excluded for decision in record.decisions]

@@ -60,12 +60,6 @@ def mission(scenario: Scenario) -> Iterator[LiveMission]:
     started.close()
 
 
-@pytest.fixture
-def server(mission: LiveMission) -> Iterator[ViewServer]:
-    with served(mission) as server:
-        yield server
-
-
 def _frame(mission: LiveMission, *commands: AnyCommand) -> Frame:
     """Execute commands, and return what a new viewer then sees."""
     for command in commands:

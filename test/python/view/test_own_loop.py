@@ -96,7 +96,7 @@ def test_steps_that_the_loop_did_not_make_are_refused(short: Scenario) -> None:
     with rts.LiveView(simulation, speed=MOST_SPEED, browser=False) as view:
         view.step()
         simulation.step()
-        with pytest.raises(ValueError, match="made 1 steps elsewhere, which its result would lack"):
+        with pytest.raises(ValueError, match="made 1 step elsewhere, which its result would lack"):
             view.step()
     with pytest.raises(ValueError, match="made 3 steps elsewhere"):
         simulation.run()

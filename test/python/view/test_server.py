@@ -35,12 +35,6 @@ def mission(hall_scenario: Callable[..., Scenario]) -> Iterator[LiveMission]:
     started.close()
 
 
-@pytest.fixture
-def server(mission: LiveMission) -> Iterator[ViewServer]:
-    with served(mission) as server:
-        yield server
-
-
 def _post(server: ViewServer, body: str, headers: dict[str, str] | None = None) -> tuple[int, str]:
     connection = http.client.HTTPConnection(*server.server_address[:2], timeout=_WAIT_S)
     connection.request("POST", "/command", body, {"Content-Type": "application/json"} | (headers or {}))
