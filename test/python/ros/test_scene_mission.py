@@ -55,6 +55,12 @@ def test_ids_are_unique(markers):
     assert len({(item.ns, item.id) for item in markers}) == len(markers)
 
 
+@pytest.mark.parametrize(("draw", "entries"), [(drawn, VICTIMS), (lambda areas: area_markers(areas, 1.0), AREAS)])
+def test_a_list_that_repeats_an_entry_is_refused_at_once(draw, entries):
+    with pytest.raises(ValueError, match="expected different names"):
+        next(iter(draw(entries[:1] * 1000)))
+
+
 def test_victims_are_coloured_by_state_named_above_the_walls_and_filled_when_saved():
     markers = drawn(VICTIMS)
     rings, names = named(markers, "victim_rings"), named(markers, "victim_names")

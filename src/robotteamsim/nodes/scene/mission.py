@@ -25,8 +25,9 @@ WIDTH_PER_LETTER = 0.48
 def area_markers(areas: Sequence[Any], size: float) -> Iterator[Marker]:
     """Yield a numbered disc for each robotteamsim/Area: outlined if unexplored, bright if target, green if explored.
 
-    Args: size: see `shapes.unit`.
+    Args: size: see `shapes.unit`.  Raises: ValueError: two have the same name.
     """
+    _check_names(areas)
     for i, area in enumerate(areas):
         if area.explored:
             tint, fill, rim_m = colour(palette.EXPLORED_AREA), 0.30, 0.14
@@ -43,6 +44,12 @@ def area_markers(areas: Sequence[Any], size: float) -> Iterator[Marker]:
         yield label("area_numbers", i, f"A{i + 1}", tint, (*center_m, 0.5 * height_m), height_m)
 
 
+def _check_names(entries: Sequence[Any]) -> None:
+    """Raise the ValueError of a list that repeats an entry: a thousand areas take ten seconds to draw."""
+    if len({entry.name for entry in entries}) < len(entries):
+        raise ValueError("expected different names")
+
+
 class VictimPictures:
     """Draws the victims; keeps who has collapsed, because a collapsed victim who is located later still lies."""
 
@@ -57,8 +64,9 @@ class VictimPictures:
     def markers(self, victims: Sequence[Any]) -> Iterator[Marker]:
         """Yield a figure for each robotteamsim/Victim in the colour of their state; name and ring if they need help.
 
-        In the ring, a robot saves the victim; it is filled when they are saved.
+        In the ring, a robot saves the victim; it is filled when they are saved. Raises: ValueError: as for areas.
         """
+        _check_names(victims)
         if all(victim.state == "waiting" for victim in victims):  # at the start, or after a reset
             self._fallen.clear()
         self._fallen |= {victim.name for victim in victims if victim.state in FALLEN}

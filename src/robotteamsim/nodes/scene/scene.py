@@ -108,22 +108,21 @@ class Layer:
     def __init__(self, node: Node, name: str, markers: Iterable[Marker] = ()) -> None:
         self._make = node.make
         self._output = node.output(f"/scene/{name}", ARRAY, latched=True)
-        self._markers: list[Marker] = []
+        self._shown: dict[tuple[str, int], None] = {}
         self.draw(markers, gone=[_deletion("", 0, DELETE_ALL)])  # those of an earlier run
 
     def draw(self, markers: Iterable[Marker], gone: Iterable[Marker] = ()) -> None:
         """Replace the contents of the topic. Args: gone: further deletions."""
         found = list(markers)
-        left = {(item.ns, item.id): None for item in self._markers}  # in their order
-        for item in found:
-            left.pop((item.ns, item.id), None)
-        deletions = [*gone, *(_deletion(*key, DELETE) for key in left)]
-        self._output.publish(array_message(self._make, deletions + found))
-        self._markers = found
+        shown = dict.fromkeys((item.ns, item.id) for item in found)
+        deletions = [*gone, *(_deletion(*key, DELETE) for key in self._shown if key not in shown)]
+        self._message = array_message(self._make, deletions + found)
+        self._output.publish(self._message)
+        self._shown = shown
 
     def draw_again(self) -> None:
         """Publish the contents again."""
-        self._output.publish(array_message(self._make, self._markers))
+        self._output.publish(self._message)
 
 
 def _deletion(namespace: str, marker_id: int, action: int) -> Marker:
