@@ -1,4 +1,4 @@
-"""`robotteamsim new`: write a scenario, a controller, a package of a controller or the exercises to start from."""
+"""`robotteamsim new`: write a scenario, a controller, a package, exercises or a layout of Foxglove to start from."""
 
 import argparse
 import keyword
@@ -20,7 +20,8 @@ examples:
   robotteamsim new scenario house          house.yaml and house_plan.yaml
   robotteamsim new controller wanderer     wanderer.py with the class Wanderer
   robotteamsim new package wanderer        wanderer/ with wanderer.py for pip install, and my_node.py for catkin_make
-  robotteamsim new exercises               exercises/ with the files of docs/exercises.md"""
+  robotteamsim new exercises               exercises/ with the files of docs/exercises.md
+  robotteamsim new layout                  layout.json: panels for Foxglove and Lichtblick"""
 
 _FILES = {
     "scenario": {
@@ -43,6 +44,7 @@ _FILES = {
             *("wall_follower.py", "failure.yaml", "presets.py"),
         )
     },
+    "layout": {"layout/my_layout.json": "my_layout.json"},
 }
 """Templates by kind, and the names of the files that are made of them."""
 _NEXT = {
@@ -52,6 +54,7 @@ _NEXT = {
     "or, with {name}/ in the src/ of a catkin workspace: catkin_make && source devel/setup.bash && "
     "roslaunch {name} {name}.launch",
     "exercises": "cd {name} && python3 radio_range.py  (docs/exercises.md)",
+    "layout": "robotteamsim run garage_sar --mcap mission.mcap, and open both files in Foxglove or Lichtblick",
 }
 
 
@@ -101,5 +104,5 @@ def _template(file: str) -> Path:
 def _renamed(text: str, name: str, title: str) -> str:
     """Return a template's text with the user's names in place of its own."""
     own = {"my-controller": name.replace("_", "-"), "MyController": title}
-    names = r"my-controller|MyController|my_(?:scenario|controller|exercises)|^mine(?= = )"
+    names = r"my-controller|MyController|my_(?:scenario|controller|exercises|layout)|^mine(?= = )"
     return re.sub(names, lambda found: own.get(found[0], name), text, flags=re.MULTILINE)

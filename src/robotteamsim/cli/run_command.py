@@ -36,7 +36,8 @@ EPILOG = """\
 --out writes mission.json (result, all events, all settings, versions) and
 trajectories/robot_<id>.tum. --bag writes the same topics as a ROS run; play it back
 with `roslaunch robotteamsim replay.launch bag:=...`. --mcap writes them as ROS 2 messages,
-which Foxglove, Lichtblick and Rerun show.
+which Foxglove, Lichtblick and Rerun show (`robotteamsim new layout`), and leads from the map to
+each robot's true place in /tf.
 
 examples:
   robotteamsim run garage_sar --seed 7 --noise 20 --out results --bag mission.bag
@@ -168,7 +169,7 @@ def load_scenario(options: argparse.Namespace, name: str) -> scenario.Scenario:
 
 def _recorders(options: argparse.Namespace) -> list[Observer]:
     recorders: list[Observer] = [recording.BagWriter(options.bag)] if options.bag else []
-    recorders += [recording.McapWriter(options.mcap)] if options.mcap else []
+    recorders += [recording.McapWriter(options.mcap, localized=True)] if options.mcap else []
     if options.out:
         # mission.json is written last: if it exists, the rest is complete.
         recorders += [TumWriter(options.out / TRAJECTORIES), ResultWriter(options.out)]

@@ -57,6 +57,7 @@ def test_new_controller_runs(capsys, monkeypatch, tmp_path):
         ("controller", ["controller.py"]),
         ("package", ["package"]),
         ("exercises", ["exercises"]),
+        ("layout", ["layout.json"]),
     ],
 )
 def test_name_is_that_of_the_kind_if_none_is_given(capsys, refusal, kind, wanted):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+import re
 import struct
 from collections import Counter
 from pathlib import Path
@@ -12,6 +14,7 @@ from mcap.reader import make_reader
 from mcap.writer import Writer
 from mcap_ros2.decoder import DecoderFactory
 
+from robotteamsim.cli import main
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording import BagWriter, McapWriter
 from robotteamsim.recording.bag_reader import BagReader
@@ -37,6 +40,29 @@ def refusal(path: Path) -> str:
         list(reader.messages(reader.topics))
     assert "\n" not in str(refused.value)
     return str(refused.value)
+
+
+def test_layout_of_foxglove_shows_what_a_recording_contains(tmp_path):
+    """The form of the file is that of Lichtblick 1.28 (LayoutData), which Foxglove reads, too."""
+    path = tmp_path / "mission.mcap"
+    assert main(["run", "garage_sar", "--set", "mission.time_limit_s=2", "--mcap", str(path)]) == 0
+    layout = json.loads(Path("templates/layout/my_layout.json").read_text())
+    panels = layout["configById"]
+    assert sorted(panels) == sorted(re.findall(r'"(\w+!\w+)"', json.dumps(layout["layout"])))
+    absent = re.compile(r"/?robot_[3-7]/")  # there is place for eight robots
+    values = [path["value"] for panel in panels.values() for path in panel.get("paths", ())]
+    for topic, _, field in (value.partition(".") for value in values if not absent.match(value)):
+        assert all(np.isscalar(getattr(message, field)) for _, message in decoded(path, topic)), topic
+    scene, rviz = panels["3D!mission"], Path("rviz/robotteamsim.rviz").read_text()
+    drawn = [topic for topic in scene["topics"] if not absent.match(topic)]
+    assert [topic for topic in drawn if not decoded(path, topic) and f"Marker Topic: {topic}," not in rviz] == []
+    transforms = [transform for _, message in decoded(path, "/tf") for transform in message.transforms]
+    parents = {transform.child_frame_id: transform.header.frame_id for transform in transforms}
+    assert {parents[f"robot_{i}/odom"] for i in range(3)} == {"map"}  # where robots stand on the map
+    hidden = {frame.removeprefix("frame:") for frame in scene["transforms"]}
+    assert {frame for frame in hidden if not absent.match(frame)} == {"map", *parents} - {
+        f"robot_{i}/base_link" for i in range(3)
+    }
 
 
 def test_stock_library_reads_poses_scans_and_our_own_messages(trial, mcap):
