@@ -19,15 +19,21 @@ for room in range(ROOMS):
     if room:
         walls.append(wall(f"between_{room}", (left_m, 0.0), (left_m, SIDE_M)))
 
-scenario = rts.Scenario(
-    name="row of rooms",
-    plan={"name": "row", "bounds": {"min": (-0.1, -0.1), "max": (length_m + 0.1, corridor_m + 0.1)}, "walls": walls},
-    robots={"count": 2, "start": (1.0, SIDE_M + 1.0, 0.0)},
-    mission={
-        "areas": [{"name": f"room_{i}", "center": ((i + 0.5) * SIDE_M, 2.5)} for i in range(ROOMS)],
-        "victims": [{"name": "victim", "position": (length_m - 1.0, 1.0)}],
-        "time_limit_s": 300.0,
-    },
+scenario = rts.Scenario.model_validate(
+    {
+        "name": "row of rooms",
+        "plan": {
+            "name": "row",
+            "bounds": {"min": (-0.1, -0.1), "max": (length_m + 0.1, corridor_m + 0.1)},
+            "walls": walls,
+        },
+        "robots": {"count": 2, "start": (1.0, SIDE_M + 1.0, 0.0)},
+        "mission": {
+            "areas": [{"name": f"room_{i}", "center": ((i + 0.5) * SIDE_M, 2.5)} for i in range(ROOMS)],
+            "victims": [{"name": "victim", "position": (length_m - 1.0, 1.0)}],
+            "time_limit_s": 300.0,
+        },
+    }
 )
 simulation = rts.Simulation(scenario)
 draw_plan(scenario.plan, simulation.setup).savefig("own_building.png")

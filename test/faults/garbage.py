@@ -30,6 +30,8 @@ from std_msgs.msg import Header
 from watching import Processes, Watch, is_alive, peak_memory_mb, wait_for
 
 OF_MISSION = (*NODES, TEAM)
+# An odd stamp can take an input of a step away: then the simulation goes on after this time [s, wall].
+LOCKSTEP = ("lockstep:=true", "silence_limit_s:=2")
 LAUNCHES = {
     "garage": ((MISSION, "set:=control.adaptation=fuzzy"), OF_MISSION),
     "office": ((MISSION, "scenario:=office_manet", "robots:=4"), OF_MISSION),
@@ -37,8 +39,8 @@ LAUNCHES = {
     "search": ((MISSION, "set:=control.algorithm=search"), OF_MISSION),
     "rescue": ((MISSION, "scenario:=garage_rescue", "robots:=-1"), OF_MISSION),
     "fire": ((MISSION, "scenario:=office_fire", "robots:=-1"), OF_MISSION),
-    "lockstep": ((MISSION, "lockstep:=true"), OF_MISSION),
-    "rescue in lockstep": ((MISSION, "scenario:=garage_rescue", "robots:=-1", "lockstep:=true"), OF_MISSION),
+    "lockstep": ((MISSION, *LOCKSTEP), OF_MISSION),
+    "rescue in lockstep": ((MISSION, "scenario:=garage_rescue", "robots:=-1", *LOCKSTEP), OF_MISSION),
     "world": (("robotteamsim", "world.launch", "robots:=3", "stage_requests:=true"), ("/simulation",)),
 }
 STOPPED = re.compile(r"is stopped: .*\.py:\d+\)")
