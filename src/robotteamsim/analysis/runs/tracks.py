@@ -3,7 +3,7 @@
 import itertools
 import math
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -22,6 +22,8 @@ Jump = tuple[int, float]
 
 FASTEST_MPS, _SHORTEST_JUMP_M = 20.0, 0.5
 """No robot is faster: twice the limit of a scenario. Shorter jumps are the jitter of stamps."""
+_RETURNS = 3
+"""A localization that was wrong jumps to the right place, and perhaps once back, but not so often."""
 _FARTHEST_M = 1e9
 """Farther than any place on the Earth, also in UTM coordinates: such poses are as impossible as NaN."""
 _BASES = ("base_footprint", "base_link")
@@ -129,6 +131,21 @@ class Transforms:
             if not namespace:
                 return None
             namespace = namespace.rpartition("/")[0]
+
+    def contradictions(self, frames: Collection[str]) -> list[str]:
+        """Return a line for each place of such frames in `map` that goes back and forth, as if two robots sent it."""
+        lines, names = [], {frame.rpartition("/")[2] for frame in frames}
+        for (namespace, child), unsorted in self._places.items():
+            stamps_ns, *place = np.array(sorted(unsorted)).T[:3]
+            steps_m = np.hypot(*np.diff(place))
+            jumps = np.flatnonzero(steps_m > _SHORTEST_JUMP_M)
+            back_m = np.hypot(*(np.take(place, jumps[1:] + 1, axis=1) - np.take(place, jumps[:-1], axis=1)))
+            is_split = np.count_nonzero(2.0 * back_m < steps_m[jumps[:-1]]) >= _RETURNS
+            if child.rpartition("/")[2] in names and (is_split or (np.diff(stamps_ns)[jumps] == 0.0).any()):
+                what = f"jumps back and forth, the last time by {steps_m[jumps[-1]]:.1f} m, as if two robots sent it"
+                why = f"paths in map are wrong; expected a frame per robot, such as robot_0/{child}"
+                lines.append(f"{namespace}/tf: map to {child} {what}: {why}")
+        return lines
 
 
 def is_finite(pose: PoseSample) -> bool:
