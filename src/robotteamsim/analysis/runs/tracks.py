@@ -154,7 +154,7 @@ def is_finite(pose: PoseSample) -> bool:
 
 
 def from_truth(samples: Sequence[tuple[int, PoseSample]], absences: tuple[Absence, ...] = ()) -> Track | None:
-    """Return the track of true poses in `map`, or None if no pose is finite."""
+    """Return the track of true poses in `map`, all finite, or None if there are none."""
     track = _track("truth", samples, absences)
     return track and replace(track, frame=MAP_FRAME)
 
@@ -193,12 +193,11 @@ def from_odometry(
 
 
 def _track(source: str, samples: Sequence[tuple[int, PoseSample]], absences: tuple[Absence, ...]) -> Track | None:
-    """Return the track of recorded poses in their own frame, without NaN, which lost robots publish; None: no poses."""
-    finite = [(stamp_ns, pose) for stamp_ns, pose in samples if is_finite(pose)]
-    if not finite:
+    """Return the track of recorded poses in their own frame; None: no poses."""
+    if not samples:
         return None
-    stamps_ns = np.array([stamp_ns for stamp_ns, _ in finite])
-    values = np.array([pose[1:] for _, pose in finite])
+    stamps_ns = np.array([stamp_ns for stamp_ns, _ in samples])
+    values = np.array([pose[1:] for _, pose in samples])
     poses = np.column_stack((values[:, :2], _yaw_rad(*values[:, 2:].T)))
     places, came = poses[:, :2].tolist(), _came(stamps_ns, absences)
     steps_m = np.array([0.0, *itertools.starmap(math.dist, itertools.pairwise(places))])
@@ -208,7 +207,7 @@ def _track(source: str, samples: Sequence[tuple[int, PoseSample]], absences: tup
     jumps = tuple(zip(stamps_ns[jumped].tolist(), steps_m[jumped].tolist(), strict=True))
     steps_m[jumped] = 0.0
     # The sum has the order of the trial's own totals, for the same bits.
-    return Track(source, finite[0][1].frame, stamps_ns, poses, values[:, 4:], np.cumsum(steps_m), absences, jumps)
+    return Track(source, samples[0][1].frame, stamps_ns, poses, values[:, 4:], np.cumsum(steps_m), absences, jumps)
 
 
 def _came(stamps_ns: np.ndarray, absences: Sequence[Absence]) -> list[int]:
