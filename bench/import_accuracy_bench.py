@@ -15,16 +15,18 @@ import tempfile
 from dataclasses import astuple, dataclass, fields
 from pathlib import Path
 
+import cv2
 import numpy as np
 import shapely
 
 from robotteamsim.propagation import RadioField
 from robotteamsim.rng import stream
-from robotteamsim.scenario import load_floor_plan
+from robotteamsim.scenario import load_floor_plan, occupancy_grid
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan
-from robotteamsim.scenario.map_image import export_map, import_map
-from robotteamsim.scenario.plan import obstacles
+from robotteamsim.scenario.map_image import import_map
+from robotteamsim.scenario.plan import FREE, OCCUPIED, obstacles
 from robotteamsim.scenario.sections import Radio
+from robotteamsim.scenario.yaml_text import write
 
 MAPS = Path(__file__).resolve().parents[1] / "test" / "data" / "maps"
 PLANS = ("garage", *(str(MAPS / f"{name}.yaml") for name in ("one_r5", "cumberland", "diag_labs")))
@@ -72,6 +74,16 @@ def turned(plan: FloorPlan, angle_deg: float) -> FloorPlan:
         blocks=tuple(block.model_copy(update={"polygon": tuple(map(place, block.polygon))}) for block in plan.blocks),
         doors=tuple(door.model_copy(update={"closed": False, **ends(door)}) for door in plan.doors),
     )
+
+
+def export_map(plan: FloorPlan, folder: str | Path, resolution_m: float = 0.05) -> None:
+    """Write `map.yaml` and `map.pgm` of map_server into a folder: free cells white, occupied black."""
+    grid = occupancy_grid(plan, resolution_m)
+    grey = np.where(grid.cells == FREE, 254, np.where(grid.cells == OCCUPIED, 0, 205)).astype(np.uint8)
+    cv2.imwrite(str(Path(folder, "map.pgm")), np.flipud(grey))
+    settings = {"image": "map.pgm", "resolution": resolution_m, "origin": [*grid.origin_m, 0.0], "negate": 0}
+    thresholds = {"occupied_thresh": 0.65, "free_thresh": 0.196}
+    Path(folder, "map.yaml").write_text(write(settings | thresholds), encoding="utf-8")
 
 
 def accuracy(plan: FloorPlan, resolution_m: float, angle_deg: float, num_points: int) -> Accuracy:

@@ -6,13 +6,18 @@ from pathlib import Path
 
 import robotteamsim as rts
 from robotteamsim.analysis.runs.reading import read_run
+from robotteamsim.errors import RecordingError
 from robotteamsim.recording import BagWriter
 
 bag = Path(sys.argv[1] if len(sys.argv) > 1 else "mission.bag")
 if len(sys.argv) == 1:
     rts.Simulation(rts.load("garage_sar", ["mission.time_limit_s=30"])).run([BagWriter(bag)])
 
-run = read_run([bag])
+try:
+    run = read_run([bag])
+except RecordingError as error:
+    print(error, file=sys.stderr)
+    sys.exit(2)
 with open("poses.csv", "w", newline="", encoding="utf-8") as file:
     table = csv.writer(file)
     table.writerow(("robot", "time_s", "x_m", "y_m", "yaw_rad"))

@@ -2,10 +2,8 @@
 #include <array>
 #include <cstddef>
 
-#include "arrays.hpp"
 #include "bindings.hpp"
 #include "casters.hpp"
-#include "robotteamsim/swarm/attractors.hpp"
 #include "robotteamsim/swarm/velocity.hpp"
 
 namespace robotteamsim::bindings {
@@ -25,12 +23,6 @@ base::Point VelocityOf(const base::Point& position, const base::Point& inertia,
 void BindSwarm(nb::module_&& m) {
   m.def("next_velocity", &VelocityOf, "position"_a, "inertia"_a, "attractors"_a, "weights"_a, "numbers"_a);
   m.def("memory_term", &swarm::MemoryTerm, "coefficients"_a, "velocities"_a);
-  m.def(
-      "farthest_from",
-      [](const Points& points_m, const base::Point& place_m, const Points& candidates_m) {
-        return swarm::FarthestFrom(RecordsOf<base::Point>(points_m), place_m, RecordsOf<base::Point>(candidates_m));
-      },
-      "points_m"_a, "place_m"_a, "candidates_m"_a);
 }
 
 }  // namespace robotteamsim::bindings

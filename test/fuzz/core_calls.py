@@ -197,7 +197,6 @@ def _control() -> Iterator[Call]:
     )
     yield new("swarm.next_velocity", (1.0, 2.0), (0.1, 0.2), [(1.0, 2.0)] * 4, [0.5] * 4, [0.3] * 4)
     yield new("swarm.memory_term", [0.5, 0.2], [(1.0, 2.0), (3.0, 4.0)])
-    yield new("swarm.farthest_from", np.array([[1.0, 2.0]]), (0.0, 0.0), np.array([[3.0, 4.0]]))
 
 
 _FACES = new("propagation.FaceSet", [(1000, 0, 1000, 3000), (2000, 3000, 4000, 3000)], [20, 40])

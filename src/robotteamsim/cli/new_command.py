@@ -12,7 +12,7 @@ import yaml
 from robotteamsim.cli.parser import Parser, UsageError
 from robotteamsim.recording.files import make_folder, write_atomically
 from robotteamsim.scenario.controllers import ALGORITHMS
-from robotteamsim.scenario.shipped import share_roots
+from robotteamsim.scenario.shipped import scenario_names, share_roots
 from robotteamsim.scenario.yaml_text import shown
 
 EPILOG = """\
@@ -74,10 +74,12 @@ def run(options: argparse.Namespace) -> None:
     if yaml.safe_load(name) != name:  # true, no, null
         raise UsageError(f"NAME: '{name}' is not text in YAML; expected another name")
     title = "".join(word.capitalize() for word in name.split("_"))
-    if options.kind in ("controller", "package") and (
-        keyword.iskeyword(name) or keyword.iskeyword(title) or name in ALGORITHMS or find_spec(name) is not None
+    if (options.kind == "scenario" and name in scenario_names()) or (
+        options.kind in ("controller", "package")
+        and (keyword.iskeyword(name) or keyword.iskeyword(title) or name in ALGORITHMS or find_spec(name) is not None)
     ):
-        raise UsageError(f"NAME: '{name}' is the name of something else in Python or robotteamsim; expected a new name")
+        expected = f"expected a new name, such as my_{name}"
+        raise UsageError(f"NAME: '{name}' is the name of something else in Python or robotteamsim; {expected}")
     templates = {Path(_renamed(path, name, title)): _template(file) for file, path in _FILES[options.kind].items()}
     tops = list(dict.fromkeys(Path(path.parts[0]) for path in templates))
     for path in tops:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
@@ -13,7 +13,7 @@ from rich.console import Console
 
 from robotteamsim.cli.parser import PICTURES, UsageError, picture_of
 from robotteamsim.errors import RobotTeamSimError
-from robotteamsim.recording.files import check_replaceable
+from robotteamsim.recording.files import check_replaceable, prepare_folder, write_atomically
 from robotteamsim.wording import printable
 
 if TYPE_CHECKING:
@@ -38,19 +38,17 @@ def check_outputs(
     outputs: Mapping[str, Path | None],
     inputs: Iterable[str | Path],
     *,
-    new_folders: Collection[str] = (),
     folders: Mapping[str, Sequence[Path]] | None = None,
 ) -> None:
     """Check that files can be written, and over neither an input nor each other; call this before writing any.
 
     Args:   outputs: by option; None if it is not given.
-            inputs: files that the command reads. new_folders: options whose folders it creates.
+            inputs: files that the command reads.
             folders: the files that it writes into folders, which it creates, by option.
     Raises: UsageError, RecordingError.
     """
     of_folders = [(option, file) for option, files in (folders or {}).items() for file in files]
-    created = [path.parent for option, path in outputs.items() if path and option in new_folders]
-    created += [file.parent for _, file in of_folders]
+    created = [file.parent for _, file in of_folders]
     used = {os.path.realpath(file): "a file that this command reads" for file in inputs}
     for option, path in (*of_folders, *outputs.items()):
         if path is None:
@@ -75,6 +73,25 @@ def warn(notes: Iterable[str]) -> None:
     """Print the notes of a conversion."""
     for note in notes:
         print(f"robotteamsim: warning: {note}", file=sys.stderr)
+
+
+def write_world(
+    options: argparse.Namespace,
+    suffix: str,
+    inputs: Iterable[str | Path],
+    text: str,
+    said: str,
+    notes: Sequence[str] = (),
+) -> None:
+    """Write an exported scenario into --out, and print its notes, its path and what is said of it."""
+    # The scenario's own name may not be a valid file name.
+    path = options.out / f"{Path(options.scenario).stem}.{suffix}"
+    expect_new([path], getattr(options, "force", True))
+    check_outputs({}, inputs, folders={"--out": [path]})
+    warn(notes)
+    prepare_folder(options.out)
+    write_atomically(path, text)
+    print(f"{path}: {said}")
 
 
 def mistakes_of(error: RobotTeamSimError) -> list[str]:

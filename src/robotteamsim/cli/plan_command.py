@@ -9,11 +9,11 @@ import numpy as np
 
 from robotteamsim import scenario
 from robotteamsim.cli import stage_commands
-from robotteamsim.cli.output import add_png_option, check_outputs, expect_new, save, warn
+from robotteamsim.cli.output import add_png_option, check_outputs, expect_new, save, warn, write_world
 from robotteamsim.cli.parser import Parser, UsageError, number, path_of, positive_number
 from robotteamsim.cli.run_command import SCENARIO_HELP, add_set_option
 from robotteamsim.map_import.paper import MOST_TURN_DEG
-from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
+from robotteamsim.recording.files import atomically, write_atomically
 from robotteamsim.scenario.door_places import without_misplaced_doors
 from robotteamsim.scenario.dxf import DxfImport, DxfRules, import_dxf
 from robotteamsim.scenario.floor_plan import FloorPlan
@@ -318,16 +318,11 @@ def export_gazebo(options: argparse.Namespace) -> None:
 
     loaded = scenario.load(options.scenario, options.overrides)
     export = export_world(resolve(loaded), options.drive)
-    warn(export.notes)
-    # The scenario's own name may not be a valid file name.
-    path = options.out / f"{Path(options.scenario).stem}.world"
-    check_outputs({"--out": path}, loaded.origin.files, new_folders=["--out"])
-    prepare_folder(options.out)
+    robots = counted(loaded.num_robots - len(export.absent), "robot")
+    said = f"{robots}, {counted(len(loaded.plan.doors), 'door')}"
+    write_world(options, "world", loaded.origin.files, export.world, said, export.notes)
     for name, text in export.absent.items():
         write_atomically(options.out / f"{name}.sdf", text)
-    write_atomically(path, export.world)
-    robots = loaded.num_robots - len(export.absent)
-    print(f"{path}: {counted(robots, 'robot')}, {counted(len(loaded.plan.doors), 'door')}")
 
 
 def export_mujoco(options: argparse.Namespace) -> None:
@@ -336,13 +331,9 @@ def export_mujoco(options: argparse.Namespace) -> None:
 
     loaded = scenario.load(options.scenario, options.overrides)
     setup = resolve(loaded)
-    text = mjcf(setup.scenario, setup.robots)
-    path = options.out / f"{Path(options.scenario).stem}.xml"
-    check_outputs({"--out": path}, loaded.origin.files, new_folders=["--out"])
-    prepare_folder(options.out)
-    write_atomically(path, text)
-    robots = sum(robot.present for robot in setup.robots)
-    print(f"{path}: {counted(robots, 'robot')}, {counted(len(loaded.objects), 'object')}")
+    robots = counted(sum(robot.present for robot in setup.robots), "robot")
+    said = f"{robots}, {counted(len(loaded.objects), 'object')}"
+    write_world(options, "xml", loaded.origin.files, mjcf(setup.scenario, setup.robots), said)
 
 
 def render_plan(options: argparse.Namespace) -> None:

@@ -143,7 +143,7 @@ def _check_files(options: argparse.Namespace, loaded: scenario.Scenario) -> None
     for option, path in files.items():
         if options.out and path and (options.out / TRAJECTORIES).resolve() in path.resolve().parents:
             raise UsageError(f"{option} {path}: would be among the files of --out; choose another folder")
-    check_outputs({"--out": result, **files}, loaded.origin.files, new_folders=["--out"])
+    check_outputs(files, loaded.origin.files, folders={"--out": [result] if result else []})
 
 
 def load_scenario(options: argparse.Namespace, name: str) -> scenario.Scenario:

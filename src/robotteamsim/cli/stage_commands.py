@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from robotteamsim import scenario
-from robotteamsim.cli.output import check_outputs, expect_new, mistakes_of, report_mistakes, warn
+from robotteamsim.cli.output import check_outputs, expect_new, mistakes_of, report_mistakes, warn, write_world
 from robotteamsim.cli.parser import path_of
 from robotteamsim.cli.run_command import add_set_option
 from robotteamsim.errors import ScenarioError
@@ -102,18 +102,11 @@ def export_stage(options: argparse.Namespace) -> None:
     name = options.scenario
     if is_floor_plan(name) and not options.overrides:
         plan, files = floor_plan_and_files(name)
-        export, text = export_world(plan), "no robot"
+        export, said = export_world(plan), "no robot"
     else:
         setup = resolve(scenario.load(name, options.overrides))
         files = setup.scenario.origin.files
         robots = setup.robots[: setup.scenario.num_robots]
         export = export_world(setup.plan, setup.scenario, robots)
-        text = counted(sum(robot.present for robot in robots), "robot")
-    # The scenario's own name may not be a valid file name.
-    path = options.out / f"{Path(name).stem}.world"
-    expect_new([path], options.force)
-    check_outputs({"--out": path}, files, new_folders=["--out"])
-    warn(export.notes)
-    prepare_folder(options.out)
-    write_atomically(path, export.world)
-    print(f"{path}: {text}")
+        said = counted(sum(robot.present for robot in robots), "robot")
+    write_world(options, "world", files, export.world, said, export.notes)

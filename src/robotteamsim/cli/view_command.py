@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import webbrowser
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from robotteamsim import scenario
 from robotteamsim.cli.output import check_outputs
@@ -70,7 +70,7 @@ def view(options: argparse.Namespace) -> None:
     elif options.compare or _is_recorded(options.target):
         from robotteamsim.view.server import ViewServer
 
-        _serve(options, lambda: ViewServer(options.port, _page(options, targets), host=options.host))
+        _serve(options, ViewServer(options.port, _page(options, targets), host=options.host))
     else:
         _show_live(options)
 
@@ -123,18 +123,13 @@ def _show_live(options: argparse.Namespace) -> None:
     mission = LiveMission(load, speed=options.speed, playing=True)
     mission.start()
     try:
-        _serve(options, lambda: ViewServer(options.port, live_page(options.target), mission, options.host))
+        _serve(options, ViewServer(options.port, live_page(options.target), mission, options.host))
     finally:
         mission.close()
 
 
-def _serve(options: argparse.Namespace, make: Any) -> None:
-    """Serve until Ctrl-C. Raises: UsageError: the port is in use, or no such address. KeyboardInterrupt: the end."""
-    try:
-        server: ViewServer = make()
-    except (OSError, TypeError) as error:
-        place = f"--host {options.host}, --port" if options.host else "--port"
-        raise UsageError(f"{place} {options.port}: {getattr(error, 'strerror', None) or error}") from None
+def _serve(options: argparse.Namespace, server: ViewServer) -> None:
+    """Serve until Ctrl-C. Raises: RobotTeamSimError: see `ViewServer`. KeyboardInterrupt: the end."""
     with server:
         print(f"{server.url}  (Ctrl-C ends it)", flush=True)
         if not options.no_browser and not webbrowser.open(server.url):

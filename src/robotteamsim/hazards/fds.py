@@ -246,10 +246,8 @@ def _named(slices: Sequence[Any], quantity: str) -> list[Any]:
 
 def _visibility(smv: Path) -> tuple[float, float]:
     """Return C and the maximum [m] of FDS's visibility, C / K: from the input file that a .smv file names."""
-    keys = {
-        "VISIBILITY_FACTOR": 3.0,
-        "MAXIMUM_VISIBILITY": 30.0,
-    }  # defaults: cons.f90 at 002ad224, read.f90 at 520b2f8c
+    # The defaults of FDS: cons.f90 at 002ad224, read.f90 at 520b2f8c.
+    keys = {"VISIBILITY_FACTOR": 3.0, "MAXIMUM_VISIBILITY": 30.0}
     named = (after.strip() for line, after in itertools.pairwise(_lines(smv)) if line.strip() == "INPF")
     path = smv.with_name(Path(next(named, f"{smv.stem}.fds")).name)
     if not path.is_file():

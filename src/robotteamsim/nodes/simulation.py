@@ -185,7 +185,8 @@ class SteppedSimulation:
         simulation = self._simulation
         if self._elsewhere is not None:
             self._elsewhere.follow(simulation.world, stamp_ns)
-        simulation.command(self._commands.at(simulation.world.sim_time_ns))
+        commands = self._commands.at(simulation.world.sim_time_ns)
+        simulation.command({i: twist for i, twist in commands.items() if self._is_present(i)})
         if self._last is None and simulation.scenario.mission.autostart:
             simulation.mission.start()  # as without ROS, before the schedule's first events
         record = self._last = simulation.step()

@@ -104,32 +104,17 @@ class RadioField:
         )
         return FieldMap(origin_m, resolution_m, values)
 
-    def rssi_maps_dbm(
-        self,
-        transmitters_m: Sequence[Point],
-        resolution_m: float,
-        *,
-        floors_crossed: int = 0,
-        out: np.ndarray | None = None,
-        threads: int = 1,
-    ) -> list[FieldMap]:
+    def rssi_maps_dbm(self, transmitters_m: Sequence[Point], resolution_m: float, threads: int = 1) -> list[FieldMap]:
         """Return the map of each transmitter, as `rssi_map_dbm` does; each thread computes whole maps.
 
-        Args:   out: float32, shape (transmitters, rows, cols), C-contiguous; the maps are parts of it.
         Raises: ValueError: as there, or no transmitters.
         """
         rows, columns = grid_shape(self._plan, resolution_m)
-        values = map_array((len(transmitters_m), rows, columns), out)
+        values = np.empty((len(transmitters_m), rows, columns), np.float32)
         origin_m = self._plan.bounds.min
+        rows_of_all, faces, model = values.reshape(-1, columns), self.core_faces, self.core_model
         _core.propagation.write_rssi_maps_dbm(
-            self.core_faces,
-            self.core_model,
-            transmitters_m,
-            floors_crossed,
-            origin_m,
-            resolution_m,
-            values.reshape(-1, columns),
-            threads,
+            faces, model, transmitters_m, 0, origin_m, resolution_m, rows_of_all, threads
         )
         return [FieldMap(origin_m, resolution_m, part) for part in values]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import collections
 import contextlib
 import functools
 import itertools
@@ -22,7 +23,7 @@ else:
 
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.bag_file import BagFile, DamagedFileError
-from robotteamsim.recording.bag_paths import METADATA
+from robotteamsim.recording.bag_paths import METADATA, files_of, is_bag
 from robotteamsim.recording.bag_types import bag_typestore
 from robotteamsim.recording.mcap_writer import SUFFIX
 from robotteamsim.user_files import open_regular
@@ -207,12 +208,15 @@ def _check_profile(path: Path, begin: bytes) -> None:
 
 @contextlib.contextmanager
 def _damage_reported(part: _Part) -> Iterator[None]:
-    """Convert the exceptions of rosbags and decompressors on damaged files to one line that names the remedy."""
+    """Convert the exceptions of rosbags and decompressors on damaged files to one line that names file and remedy."""
     try:
         yield
     except (GeneratorExit, RecordingError):
         raise
     except Exception as error:  # Damaged bytes cause AssertionError, IndexError, KeyError, struct.error and others.
+        for file in filter(is_bag, files_of(part.path)) if part.format is _FOLDER else ():
+            with BagReader([file]) as alone:  # of the damaged one, the line is that of the file
+                collections.deque(alone.messages(set(filter(alone.is_known, alone.topics))), maxlen=0)
         why = "is damaged"
         if isinstance(error, DamagedFileError):
             why = f"is damaged: {error}"

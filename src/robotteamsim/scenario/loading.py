@@ -152,15 +152,13 @@ def is_floor_plan(path_or_name: str) -> bool:
     return _is_plan(read_mapping(Path(path_or_name), path_or_name, "a scenario"))
 
 
-def dump(scenario: Scenario, *, inline_plan: bool = False) -> str:
+def dump(scenario: Scenario) -> str:
     """Return a scenario as YAML with every key; `load` reads an equal scenario from it.
 
     A shipped map is written as its name, another plan file as its absolute path.
-
-    Args: inline_plan: write the plan itself even if it came from a file, so that the text is self-contained.
     """
     data = scenario.model_dump(by_alias=True, mode="json")
-    if scenario.plan_file and not inline_plan:
+    if scenario.plan_file:
         data["plan"] = shipped_map_name(Path(scenario.plan_file)) or scenario.plan_file
     return write(data)
 

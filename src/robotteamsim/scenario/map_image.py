@@ -31,7 +31,7 @@ from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN, Grid, OccupancyG
 from robotteamsim.scenario.plan_cache import cached_plan
 from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown, write
+from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown
 from robotteamsim.wording import printable
 
 DOOR_CELL_M = 0.02
@@ -66,8 +66,6 @@ CACHED_PIXELS = 200_000
 Line = TypeVar("Line", Wall, Door)
 Window = tuple[tuple[slice, slice], Wall]
 """Its cells, and the glass in them."""
-
-_FREE_GREY, _UNKNOWN_GREY, _OCCUPIED_GREY = 254, 205, 0
 
 
 def _unquoted(value: Any) -> Any:
@@ -425,30 +423,3 @@ def _published_image(scenario: Scenario) -> MapImage | None:
         return None
     image = read_map(path)
     return image if image.settings.origin[2] == 0.0 else None
-
-
-def export_map(plan: FloorPlan, folder: str | os.PathLike[str], resolution_m: float = 0.05) -> None:
-    """Write `map.yaml` and `map.pgm` into a folder: free cells white, occupied black, closed doors as walls.
-
-    Raises: OSError: the folder cannot be written.
-    """
-    grid = occupancy_grid(plan, resolution_m)
-    settings = {
-        "image": "map.pgm",
-        "resolution": resolution_m,
-        "origin": [*grid.origin_m, 0.0],
-        "negate": 0,
-        "occupied_thresh": OCCUPIED_THRESH,
-        "free_thresh": FREE_THRESH,
-    }
-    Path(folder, "map.pgm").write_bytes(_pgm(grid))
-    Path(folder, "map.yaml").write_text(write(settings), encoding="utf-8")
-
-
-def _pgm(grid: OccupancyGrid) -> bytes:
-    """Return an occupancy grid as a binary grey image (PGM, P5), highest y in the first row."""
-    grey = np.full(grid.cells.shape, _UNKNOWN_GREY, dtype=np.uint8)
-    grey[grid.cells == FREE] = _FREE_GREY
-    grey[grid.cells == OCCUPIED] = _OCCUPIED_GREY
-    rows, columns = grid.cells.shape
-    return b"P5\n%d %d\n255\n" % (columns, rows) + np.flipud(grey).tobytes()

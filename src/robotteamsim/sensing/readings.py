@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 from types import MappingProxyType
@@ -137,15 +136,3 @@ class TeamReadings(msgspec.Struct, frozen=True, eq=False, dict=True):
 def _rows(records: Sequence[Sequence[float]], columns: int) -> np.ndarray:
     """Return records as rows of an array, also if there are none."""
     return np.array(records, dtype=np.float64).reshape(-1, columns)
-
-
-_NOWHERE = PoseReading(math.nan, math.nan, math.nan, math.nan)
-
-NOT_THERE = RobotReading(
-    ground_truth=_NOWHERE,
-    twist=Twist(),
-    odometry=OdometryReading(_NOWHERE, Twist()),
-    ranges_m=np.zeros(0, np.float32),
-    in_contact=False,
-)
-"""The reading of an absent robot."""

@@ -42,10 +42,6 @@ class VoiceSensor:
         for victim in victims:
             self._place(victim.name, victim.position)
 
-    def victim_names(self) -> tuple[str, ...]:
-        """Return the names of all victims in the order in which they were added."""
-        return tuple(self._sources)
-
     def map(self) -> FieldMap:
         """Return the voice level over the floor [dB]; 0 where no voice is above the noise, and in walls."""
         if self._map is None:

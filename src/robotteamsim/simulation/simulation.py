@@ -261,14 +261,16 @@ class Simulation:
     def command(self, twists: Mapping[int, Twist]) -> None:
         """Let robots, by id, move in the next step by other commands than their controllers', as if driven by hand.
 
-        Raises: ValueError: no such robot, or a command is not finite.
+        Raises: ValueError: no such robot, it is absent, or a command is not finite.
         """
-        num_robots = len(self._before.decisions)
+        present = self.world.present
         if not isinstance(twists, Mapping):
             raise ValueError(f"command: {twists!r:.60}; expected a Twist by robot")
         for robot_id, twist in twists.items():
-            if robot_id not in range(num_robots):
-                raise ValueError(f"command: there is no robot {robot_id!r}, only 0 to {num_robots - 1}")
+            if robot_id not in range(len(present)):
+                raise ValueError(f"command: there is no robot {robot_id!r}, only 0 to {len(present) - 1}")
+            if not present[robot_id]:
+                raise ValueError(f"command: robot {robot_id} is absent; record.is_there({robot_id}) says so")
             if not isinstance(twist, Twist) or not are_finite(*msgspec.structs.astuple(twist)):
                 raise ValueError(f"command: robot {robot_id}: {twist!r}; expected a Twist of finite numbers")
         decisions = tuple(

@@ -37,7 +37,6 @@ from robotteamsim.swarm.velocity import (
     memory_term,
     next_position,
     next_velocity,
-    obstacle_attractor,
 )
 
 __all__ = [
@@ -62,7 +61,6 @@ __all__ = [
     "natural_selection",
     "next_position",
     "next_velocity",
-    "obstacle_attractor",
     "punished_search_counter",
     "robot_avoidance",
     "robot_proximity_by_distance",

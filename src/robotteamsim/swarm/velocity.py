@@ -4,8 +4,6 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import Literal, NamedTuple
 
-import numpy as np
-
 from robotteamsim import _core
 
 Vector = tuple[float, float]
@@ -94,23 +92,6 @@ def memory_coefficients(mode: MemoryMode, alpha: float, terms: int) -> tuple[flo
 def memory_term(coefficients: tuple[float, ...], velocities: Iterable[Vector]) -> Vector:
     """Return the weighted sum of past velocities, newest first; missing ones count as zero [same unit]."""
     return _core.swarm.memory_term(coefficients, tuple(velocities))
-
-
-def obstacle_attractor(position: Vector, hits_m: np.ndarray, candidates_m: np.ndarray) -> Vector:
-    """Return x_OB: among the candidates and the robot's position, the point farthest from the laser hits.
-
-    It is the robot's position if there are no hits or no candidate is better; ties go to the first candidate. A best
-    from the past would be wrong for a moving robot.
-
-    Args: hits_m: float64, shape (k, 2).  candidates_m: float64, shape (m, 2): points that the laser sees as free.
-    """
-    if len(hits_m) == 0 or len(candidates_m) == 0:
-        return position
-    best = _core.swarm.farthest_from(hits_m, position, candidates_m)
-    if best < 0:
-        return position
-    x_m, y_m = candidates_m[best].tolist()
-    return x_m, y_m
 
 
 def communication_attractor(position: Vector, neighbour: Vector, range_m: float) -> Vector:

@@ -47,8 +47,8 @@ class LiveView(SteppedMission):
         Args:   speed: simulated over wall time, at most; 1000 hardly waits.
                 observers: receive each step and the result, as in `Simulation.run`: recorders of bags and files.
                 port: of the address; 0: a free one.     browser: open the page; if not, open `url` yourself.
-        Raises: ValueError: no Simulation, or the speed is out of range. OSError: the port is in use. RecordingError: as
-                `Simulation.run`.
+        Raises: ValueError: no Simulation, or the speed is out of range. RobotTeamSimError: the port is in use.
+                RecordingError: as `Simulation.run`.
         """
         if not isinstance(simulation, Simulation):
             raise ValueError(f"LiveView: {simulation!r:.60} is not a Simulation")

@@ -35,11 +35,15 @@ class ViewServer(ThreadingHTTPServer):
         """Args: port: 0 for a free one.  page: the HTML page.  mission: None for a page with recorded missions.
 
         host: listen at this address; then each path begins with a new token, without which no request is answered.
-        Raises: OSError: the port is in use, or this machine does not have the address.
+        Raises: RobotTeamSimError: the port is in use, or this machine does not have the address.
         """
-        self.address_family = socket.AF_INET6 if ":" in (host or HOST) else socket.AF_INET
-        super().__init__((host or HOST, port), _Handler)
         self.page, self.mission, self.host = page.encode(), mission, (host or HOST).lower()
+        self.address_family = socket.AF_INET6 if ":" in self.host else socket.AF_INET
+        try:
+            super().__init__((self.host, port), _Handler)
+        except (OSError, OverflowError, TypeError) as error:
+            why = getattr(error, "strerror", None) or error
+            raise RobotTeamSimError(f"host {self.host}, port {port}: {why}") from None
         self.root = f"/{secrets.token_urlsafe(16)}/" if host else "/"
         """The path of the page, with which all other paths begin."""
 

@@ -329,3 +329,44 @@ def test_jump_of_motion_capture_is_no_reset_of_an_odometry(write_bag, tmp_path):
     assert note == (
         "vrpn: 1 jump faster than 20 m/s, the first of 9.1 m at 5.0 s: breaks in its recorded poses, not driven"
     )
+
+
+TWICE = "map to odom jumps back and forth, the last time by 13.0 m, as if two robots sent it"
+
+
+@pytest.mark.parametrize(
+    ("second_ns", "burst", "kind"),
+    [(0, 1, "tf"), (5 * 10**7, 1, "tf"), (5 * 10**7, 4, "tf"), (0, 101, "tf_static")],
+    ids=["equal stamps", "in turn", "in bursts", "static"],
+)
+def test_two_robots_that_place_one_frame_are_reported(write_bag, drive, tmp_path, second_ns, burst, kind):
+    """Both call their frame odom: one started at (1, 2), the other at (13, 7), which is 13 m away, and both drift."""
+    sent = []
+    for i in STEPS:
+        for x_m, y_m, late_ns in ((1.0, 2.0, 0), (13.0, 7.0, second_ns)):
+            if burst in (1, 101) or (i // burst % 2) == (x_m > 2.0):
+                at_ns = time_ns(i) + late_ns
+                message = transform("map", "odom", at_ns, x_m + 0.001 * i, y_m)
+                sent += [(f"/{kind}", TF, at_ns, message)] if i == 0 or kind == "tf" else []
+    run = read_run([write(write_bag, tmp_path / "two.bag", drive("/r1/odom"), drive("/r2/odom"), sent)])
+    (note,) = run.notes
+    advice = "paths in map are wrong; expected a frame per robot, such as robot_0/odom"
+    assert note == f"/tf: {TWICE}: {advice}"
+
+
+def test_localization_that_finds_its_place_is_one_robot(write_bag, drive, tmp_path):
+    """It is wrong by 13 m, finds its place, loses it once and finds it again; each robot has a tf of its own."""
+    wrong = {*range(20), *range(50, 55)}
+    sent = [
+        (topic, TF, time_ns(i), transform("map", "odom", time_ns(i), x_m + 12.0 * (i in wrong), 5.0 * (i in wrong)))
+        for i in STEPS
+        for topic, x_m in (("/r1/tf", 0.0), ("/r2/tf", 50.0))
+    ]
+    run = read_run([write(write_bag, tmp_path / "lost.bag", drive("/r1/odom"), drive("/r2/odom"), sent)])
+    assert run.notes == ()
+
+
+def test_robots_without_a_place_on_the_map_are_named(write_bag, drive, tmp_path):
+    placed_r2 = placed("/r2/tf", "odom", 1.0, 1.0)
+    path = write(write_bag, tmp_path / "r.bag", drive("/r1/odom"), drive("/r2/odom"), placed_r2)
+    assert "paths on the floor plan: no transform on /tf from map to odom of r1" in run_totals(read_run([path])).omitted

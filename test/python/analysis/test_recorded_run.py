@@ -73,7 +73,7 @@ def test_standard_topics_alone_give_paths_and_name_missing_topics(write_bag, odo
         "mission, areas and victims over time: no /mission/status",
         "events: no /mission/events",
         "network: no /network/state",
-        "paths on the floor plan: no transform from map to robot_0/odom on /tf",
+        "paths on the floor plan: no transform on /tf from map to robot_0/odom of robot_0",
         "collisions: no contact of any robot",
         "time excluded: no controller/status of any robot",
         "floor plan: no /map",

@@ -85,7 +85,7 @@ def test_folder_and_its_file_are_read_in_each_storage_and_compression(odometry, 
         assert driven(file) == (file.stem, 10.0, 10.0)
 
 
-def test_files_of_a_folder_are_one_recording(odometry, tmp_path):
+def of_two_files(odometry: Callable[..., Any], tmp_path: Path) -> Path:
     first, second = (
         write(tmp_path / name, drive(odometry, steps)) for name, steps in (("a", range(50)), ("b", range(50, 101)))
     )
@@ -96,7 +96,30 @@ def test_files_of_a_folder_are_one_recording(odometry, tmp_path):
     information["message_count"] = information["topics_with_message_count"][0]["message_count"] = 101
     information["duration"]["nanoseconds"] = 10 * SECOND_NS
     (first / "metadata.yaml").write_text(yaml.safe_dump(metadata))
-    assert driven(first) == ("a", 10.0, 10.0)
+    return first
+
+
+def test_files_of_a_folder_are_one_recording(odometry, tmp_path):
+    assert driven(of_two_files(odometry, tmp_path)) == ("a", 10.0, 10.0)
+
+
+@pytest.mark.parametrize("file", ["a.mcap", "b.mcap"])
+@pytest.mark.parametrize("share", [0.2, 0.6, 0.99])
+def test_truncated_file_of_a_folder_is_named(odometry, tmp_path, file, share):
+    damaged = of_two_files(odometry, tmp_path) / file
+    content = damaged.read_bytes()
+    damaged.write_bytes(content[: round(share * len(content))])
+    line = refusal(damaged.parent)
+    assert line.startswith(f"{damaged}: ")
+    assert line.endswith(f"; `mcap recover {damaged} -o recovered.mcap` saves what can be read")
+
+
+def test_folder_whose_metadata_is_damaged_is_named_itself(odometry, tmp_path):
+    folder = of_two_files(odometry, tmp_path)
+    (folder / "metadata.yaml").write_text("rosbag2_bagfile_information: 1\n")
+    line = refusal(folder)
+    assert line.startswith(f"{folder}: ")
+    assert line.endswith(f"`ros2 bag reindex {folder}` writes metadata.yaml again, from files that are not damaged")
 
 
 def test_file_without_definitions_is_read(odometry, tmp_path):

@@ -104,6 +104,11 @@ def test_new_package_is_a_catkin_package_too():
         ),
         (("scenario", ""), "NAME: '' is not valid"),
         (("scenario", "a" * 65), "NAME: 'aaaaaaaa"),
+        (
+            ("scenario", "garage_sar"),  # `run garage_sar` would run the shipped one
+            "NAME: 'garage_sar' is the name of something else in Python or robotteamsim; expected a new name, such as "
+            "my_garage_sar",
+        ),
         (("scenario", "true"), "NAME: 'true' is not text in YAML; expected another name"),
         (("controller", "json"), "NAME: 'json' is the name of something else in Python or robotteamsim"),
         (("controller", "numpy"), "NAME: 'numpy' is the name of something else in Python or robotteamsim"),

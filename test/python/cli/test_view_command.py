@@ -47,7 +47,7 @@ def test_folder_of_a_run_is_shown_and_one_of_another_version_is_rejected(
         (["."], "mission.json: cannot be read"),
         (["garage_sar", "--noise", "x"], "'x' is not a number"),
         (["garage_sar", "--port", "70000"], "--port 70000 is outside 0 to 65535"),
-        (["garage_sar", "--host", "192.0.2.7"], "--host 192.0.2.7, --port 0: Cannot assign requested address"),
+        (["garage_sar", "--host", "192.0.2.7"], "host 192.0.2.7, port 0: Cannot assign requested address"),
         (["garage_sar", "--speed", "0"], "not above 0"),
         (["garage_sar", "--speed", "2000"], "--speed 2000 is outside 0.001 to 1000"),
         (["garage_sar", "--speed", "1e-300"], "--speed 1e-300 is outside 0.001 to 1000"),

@@ -81,6 +81,14 @@ def test_example_prints_and_writes_what_it_says(path: Path, tmp_path: Path) -> N
     assert file is None or (tmp_path / file).stat().st_size > 5_000
 
 
+def test_example_names_a_bag_that_is_missing_in_one_line(tmp_path: Path) -> None:
+    words = (sys.executable, ROOT / "examples" / "bag_to_table.py", "none.bag")
+    done = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, timeout=60, check=False)
+    line = "none.bag: cannot be read: No such file or directory; expected a bag\n"
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", line)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_each_page_with_python_has_a_test_that_runs_it() -> None:
     here = {"README.md", "docs/experiments.md", "docs/python.md", "docs/viewer.md"}
     pages = ["README.md", *(f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md"))]

@@ -103,13 +103,6 @@ def test_dump_names_another_plan_file_by_its_path(tmp_path: Path) -> None:
     assert f"\nplan: {tmp_path / 'hall.yaml'}\n" in dump(scenario)
 
 
-def test_dump_contains_the_plan(tmp_path: Path) -> None:
-    scenario = load("garage_sar")
-    path = tmp_path / "dumped.yaml"
-    path.write_text(dump(scenario, inline_plan=True), encoding="utf-8")
-    assert load(path).plan == scenario.plan
-
-
 def test_dump_writes_a_changed_plan_itself() -> None:
     scenario = load("garage_sar")
     smaller = scenario.model_copy(update={"plan": scenario.plan.model_copy(update={"doors": ()})})

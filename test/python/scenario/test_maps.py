@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import runpy
 from pathlib import Path
 
 import cv2
@@ -10,7 +11,7 @@ import pytest
 from scipy import ndimage
 
 from robotteamsim.scenario import load, load_floor_plan, map_names, occupancy_grid, scenario_names
-from robotteamsim.scenario.map_image import export_map, import_map
+from robotteamsim.scenario.map_image import import_map
 from robotteamsim.scenario.plan import FREE
 from robotteamsim.scenario.shipped import shipped_plan
 from robotteamsim.setup import resolve
@@ -18,6 +19,8 @@ from robotteamsim.setup import resolve
 BUILDINGS = sorted((Path(__file__).parents[2] / "data" / "scenarios").glob("*.yaml"))
 SCENARIOS = [*scenario_names(), *BUILDINGS]
 MARGIN_M = 0.1
+EXPORT = "bench/import_accuracy_bench.py"
+export_map = runpy.run_path(str(Path(__file__).parents[3] / EXPORT))["export_map"]
 
 
 def _name(scenario: str | Path) -> str:
@@ -30,7 +33,7 @@ def test_shipped_image_equals_the_export_of_the_plan(name: str, tmp_path: Path) 
     folder = shipped_plan(name).parent
     assert (folder / "map.yaml").read_bytes() == (tmp_path / "map.yaml").read_bytes()
     assert (folder / "map.pgm").read_bytes() == (tmp_path / "map.pgm").read_bytes(), (
-        f"run robotteamsim.scenario.map_image.export_map for maps/{name}"
+        f"run export_map of {EXPORT} for maps/{name}"
     )
     assert (folder / "SOURCE.md").is_file()
 

@@ -16,7 +16,7 @@ from robotteamsim.errors import ScenarioError
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario import load, load_floor_plan, occupancy_grid, solids, write_floor_plan
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
-from robotteamsim.scenario.map_image import export_map, import_map
+from robotteamsim.scenario.map_image import import_map
 from robotteamsim.scenario.plan import FREE, OCCUPIED
 from robotteamsim.scenario.sections import Radio
 
@@ -86,7 +86,7 @@ def _slanted_wall(angle_deg: float, thickness_m: float) -> FloorPlan:
 
 
 def _exported_and_imported(plan: FloorPlan, folder: Path, resolution_m: float = 0.05) -> FloorPlan:
-    export_map(plan, folder, resolution_m)
+    BENCH["export_map"](plan, folder, resolution_m)
     return import_map(folder / "map.yaml")
 
 

@@ -309,6 +309,18 @@ def test_command_that_no_robot_can_obey_is_rejected_at_once(hall_scenario, twist
     simulation.step()
 
 
+def test_command_for_a_robot_that_was_removed_is_rejected_until_it_is_back(hall_scenario):
+    simulation = Simulation(short(hall_scenario))
+    simulation.remove_robot(1)
+    with pytest.raises(ValueError, match=r"^command: robot 1 is absent; record.is_there\(1\) says so$"):
+        simulation.command({0: Twist(0.5), 1: Twist(0.5)})
+    assert not simulation.step().is_there(1)
+    simulation.spawn_robot(1)
+    simulation.command({1: Twist(0.5)})
+    assert simulation.step().is_there(1)
+    assert simulation.world.twists()[1].linear_x_mps > 0.0
+
+
 @pytest.mark.parametrize(
     ("do", "message"),
     [
@@ -318,8 +330,11 @@ def test_command_that_no_robot_can_obey_is_rejected_at_once(hall_scenario, twist
         (lambda simulation: simulation.command({0: Twist("a")}), r"command: robot 0: Twist\(linear_x_mps='a', "),
         (lambda simulation: simulation.spawn_robot(None), "robot_id must be in 0..1, got None"),
         (lambda simulation: simulation.spawn_robot(1.0), "robot_id must be in 0..1, got 1.0"),
-        (lambda simulation: simulation.spawn_robot(1, (3, 3, 0)), r"robot_1: pose must be finite, got \(3, 3, 0\)"),
-        (lambda simulation: simulation.spawn_robot(1, Pose("a", 3, 0)), r"robot_1: pose must be finite, got Pose\("),
+        (lambda simulation: simulation.spawn_robot(1, (3, 3, 0)), r"robot_1: pose: \(3, 3, 0\); expected a Pose"),
+        (
+            lambda simulation: simulation.spawn_robot(1, Pose("a", 3, 0)),
+            r"robot_1: pose: Pose\(.*; expected a Pose of finite",
+        ),
         (lambda simulation: simulation.drop_object("a"), "robot_id must be in 0..1, got 'a'"),
         (lambda simulation: simulation.set_door([], closed=True), r"unknown door '\[\]'; known: "),
         (lambda simulation: simulation.set_noise_db(np.zeros(2)), r"noise_db: array\(\[0., 0.\]\) is not a number"),

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import robotteamsim as rts
+from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.recording import BagWriter
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Mission
@@ -108,6 +109,15 @@ def test_steps_that_the_loop_did_not_make_are_refused(short: Scenario) -> None:
 def test_what_cannot_be_watched_is_refused_in_one_line(short: Scenario, what: str, speed: object, line: str) -> None:
     with pytest.raises(ValueError, match=line):
         rts.LiveView(what or rts.Simulation(short), speed=speed, browser=False)
+
+
+def test_a_port_that_is_in_use_is_named_in_one_line(short: Scenario) -> None:
+    with rts.LiveView(rts.Simulation(short), browser=False) as view:
+        port = int(view.url.rsplit(":")[-1].strip("/"))
+        with pytest.raises(RobotTeamSimError, match=rf"^host 127\.0\.0\.1, port {port}: Address already in use$"):
+            rts.LiveView(rts.Simulation(short), port=port, browser=False)
+    with pytest.raises(RobotTeamSimError, match=r"^host 127\.0\.0\.1, port 70000: .*0-65535"):
+        rts.LiveView(rts.Simulation(short), port=70000, browser=False)
 
 
 def test_page_may_not_change_what_the_program_changes(short: Scenario) -> None:

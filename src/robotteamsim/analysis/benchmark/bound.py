@@ -7,7 +7,6 @@ at least the longest route over the top speed; lengths of routes are bounded fro
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
@@ -34,19 +33,8 @@ _VERTICES = 120_000
 _FINEST_M, _COARSEST_M = 0.05, 0.2
 
 
-@dataclass(frozen=True, slots=True)
-class Bound:
-    """A lower bound on the time at which the last victim is saved [s]; infinity if one of them cannot be reached.
-
-    unreachable: names of the victims that no robot can reach.
-    """
-
-    time_s: float
-    unreachable: tuple[str, ...]
-
-
-def search_bound(setup: Setup) -> Bound:
-    """Return the bound of one mission.
+def search_bound(setup: Setup) -> float:
+    """Return a lower bound on the time at which the last victim is saved [s]; infinity if one cannot be reached.
 
     Raises: CampaignError: a schedule, or victims who walk or flee, would change what the bound assumes.
     """
@@ -63,9 +51,7 @@ def search_bound(setup: Setup) -> Bound:
     victims_m = [victim.position for victim in mission.victims]
     from_starts, legs = floor.lengths_m(starts_m, victims_m, mission.save_distance_m)
     speed_mps = max(robot.drive.max_speed_mps for robot in robots)
-    names = [victim.name for victim in mission.victims]
-    lost = [name for name, column in zip(names, from_starts.T, strict=True) if not np.isfinite(column).any()]
-    return Bound(longest_route(from_starts, legs) / speed_mps, tuple(lost))
+    return longest_route(from_starts, legs) / speed_mps
 
 
 class OptimisticFloor:

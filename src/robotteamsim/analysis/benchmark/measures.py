@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robotteamsim.analysis.benchmark.bound import Bound, search_bound
+from robotteamsim.analysis.benchmark.bound import search_bound
 from robotteamsim.campaign import Design, Outcome
 from robotteamsim.errors import CampaignError
 from robotteamsim.recording.idleness import Idleness
@@ -75,8 +75,8 @@ Mission = tuple[str, int, int]
 
 def lower_bounds(
     design: Design, outcomes: Sequence[Outcome], shown: Callable[[Collection[Mission]], Iterable[Mission]] = iter
-) -> dict[Mission, Bound]:
-    """Return the lower bound of each mission of a search. Args: shown: yields the missions, and shows the progress."""
+) -> dict[Mission, float]:
+    """Return the bound of each mission of a search [s]. Args: shown: yields the missions, and shows the progress."""
     scenarios = {}
     for outcome in outcomes:
         cell = design.cells[outcome.cell]
@@ -92,7 +92,7 @@ def lower_bounds(
 
 
 def search_samples(
-    design: Design, outcomes: Sequence[Outcome], bounds: Mapping[Mission, Bound]
+    design: Design, outcomes: Sequence[Outcome], bounds: Mapping[Mission, float]
 ) -> tuple[SearchSample, ...]:
     """Return the sample of each cell that has a finished mission, in the design's order. Args: design: a search."""
     samples = []
@@ -111,7 +111,7 @@ def search_samples(
                 areas=np.array([outcome.areas_explored for outcome in own]),
                 last_s=np.array([last_saved_s(outcome) for outcome in own]),
                 end_s=np.array([outcome.time_s for outcome in own]),
-                bound_s=np.array([bounds[building, robots, outcome.seed].time_s for outcome in own]),
+                bound_s=np.array([bounds[building, robots, outcome.seed] for outcome in own]),
                 coverage=np.array([share for one in own if (share := one.known_details.coverage) is not None]),
                 networks=_networks(own),
                 num_victims=scenario.num_victims,

@@ -10,7 +10,6 @@ from typing import TypeVar
 import numpy as np
 
 import robotteamsim
-from robotteamsim.analysis.benchmark.bound import Bound
 from robotteamsim.analysis.benchmark.figures import CLAIRVOYANT, draw_idleness, draw_profiles
 from robotteamsim.analysis.benchmark.measures import Mission, PatrolSample, SearchSample, patrol_samples, search_samples
 from robotteamsim.analysis.benchmark.profile import Profile, profiles
@@ -53,7 +52,7 @@ _READING_PATROL = (
 
 
 def make_search_report(
-    design: Design, outcomes: Sequence[Outcome], command: str, bounds: Mapping[Mission, Bound]
+    design: Design, outcomes: Sequence[Outcome], command: str, bounds: Mapping[Mission, float]
 ) -> Report:
     """Return the report of a search benchmark. Raises: CampaignError: no mission has ended."""
     samples = search_samples(design, outcomes, bounds)

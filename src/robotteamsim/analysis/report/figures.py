@@ -189,7 +189,7 @@ def draw_survival(panels: Sequence[Panel], *, sheet: Sheet = SCREEN) -> Figure:
         axes.set_xlabel("time [s]")
         axes.grid(axis="x", color=GRID, linewidth=0.7)
     samples = [each.missions for panel in shown for each in panel.series]
-    earliest = min(float(sample.restricted_s.min()) for sample in samples)
+    earliest = min((float(sample.restricted_s.min()) for sample in samples if sample.finished.any()), default=0.0)
     latest = max(sample.limit_s for sample in samples)
     all_axes[0].set_xlim(max(0.0, earliest - 0.12 * latest), latest * 1.02)
     _add_legend(figure, shown, "|: cut short (censored at the limit)", sheet)

@@ -74,8 +74,8 @@ def clopper_pearson(successes: int, count: int, confidence: float = 0.95) -> Int
     return Interval(successes / count, low, high)
 
 
-def bootstrap_mean(values: np.ndarray, generator: np.random.Generator, confidence: float = 0.95) -> Interval:
-    """Return the mean with its percentile bootstrap interval; the interval of equal or single values has zero width."""
+def bootstrap_mean(values: np.ndarray, generator: np.random.Generator) -> Interval:
+    """Return the mean with its 95 % percentile bootstrap interval, which has zero width for equal or single values."""
     mean = float(np.mean(values))
     if len(values) < 2 or np.ptp(values) == 0:
         return Interval(mean, mean, mean)
@@ -84,7 +84,7 @@ def bootstrap_mean(values: np.ndarray, generator: np.random.Generator, confidenc
         np.mean,
         n_resamples=RESAMPLES,
         batch=BATCH,
-        confidence_level=confidence,
+        confidence_level=0.95,
         method="percentile",
         rng=generator,
     )

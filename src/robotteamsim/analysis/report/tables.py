@@ -72,7 +72,7 @@ def p_entry(p: float | None) -> Entry:
 
 def _numbers(interval: Interval, digits: int) -> tuple[str, ...]:
     values = interval.value, interval.low, interval.high
-    return tuple("" if math.isnan(value) else f"{value:.{digits}f}" for value in values)
+    return tuple("" if math.isnan(value) else f"{value:z.{digits}f}" for value in values)
 
 
 @dataclass(frozen=True, slots=True)

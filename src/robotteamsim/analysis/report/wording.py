@@ -6,8 +6,6 @@ import math
 
 from robotteamsim.analysis.report.statistics import Interval
 
-MINUS = "\N{MINUS SIGN}"
-
 
 def percents(*shares: float) -> list[str]:
     """Return shares as integer per cent, or all with one decimal if one is near 0 or 1."""
@@ -25,15 +23,13 @@ def share_text(share: Interval) -> str:
 def interval_text(interval: Interval, digits: int) -> str:
     """Return a value with its interval in brackets, or "[-, -]" where there is none."""
     if math.isnan(interval.low):
-        return f"{interval.value:.{digits}f} [-, -]"
-    return f"{interval.value:.{digits}f} [{interval.low:.{digits}f}, {interval.high:.{digits}f}]"
+        return f"{interval.value:z.{digits}f} [-, -]"
+    return f"{interval.value:z.{digits}f} [{interval.low:z.{digits}f}, {interval.high:z.{digits}f}]"
 
 
 def difference_text(interval: Interval, digits: int) -> str:
     """Return a difference with its interval for a sentence, with minus signs instead of hyphens."""
-    if math.isnan(interval.low):
-        return f"{interval.value:.{digits}f}, no interval".replace("-", MINUS)
-    return interval_text(interval, digits).replace("-", MINUS)
+    return interval_text(interval, digits).replace(" [-, -]", ", no interval").replace("-", "\N{MINUS SIGN}")
 
 
 def p_text(p: float | None) -> str:

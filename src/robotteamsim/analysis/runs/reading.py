@@ -151,6 +151,7 @@ def _read(bag: BagReader, name: str, odometry: Sequence[str]) -> RecordedRun:
         if lost := len(once[topic]) - len(finite):
             notes.append(f"{topic}: {lost} of {len(once[topic])} poses are not finite; they are left out")
         once[topic] = finite
+    notes += transforms.contradictions({pose.frame for topic in names & set(once) for _, pose in once[topic][:1]})
     return _run(name, once, paths, transforms, tuple(sorted(unread)), tuple(notes), bag.topics)
 
 

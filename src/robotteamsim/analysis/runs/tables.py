@@ -225,49 +225,35 @@ def _context_table(totals: RunTotals) -> Table:
     return table
 
 
-def _cells(totals: RunTotals) -> list[str]:
+def _numbers(totals: RunTotals) -> list[tuple[float | None, str, str, str]]:
+    """Return value, form, form of the mean and what follows the value of each column with numbers."""
     mission, network = totals.mission, totals.network
-    endangered = mission.endangered_links if mission else network.endangered_links if network else None
+    either = mission or network
     return [
-        totals.bag,
-        _SHORT_ENDS.get(mission.end, mission.end) if mission else _UNKNOWN,
-        f"{mission.areas_explored}/{mission.num_areas}" if mission else _UNKNOWN,
-        f"{mission.victims_saved}/{mission.num_victims}" if mission else _UNKNOWN,
-        _number(mission.time_s if mission else None, ".1f"),
-        _number(endangered, "d", "" if mission else _mark(totals, "endangered_links")),
-        _number(totals.distance_m, ".0f", _mark(totals, "distance_m")),
-        _number(totals.collisions, "d", _mark(totals, "collisions")),
-        _number(network.mean_fiedler_value if network else None, ".2f", _mark(totals, "mean_fiedler_value")),
-        _number(network.split_s if network else None, ".1f", _mark(totals, "split_s")),
+        (mission.areas_explored if mission else None, "d", ".2f", f"/{mission.num_areas}" if mission else ""),
+        (mission.victims_saved if mission else None, "d", ".2f", f"/{mission.num_victims}" if mission else ""),
+        (mission.time_s if mission else None, ".1f", ".1f", ""),
+        (either.endangered_links if either else None, "d", ".2f", "" if mission else _mark(totals, "endangered_links")),
+        (totals.distance_m, ".0f", ".0f", _mark(totals, "distance_m")),
+        (totals.collisions, "d", ".2f", _mark(totals, "collisions")),
+        (network.mean_fiedler_value if network else None, ".2f", ".2f", _mark(totals, "mean_fiedler_value")),
+        (network.split_s if network else None, ".1f", ".1f", _mark(totals, "split_s")),
     ]
+
+
+def _cells(totals: RunTotals) -> list[str]:
+    end = _SHORT_ENDS.get(totals.mission.end, totals.mission.end) if totals.mission else _UNKNOWN
+    return [totals.bag, end, *(_number(value, form, mark) for value, form, _, mark in _numbers(totals))]
 
 
 def _mean_cells(all_totals: Sequence[RunTotals]) -> list[str]:
-    """Return the means over the bags that have the value; only missions have a mission time."""
-    missions = [totals.mission for totals in all_totals if totals.mission]
-    networks = [totals.network for totals in all_totals if totals.network]
-    distances_m = [totals.distance_m for totals in all_totals if totals.distance_m is not None]
-    collisions = [totals.collisions for totals in all_totals if totals.collisions is not None]
-
-    def marked(name: str) -> str:
-        return max((_mark(totals, name) for totals in all_totals), default="")
-
-    return [
-        "mean",
-        "",
-        _mean([mission.areas_explored for mission in missions], ".2f"),
-        _mean([mission.victims_saved for mission in missions], ".2f"),
-        _mean([mission.time_s for mission in missions], ".1f"),
-        _mean([mission.endangered_links for mission in missions], ".2f"),
-        _mean(distances_m, ".0f", marked("distance_m")),
-        _mean(collisions, ".2f", marked("collisions")),
-        _mean([network.mean_fiedler_value for network in networks], ".2f", marked("mean_fiedler_value")),
-        _mean([network.split_s for network in networks], ".1f", marked("split_s")),
-    ]
-
-
-def _mean(values: Sequence[float], form: str, mark: str = "") -> str:
-    return _number(statistics.fmean(values) if values else None, form, mark)
+    """Return the means over the bags that have the value."""
+    cells = ["mean", ""]
+    for column in zip(*map(_numbers, all_totals), strict=True):
+        values = [value for value, *_ in column if value is not None]
+        mark = _MARK if any(mark == _MARK for *_, mark in column) else ""
+        cells.append(_number(statistics.fmean(values) if values else None, column[0][2], mark))
+    return cells
 
 
 def _number(value: float | None, form: str, mark: str = "") -> str:

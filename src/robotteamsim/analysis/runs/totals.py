@@ -289,8 +289,8 @@ def _omitted(run: RecordedRun) -> tuple[str, ...]:
         lines.append("network: no /network/state")
     if not run.robots and (run.network is None or run.network.num_robots):
         lines.append("paths, distances, speeds: no odometry, poses or tf of any robot")
-    if lost := dict.fromkeys(robot.track.frame for robot in run.robots if not robot.track.is_on_map):
-        lines.append(f"paths on the floor plan: no transform from map to {', '.join(lost)} on /tf")
+    if lost := [f"{robot.track.frame} of {robot.name}" for robot in run.robots if not robot.track.is_on_map]:
+        lines.append(f"paths on the floor plan: no transform on /tf from map to {', '.join(lost)}")
     lines += _missing("collisions", "contact", [r.name for r in run.robots if r.contact is None], len(run.robots))
     lines += _missing(
         "time excluded", "controller/status", [r.name for r in run.robots if r.excluded is None], len(run.robots)

@@ -3,7 +3,7 @@
 import itertools
 import math
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
@@ -22,6 +22,8 @@ Jump = tuple[int, float]
 
 FASTEST_MPS, _SHORTEST_JUMP_M = 20.0, 0.5
 """No robot is faster: twice the limit of a scenario. Shorter jumps are the jitter of stamps."""
+_RETURNS = 3
+"""A localization that was wrong jumps to the right place, and perhaps once back, but not so often."""
 _FARTHEST_M = 1e9
 """Farther than any place on the Earth, also in UTM coordinates: such poses are as impossible as NaN."""
 _BASES = ("base_footprint", "base_link")
@@ -130,6 +132,21 @@ class Transforms:
                 return None
             namespace = namespace.rpartition("/")[0]
 
+    def contradictions(self, frames: Collection[str]) -> list[str]:
+        """Return a line for each place of such frames in `map` that goes back and forth, as if two robots sent it."""
+        lines, names = [], {frame.rpartition("/")[2] for frame in frames}
+        for (namespace, child), unsorted in self._places.items():
+            stamps_ns, *place = np.array(sorted(unsorted)).T[:3]
+            steps_m = np.hypot(*np.diff(place))
+            jumps = np.flatnonzero(steps_m > _SHORTEST_JUMP_M)
+            back_m = np.hypot(*(np.take(place, jumps[1:] + 1, axis=1) - np.take(place, jumps[:-1], axis=1)))
+            is_split = np.count_nonzero(2.0 * back_m < steps_m[jumps[:-1]]) >= _RETURNS
+            if child.rpartition("/")[2] in names and (is_split or (np.diff(stamps_ns)[jumps] == 0.0).any()):
+                what = f"jumps back and forth, the last time by {steps_m[jumps[-1]]:.1f} m, as if two robots sent it"
+                why = f"paths in map are wrong; expected a frame per robot, such as robot_0/{child}"
+                lines.append(f"{namespace}/tf: map to {child} {what}: {why}")
+        return lines
+
 
 def is_finite(pose: PoseSample) -> bool:
     """Return whether all numbers of a pose are finite, and no place is farther than any robot drives."""
@@ -137,7 +154,7 @@ def is_finite(pose: PoseSample) -> bool:
 
 
 def from_truth(samples: Sequence[tuple[int, PoseSample]], absences: tuple[Absence, ...] = ()) -> Track | None:
-    """Return the track of true poses in `map`, or None if no pose is finite."""
+    """Return the track of true poses in `map`, all finite, or None if there are none."""
     track = _track("truth", samples, absences)
     return track and replace(track, frame=MAP_FRAME)
 
@@ -176,12 +193,11 @@ def from_odometry(
 
 
 def _track(source: str, samples: Sequence[tuple[int, PoseSample]], absences: tuple[Absence, ...]) -> Track | None:
-    """Return the track of recorded poses in their own frame, without NaN, which lost robots publish; None: no poses."""
-    finite = [(stamp_ns, pose) for stamp_ns, pose in samples if is_finite(pose)]
-    if not finite:
+    """Return the track of recorded poses in their own frame; None: no poses."""
+    if not samples:
         return None
-    stamps_ns = np.array([stamp_ns for stamp_ns, _ in finite])
-    values = np.array([pose[1:] for _, pose in finite])
+    stamps_ns = np.array([stamp_ns for stamp_ns, _ in samples])
+    values = np.array([pose[1:] for _, pose in samples])
     poses = np.column_stack((values[:, :2], _yaw_rad(*values[:, 2:].T)))
     places, came = poses[:, :2].tolist(), _came(stamps_ns, absences)
     steps_m = np.array([0.0, *itertools.starmap(math.dist, itertools.pairwise(places))])
@@ -191,7 +207,7 @@ def _track(source: str, samples: Sequence[tuple[int, PoseSample]], absences: tup
     jumps = tuple(zip(stamps_ns[jumped].tolist(), steps_m[jumped].tolist(), strict=True))
     steps_m[jumped] = 0.0
     # The sum has the order of the trial's own totals, for the same bits.
-    return Track(source, finite[0][1].frame, stamps_ns, poses, values[:, 4:], np.cumsum(steps_m), absences, jumps)
+    return Track(source, samples[0][1].frame, stamps_ns, poses, values[:, 4:], np.cumsum(steps_m), absences, jumps)
 
 
 def _came(stamps_ns: np.ndarray, absences: Sequence[Absence]) -> list[int]:

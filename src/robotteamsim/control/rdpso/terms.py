@@ -156,8 +156,8 @@ _HEADINGS = 13
 class Surroundings(_core.control.Surroundings):
     """Finds x_OB: the place with the best clearance within the sensing radius r_s that the laser sees as free.
 
-    `clearest_place` returns the `obstacle_attractor` of the places along 13 headings, at half the radius and at the
-    full radius, in `map` [m]; None if no obstacle is within the sensing radius (then c3 = 0).
+    `clearest_place` returns the place farthest from all hits [m, map], of the robot's own and those along 13 headings
+    at half the radius and at the full radius; None if no obstacle is within the sensing radius (then c3 = 0).
     """
 
     def __init__(self, laser: Laser, sensing_radius_m: float) -> None:

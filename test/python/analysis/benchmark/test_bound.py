@@ -37,16 +37,16 @@ def with_wall(plan, top_m: float):
 
 def test_bound_in_an_empty_hall_is_the_straight_line_to_the_disc_over_the_top_speed(hall_scenario):
     scenario = hall_scenario(robots=ONE, mission=with_victims((13.0, 5.0)))
-    assert search_bound(resolve(scenario)).time_s == pytest.approx(9.0 / SPEED_MPS)
+    assert search_bound(resolve(scenario)) == pytest.approx(9.0 / SPEED_MPS)
     # Two in opposite directions: the nearer first, 1 m to its disc, and back.
     scenario = hall_scenario(robots=ONE, mission=with_victims((13.0, 5.0), (1.0, 5.0)))
-    assert search_bound(resolve(scenario)).time_s == pytest.approx((1.0 + 10.0) / SPEED_MPS)
+    assert search_bound(resolve(scenario)) == pytest.approx((1.0 + 10.0) / SPEED_MPS)
 
 
 def test_second_robot_shares_the_work(hall_scenario):
     robots = (*ONE, PlacedRobot(start_pose=(17.0, 5.0, 0.0)))
     scenario = hall_scenario(robots=robots, mission=with_victims((5.0, 5.0), (13.0, 5.0)))
-    assert search_bound(resolve(scenario)).time_s == pytest.approx(3.0 / SPEED_MPS)
+    assert search_bound(resolve(scenario)) == pytest.approx(3.0 / SPEED_MPS)
 
 
 def test_length_around_a_wall_is_below_the_exact_one_and_near_it(hall_scenario):
@@ -79,18 +79,16 @@ def test_no_length_leads_through_a_wall_that_is_one_cell_wide():
     assert 0.9 * OCTILE * exact_m < length_m <= exact_m
 
 
-def test_victim_behind_walls_is_named_and_takes_forever(hall_scenario):
+def test_victim_behind_walls_takes_forever(hall_scenario):
     plan = with_wall(hall_scenario().plan, 10.0)
-    bound = search_bound(resolve(hall_scenario(plan=plan, robots=ONE, mission=with_victims((14.0, 5.0), (5.0, 5.0)))))
-    assert bound.time_s == math.inf
-    assert bound.unreachable == ("v0",)
+    bound_s = search_bound(resolve(hall_scenario(plan=plan, robots=ONE, mission=with_victims((14.0, 5.0), (5.0, 5.0)))))
+    assert bound_s == math.inf
 
 
 def test_victim_just_behind_a_wall_is_saved_through_it(hall_scenario):
     plan = with_wall(hall_scenario().plan, 10.0)
-    bound = search_bound(resolve(hall_scenario(plan=plan, robots=ONE, mission=with_victims((10.4, 5.0)))))
-    assert bound.unreachable == ()
-    assert bound.time_s == pytest.approx((10.4 - 3.0 - 1.0) / SPEED_MPS)
+    bound_s = search_bound(resolve(hall_scenario(plan=plan, robots=ONE, mission=with_victims((10.4, 5.0)))))
+    assert bound_s == pytest.approx((10.4 - 3.0 - 1.0) / SPEED_MPS)
 
 
 @pytest.mark.slow
@@ -107,7 +105,7 @@ def test_no_mission_is_faster_than_its_bound(hall_scenario, algorithm):
     for seed in range(6):
         outcome = run_trial(scenario, Trial(0, 1, seed), __version__)
         seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": seed})})
-        bound_s = search_bound(resolve(seeded)).time_s
+        bound_s = search_bound(resolve(seeded))
         saved = [victim["saved_s"] for victim in json.loads(outcome.details)["victims"].values()]
         if None not in saved:
             solved += 1
@@ -168,7 +166,7 @@ def rooms(fire: dict[str, object] | None, **door: object) -> Scenario:
     ],
 )
 def test_bound_has_no_closed_doors_that_a_fire_may_open(fire, door, is_open):
-    time_s = search_bound(resolve(rooms(fire, **door))).time_s
+    time_s = search_bound(resolve(rooms(fire, **door)))
     if is_open:
         assert time_s == pytest.approx((math.dist((2.0, 2.0), (3.6, 8.0)) - 1.0) / SPEED_MPS)
     else:
@@ -180,7 +178,7 @@ def test_no_mission_through_a_burnt_door_is_faster_than_its_bound():
     scenario = rooms(FIRE)
     outcome = run_trial(scenario, Trial(0, 1, 0), __version__)
     saved_s = json.loads(outcome.details)["victims"]["ann"]["saved_s"]
-    assert search_bound(resolve(scenario)).time_s <= saved_s < 100.0 / SPEED_MPS
+    assert search_bound(resolve(scenario)) <= saved_s < 100.0 / SPEED_MPS
 
 
 @pytest.mark.parametrize("moves", [{"wander": {"center": (9.0, 4.0), "radius_m": 2.0}}, {"flees": True}])

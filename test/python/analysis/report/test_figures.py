@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from matplotlib.text import Text
 
-from robotteamsim.analysis.report.figures import PAPERS, draw_counts, draw_saved, draw_times
+from robotteamsim.analysis.report.figures import PAPERS, draw_counts, draw_saved, draw_survival, draw_times
 from robotteamsim.analysis.report.page import campaign_pictures
 from robotteamsim.analysis.report.samples import panels_of, read_campaign
 
@@ -40,6 +40,15 @@ def test_curves_of_saved_victims_end_at_the_mean_number_of_each_setting(garage):
     }
     unknown = dataclasses.replace(stored, outcomes=[dataclasses.replace(o, details="{}") for o in stored.outcomes])
     assert {panel.series[0].missions.saved_s for panel in panels_of(read_campaign(unknown, "here"))} == {()}
+
+
+def test_curves_of_survival_begin_at_0_if_all_missions_are_cut_short(garage):
+    stored = garage(10.0, 20.0, trials=3)
+    late = [dataclasses.replace(o, time_s=600.0, end="time_limit") for o in stored.outcomes]
+    cut_short = panels_of(read_campaign(dataclasses.replace(stored, outcomes=tuple(late)), "here"))
+    assert draw_survival(cut_short).axes[0].get_xlim() == pytest.approx((0.0, 612.0))
+    # The earliest of the others ends after 376 s, 12 % of 600 s after the left end.
+    assert draw_survival(panels_of(read_campaign(stored, "here"))).axes[0].get_xlim() == pytest.approx((304.0, 612.0))
 
 
 def test_long_names_of_settings_are_complete_in_labels_and_legends(garage):

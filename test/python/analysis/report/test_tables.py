@@ -5,6 +5,7 @@ import io
 
 from robotteamsim.analysis.report.statistics import Interval
 from robotteamsim.analysis.report.tables import UNKNOWN, Table, interval_entry, p_entry, share_entry
+from robotteamsim.analysis.report.wording import difference_text
 
 NAN = float("nan")
 
@@ -27,6 +28,13 @@ def test_csv_has_numbers_where_readers_see_texts():
         ["b", "3.0", "", "", "", "", "", ""],
         ["c", "7", "", "", "0.9800", "0.9000", "1.0000", "0.5"],
     ]
+
+
+def test_bounds_that_are_rounded_to_0_have_no_sign():
+    shift = interval_entry(Interval(-0.2, -12.4, -0.4), 0)
+    assert (shift.text, shift.numbers) == ("0 [-12, 0]", ("0", "-12", "0"))
+    assert difference_text(Interval(-0.2, -12.4, -0.4), 0) == "0 [\N{MINUS SIGN}12, 0]"
+    assert difference_text(Interval(-0.04, NAN, NAN), 1) == "0.0, no interval"
 
 
 def test_setting_whose_name_looks_like_an_interval_stays_a_name():
