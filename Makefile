@@ -33,7 +33,7 @@ unexport PYTHONDONTWRITEBYTECODE
 check test_python test_ros test_ros2: export OPENBLAS_NUM_THREADS ?= 1
 CPP_FILES = $(shell git ls-files '*.hpp' '*.cpp')
 
-.PHONY: help announce setup build build_tests compile garage_sar run check test test_cpp test_python test_ros test_ros2 lint tidy bench bench_learning bench_ros bench_ros2 bench_gazebo exactness report build_fuzz fuzz sanitize faults garbage build_gazebo gazebo nightly wheel pictures docs notebook man lock clean
+.PHONY: help announce setup build build_tests compile garage_sar run check test test_cpp test_python test_ros test_ros2 lint tidy bench bench_learning bench_ros bench_ros2 bench_gazebo exactness report build_fuzz fuzz sanitize faults garbage build_gazebo gazebo nightly sizes wheel pictures docs notebook man lock clean
 
 help: ## list the targets
 	@sed -n 's/^\([a-z_]*\):[^#]*## \(.*\)/  make \1\t\2/p' Makefile | expand -t 22
@@ -231,6 +231,9 @@ NIGHTLY ?= tidy sanitize fuzz faults garbage gazebo
 
 nightly: build_tests ## run what test leaves out, one after the other; NIGHTLY="tidy fuzz" some of it
 	+@setup/nightly.sh $(NIGHTLY)
+
+sizes: ## print lines of packages, C++ and tests, and words of docs, beside those of a commit; FROM=HEAD~10
+	@/usr/bin/python3 setup/sizes.py $(or $(FROM),HEAD)
 
 wheel: $(DEBIAN)-build $(VENV)/.wheel ## build dist/*.whl for Python 3.11 and newer, which includes Box2D and needs no compiler
 	@rm -rf dist && mkdir -p dist/raw
