@@ -85,8 +85,10 @@ class FreeSpace:
         self, thing: PlacedRobot | MovableObject, name: str, pose: Pose, doors: DoorStates, clearance: str = ""
     ) -> Body:
         """Return a body at a pose, inside the plan and clear of solids and leaves."""
-        if not isinstance(pose, Pose) or not are_finite(pose.x_m, pose.y_m, pose.yaw_rad):
-            raise ValueError(f"{name}: {pose!r:.60}; expected a Pose of finite numbers")
+        if not isinstance(pose, Pose):
+            raise ValueError(f"{name}: {pose!r:.60}; expected a Pose")
+        if not are_finite(pose.x_m, pose.y_m, pose.yaw_rad):
+            raise ValueError(f"{name} must be finite, got {pose}")
         if not self._plan.bounds.contains((pose.x_m, pose.y_m)):
             raise PlacementError(f"{_place(name, pose)} is outside the plan, {self._plan.bounds}")
         body = thing.body_at((pose.x_m, pose.y_m, pose.yaw_rad))

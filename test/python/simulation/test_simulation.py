@@ -331,10 +331,7 @@ def test_command_for_a_robot_that_was_removed_is_rejected_until_it_is_back(hall_
         (lambda simulation: simulation.spawn_robot(None), "robot_id must be in 0..1, got None"),
         (lambda simulation: simulation.spawn_robot(1.0), "robot_id must be in 0..1, got 1.0"),
         (lambda simulation: simulation.spawn_robot(1, (3, 3, 0)), r"robot_1: pose: \(3, 3, 0\); expected a Pose"),
-        (
-            lambda simulation: simulation.spawn_robot(1, Pose("a", 3, 0)),
-            r"robot_1: pose: Pose\(.*; expected a Pose of finite",
-        ),
+        (lambda simulation: simulation.spawn_robot(1, Pose("a", 3, 0)), r"robot_1: pose must be finite, got Pose\("),
         (lambda simulation: simulation.drop_object("a"), "robot_id must be in 0..1, got 'a'"),
         (lambda simulation: simulation.set_door([], closed=True), r"unknown door '\[\]'; known: "),
         (lambda simulation: simulation.set_noise_db(np.zeros(2)), r"noise_db: array\(\[0., 0.\]\) is not a number"),
