@@ -21,7 +21,7 @@ import pytest
 import roslaunch.rlutil
 from msgspec.structs import astuple
 from rosbags.rosbag1 import Reader
-from running import ROSCORE, ROSLAUNCH, TIMEOUT_S, descendants, running, wait_for_port
+from running import ROSCORE, ROSLAUNCH, TIMEOUT_S, Program, descendants, running, wait_for_port
 
 from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.totals import run_totals
@@ -312,24 +312,25 @@ def test_roswtf_has_no_warning_about_a_world_whose_robots_are_commanded(tmp_path
     with ExitStack() as stack:
         core = stack.enter_context(running(ROSCORE, tmp_path))
         wait_for_port(core.port)
-        for command in (world, *(("rostopic", "pub", f"/robot_{index}/cmd_vel", *still) for index in range(2))):
-            stack.enter_context(running(command, tmp_path, core.port))
+        launched = stack.enter_context(running(world, tmp_path, core.port))
+        for index in range(2):
+            stack.enter_context(running(("rostopic", "pub", f"/robot_{index}/cmd_vel", *still), tmp_path, core.port))
         for topic in ("/robot_0/cmd_vel", "/robot_1/cmd_vel", "/robot_1/odom"):
-            wait_for_topic(core.port, topic)
+            wait_for_topic(core.port, topic, launched)
         online, end_s = "", time.monotonic() + TIMEOUT_S
         while online != "No errors or warnings" and time.monotonic() < end_s:  # topics are there before connections
             with running(("roswtf",), tmp_path, core.port) as program:
                 program.wait()
             online = program.output.partition("Online checks summary:")[2].strip()
-    assert online == "No errors or warnings", program.output
+    assert online == "No errors or warnings", f"{program.output}\n{launched.output}"
 
 
-def wait_for_topic(port: int, name: str) -> None:
-    """Wait until somebody publishes a topic."""
+def wait_for_topic(port: int, name: str, program: Program | None = None) -> None:
+    """Wait until somebody publishes a topic, such as a program, whose output a failure shows."""
     deadline_s = time.monotonic() + TIMEOUT_S
     with xmlrpc.client.ServerProxy(f"http://localhost:{port}") as master:
         while not any(topic == name for topic, _ in master.getPublishedTopics("/test", "")[2]):
-            assert time.monotonic() < deadline_s, f"nobody publishes {name}"
+            assert time.monotonic() < deadline_s, f"nobody publishes {name}\n{program.output if program else ''}"
             time.sleep(0.1)
 
 
