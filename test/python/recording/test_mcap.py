@@ -43,7 +43,7 @@ def refusal(path: Path) -> str:
 
 
 def test_layout_of_foxglove_shows_what_a_recording_contains(tmp_path):
-    """The form of the file is that of Lichtblick 1.28 (LayoutData), which Foxglove reads, too."""
+    """The form of the file is that of Lichtblick 1.28 (LayoutData), and of Foxglove Studio 1.48, which drew it."""
     path = tmp_path / "mission.mcap"
     assert main(["run", "garage_sar", "--set", "mission.time_limit_s=2", "--mcap", str(path)]) == 0
     layout = json.loads(Path("templates/layout/my_layout.json").read_text())
@@ -61,7 +61,8 @@ def test_layout_of_foxglove_shows_what_a_recording_contains(tmp_path):
     assert {parents[f"robot_{i}/odom"] for i in range(3)} == {"map"}  # where robots stand on the map
     hidden = {frame.removeprefix("frame:") for frame in scene["transforms"]}
     assert {frame for frame in hidden if not absent.match(frame)} == {"map", *parents} - {
-        f"robot_{i}/base_link" for i in range(3)
+        f"robot_{i}/base_laser_link"
+        for i in range(3)  # above the map, whose cells hide what is at its height
     }
 
 
