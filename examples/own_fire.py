@@ -13,7 +13,6 @@ scenario = rts.load(
     [f"fire.fuel=[{STORE}]", "fire.ignitions=[{at_s: 5, position: [30, 2]}]", "mission.time_limit_s=240"],
 )
 simulation = rts.Simulation(scenario)
-simulation.mission.start()
 times_s, hot_c, sight_m = [], [], []
 while (record := simulation.step()).mission.state != "ended":
     if record.hazards is not None:  # the fire advances once per second

@@ -6,7 +6,6 @@ import numpy as np
 import robotteamsim as rts
 
 simulation = rts.Simulation(rts.load("office_manet", ["run.seed=3", "mission.time_limit_s=120"]))
-simulation.mission.start()
 times_s, links, hops, connectivity = [], [], [], []
 while (record := simulation.step()).mission.state != "ended":
     network = record.network

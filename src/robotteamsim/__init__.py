@@ -96,14 +96,16 @@ _MODULES = {
 _MODULE_OF = {name: module for module, names in _MODULES.items() for name in names}
 
 
-def __getattr__(name: str) -> Any:
-    """Return a name of `__all__` from the package that defines it."""
-    if name not in _MODULE_OF:
-        raise AttributeError(f"module 'robotteamsim' has no attribute {name!r}")
-    value = getattr(importlib.import_module(f"robotteamsim.{_MODULE_OF[name]}"), name)
-    globals()[name] = value
-    return value
+if not TYPE_CHECKING:  # type checkers would take any name for one of this package
+
+    def __getattr__(name: str) -> Any:
+        """Return a name of `__all__` from the package that defines it."""
+        if name not in _MODULE_OF:
+            raise AttributeError(f"module 'robotteamsim' has no attribute {name!r}")
+        value = getattr(importlib.import_module(f"robotteamsim.{_MODULE_OF[name]}"), name)
+        globals()[name] = value
+        return value
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *__all__])
+    return sorted({*globals(), *__all__})

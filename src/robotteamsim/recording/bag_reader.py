@@ -26,6 +26,7 @@ from robotteamsim.recording.bag_file import BagFile, DamagedFileError
 from robotteamsim.recording.bag_paths import METADATA, files_of, is_bag
 from robotteamsim.recording.bag_types import bag_typestore
 from robotteamsim.recording.mcap_writer import SUFFIX
+from robotteamsim.recording.results import FILE_NAME
 from robotteamsim.user_files import open_regular
 
 Reader = rosbag1.Reader | rosbag2.Reader
@@ -168,6 +169,8 @@ def _format_of(path: Path) -> _Format:
     if path.is_dir():
         if (path / METADATA).is_file():
             return _FOLDER
+        if (path / FILE_NAME).is_file():
+            raise RecordingError(f"{path}: is a folder of `run --out`; expected a bag, such as one of `run --bag`")
         raise RecordingError(
             f"{path}: is a folder without {METADATA}; expected a bag (`ros2 bag reindex {path}` writes the file, or "
             "give the bags in the folder)"

@@ -34,12 +34,17 @@ class TumWriter:
         self._steps.append((record.sim_time_ns, [reading.ground_truth for reading in record.readings]))
 
     def end(self, result: Result) -> None:
-        """Write all trajectories. Raises: RecordingError."""
+        """Write all trajectories, and delete those of further robots of a mission before. Raises: RecordingError."""
+        written = set()
         for robot_id in range(len(result.robots)):
             steps = [(time_ns, poses[robot_id]) for time_ns, poses in self._steps]
             lines = [tum_line(time_ns, pose) for time_ns, pose in steps if not math.isnan(pose.x_m)]
             path = self._folder / f"{robot_name(robot_id)}.tum"
             write_atomically(path, "\n".join([TUM_HEADER, *lines, ""]))
+            written.add(path)
+        for path in self._folder.glob("robot_*.tum"):
+            if path not in written and path.stem.removeprefix("robot_").isdecimal():
+                path.unlink()
 
     def abandon(self) -> None:
         """Discard the steps so far, and the folder if it is new and empty."""

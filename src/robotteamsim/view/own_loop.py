@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 import threading
 import time
@@ -18,6 +19,8 @@ from robotteamsim.view.recorder import FrameRecorder
 from robotteamsim.view.server import ViewServer
 from robotteamsim.view.shown import FRAME_WALL_S
 from robotteamsim.view.stepped import SteppedMission
+
+logger = logging.getLogger(__name__)
 
 
 class LiveView(SteppedMission):
@@ -46,7 +49,7 @@ class LiveView(SteppedMission):
 
         Args:   speed: simulated over wall time, at most; 1000 hardly waits.
                 observers: receive each step and the result, as in `Simulation.run`: recorders of bags and files.
-                port: of the address; 0: a free one.     browser: open the page; if not, open `url` yourself.
+                port: of the address; 0: a free one.     browser: open the page; if not, a warning has its address.
         Raises: ValueError: no Simulation, or the speed is out of range. RobotTeamSimError: the port is in use.
                 RecordingError: as `Simulation.run`.
         """
@@ -68,8 +71,8 @@ class LiveView(SteppedMission):
         self._recorder, self._too_large = recorder, ""
         simulation.mission.start()
         threading.Thread(target=self._server.serve_forever, args=(0.1,), daemon=True, name="page").start()
-        if browser:
-            webbrowser.open(self.url)
+        if not (browser and webbrowser.open(self.url)):
+            logger.warning("watch it at %s", self.url)
 
     @property
     def result(self) -> Result | None:

@@ -161,6 +161,11 @@ def test_folder_without_metadata_is_rejected_with_its_remedy(odometry, tmp_path)
     )
 
 
+def test_folder_of_a_run_is_named_as_such(tmp_path):
+    (tmp_path / "mission.json").write_text("{}")
+    assert refusal(tmp_path) == f"{tmp_path}: is a folder of `run --out`; expected a bag, such as one of `run --bag`"
+
+
 def test_folder_that_lacks_a_file_or_messages_is_rejected(odometry, tmp_path):
     folder = write(tmp_path / "part", drive(odometry))
     remedy = f"`ros2 bag reindex {folder}` writes metadata.yaml again, from files that are not damaged"

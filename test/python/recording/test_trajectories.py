@@ -26,6 +26,13 @@ def test_one_file_per_robot_with_one_line_per_step(trial, tmp_path):
     assert len(lines) == 5
 
 
+def test_robots_of_a_mission_before_are_not_among_those_of_this_one(trial, tmp_path):
+    for name in ("robot_1.tum", "robot_2.tum", "robot_2.tum.old", "robot_mine.tum"):
+        (tmp_path / name).write_text("old")
+    trial.play(TumWriter(tmp_path), steps=4)
+    assert sorted(os.listdir(tmp_path)) == ["robot_0.tum", "robot_1.tum", "robot_2.tum.old", "robot_mine.tum"]
+
+
 def test_numbers_read_back_are_the_same_bits(trial, tmp_path):
     trial.play(TumWriter(tmp_path), steps=4)
     columns = np.loadtxt(tmp_path / "robot_1.tum")

@@ -111,6 +111,13 @@ def test_what_cannot_be_watched_is_refused_in_one_line(short: Scenario, what: st
         rts.LiveView(what or rts.Simulation(short), speed=speed, browser=False)
 
 
+@pytest.mark.parametrize("opens", [True, False])
+def test_address_is_told_where_no_browser_opens(short, monkeypatch, caplog, opens) -> None:
+    monkeypatch.setattr("webbrowser.open", lambda _: opens)
+    with rts.LiveView(rts.Simulation(short)) as view:
+        assert caplog.messages == ([] if opens else [f"watch it at {view.url}"])
+
+
 def test_a_port_that_is_in_use_is_named_in_one_line(short: Scenario) -> None:
     with rts.LiveView(rts.Simulation(short), browser=False) as view:
         port = int(view.url.rsplit(":")[-1].strip("/"))

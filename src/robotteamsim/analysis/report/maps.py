@@ -66,7 +66,7 @@ def draw_heat(cells: Sequence[Cell], *, sheet: Sheet = SCREEN) -> Figure:
     images = [_draw_heat(axes, cell, each, norm, sheet) for axes, cell, each in zip(used, shown, heats, strict=True)]
     bar = figure.colorbar(images[0], ax=used, shrink=0.85, pad=0.015, aspect=28, extend="max")
     bar.outline.set_visible(False)
-    bar.ax.set_title("s/m\N{SUPERSCRIPT TWO}", fontsize=min(9.5, sheet.text_pt))
+    bar.set_label("s/m\N{SUPERSCRIPT TWO}", fontsize=min(9.5, sheet.text_pt))
     return figure
 
 

@@ -2,7 +2,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
+from robotteamsim.analysis.report.figures import PAPERS
 from robotteamsim.analysis.report.maps import draw_heat, heat
 from robotteamsim.analysis.report.samples import read_campaign
 from robotteamsim.campaign import make_design
@@ -35,3 +37,12 @@ def test_random_victims_are_those_of_the_mission_whose_path_is_drawn(stored_camp
     seeded = resolve(load("garage_sar", ["mission.random_victims=3", f"run.seed={median.seed}"])).scenario
     assert drawn == [list(victim.position) for victim in seeded.mission.victims]
     assert len(drawn) == 4 + 3
+
+
+@pytest.mark.parametrize("width", PAPERS)
+def test_all_of_a_figure_of_a_paper_is_within_its_width(garage, width):
+    cells = [read_campaign(garage(noise_db, trials=1), "here").cells[0] for noise_db in (10.0, 30.0)]
+    figure = draw_heat(cells, sheet=PAPERS[width])
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    assert max(axes.get_tightbbox(canvas.get_renderer()).x1 for axes in figure.axes) <= figure.bbox.width
