@@ -33,9 +33,11 @@ class RobotsVecEnv(VecEnv):
     def step_wait(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, list[dict[str, Any]]]:
         """Let all robots act."""
         batch = self.batch
-        step = batch.step(self._actions.reshape(batch.num_envs, batch.num_robots, -1))
+        step = batch.step(self._actions.reshape(batch.num_envs, batch.num_robots, *batch.act.space.shape))
         observations, rewards = self._rows(step.observations), step.rewards.ravel().copy()
-        is_cut, is_done = step.truncated.ravel().copy(), (step.terminated | step.truncated).ravel()
+        is_over, is_terminated = np.repeat(step.is_over, batch.num_robots), step.terminated.ravel()
+        is_done = is_terminated | step.truncated.ravel() | is_over  # also of a robot that left before
+        is_cut = is_done & ~is_terminated
         infos: list[dict[str, Any]] = [{} for _ in is_done]
         for i in np.flatnonzero(is_done):
             infos[i] = {"terminal_observation": observations[i], "TimeLimit.truncated": bool(is_cut[i])}

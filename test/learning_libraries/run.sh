@@ -11,4 +11,4 @@ trap 'rm -rf "$folder"' EXIT
 python3 -m venv "$folder/venv"
 # shellcheck disable=SC2086
 "$folder/venv/bin/pip" install --quiet ${needs[$((${2:-1} - 1))]} "$(ls "$here"/../../dist/*.whl)[learning]"
-cd "$folder" && PYTHONPATH=$here OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 venv/bin/python "$script"
+cd "$folder" && PYTHONPATH=$here:$here/../../examples/learning OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1 venv/bin/python "$script"

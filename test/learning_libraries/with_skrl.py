@@ -26,7 +26,7 @@ PER_AGENT = ("learning_rate_scheduler", "observation_preprocessor", "state_prepr
 class Continuous(GaussianMixin, Model):
     def __init__(self, **spaces: Any) -> None:
         Model.__init__(self, **spaces, device="cpu")
-        GaussianMixin.__init__(self, clip_actions=True)  # nothing is clipped by the environment
+        GaussianMixin.__init__(self, clip_actions=True, clip_mean_actions=True)  # nothing is clipped by the environment
         self.layers = torch.nn.Linear(self.num_observations, self.num_actions)
         self.log_std = torch.nn.Parameter(torch.zeros(self.num_actions))
 

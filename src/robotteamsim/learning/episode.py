@@ -127,7 +127,9 @@ class Episode:
     def __reduce__(self) -> tuple[type[Episode], tuple[Scenario, Rules]]:
         """Let an episode be pickled and copied. Raises: LearningError: its mission is under way."""
         if self._simulation is not None:
-            raise LearningError("a mission that is under way cannot be pickled or copied; do so before reset")
+            raise LearningError(
+                "a mission that is under way cannot be pickled or copied; do so before reset or after close"
+            )
         return type(self), (self.scenario, self.rules)
 
     def begin(self, seed: Any = None) -> None:

@@ -47,7 +47,9 @@ class CentralEnv(gymnasium.Env[np.ndarray, Any]):
         return self._joint(vectors), {"agents": infos}
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
-        """Let all robots act. Raises: RobotTeamSimError: see `TeamEnv.step`."""
+        """Let all robots act. Raises: LearningError: the mission is over. RobotTeamSimError: see `TeamEnv.step`."""
+        if not self.team.agents:
+            raise LearningError("step: no mission is under way; expected reset first")
         parts = self._split(action)
         vectors, rewards, _, truncated, infos = self.team.step({one: parts[one] for one in self.team.agents})
         is_over = not self.team.agents

@@ -106,6 +106,15 @@ def test_is_an_env_of_gymnasium(settings):
     check_env(gym_env(scenario(), **settings), skip_render_check=True)
 
 
+def test_a_step_after_the_end_is_refused():
+    env = gym_env(scenario(), max_cycles=1)
+    env.reset(seed=1)
+    *_, truncated, _ = env.step(env.action_space.sample())
+    assert truncated
+    with pytest.raises(LearningError, match=r"^step: no mission is under way"):
+        env.step(env.action_space.sample())
+
+
 def test_is_registered_with_gymnasium():
     env = gymnasium.make("robotteamsim/GarageSearch-v0")
     vector, _ = env.reset(seed=1)
