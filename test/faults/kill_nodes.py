@@ -68,7 +68,7 @@ def parsed(arguments: list[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("nodes", nargs="*", metavar="NODE", help=f"default all: {' '.join(ALL_NODES)}")
     parser.add_argument("--mode", choices=[*MODES, "both"], default="both", help="(%(default)s)")
-    parser.add_argument("--moments", type=int, default=100, metavar="N", help="per node and signal (%(default)s)")
+    parser.add_argument("--moments", type=int, default=10, metavar="N", help="per node and signal (%(default)s)")
     parser.add_argument("--seed", type=int, default=1, help="(%(default)s)")
     options = parser.parse_args(arguments)
     options.nodes = options.nodes or list(ALL_NODES)
@@ -81,8 +81,9 @@ def parsed(arguments: list[str]) -> argparse.Namespace:
 def main(arguments: list[str]) -> int:
     options, num_faults = parsed(arguments), 0
     sys.setswitchinterval(1e-4)  # receiving threads of rospy must not slow each other down
-    for mode in MODES if options.mode == "both" else [options.mode]:
-        with tempfile.TemporaryDirectory() as folder, master(Path(folder)) as port:
+    # One master for both: rospy stays with the one that it has begun with.
+    with tempfile.TemporaryDirectory() as folder, master(Path(folder)) as port:
+        for mode in MODES if options.mode == "both" else [options.mode]:
             for outcome in MODES[mode](options, port):
                 print(f"{mode}: {outcome}", flush=True)
                 num_faults += len(outcome.faults)
