@@ -116,13 +116,14 @@ class Layer:
         found = list(markers)
         shown = dict.fromkeys((item.ns, item.id) for item in found)
         deletions = [*gone, *(_deletion(*key, DELETE) for key in self._shown if key not in shown)]
-        self._message = array_message(self._make, deletions + found)
-        self._output.publish(self._message)
+        message = array_message(self._make, deletions + found)
+        self._output.publish(message)
+        self._again = self._make(ARRAY, markers=message.markers[len(deletions) :])
         self._shown = shown
 
     def draw_again(self) -> None:
         """Publish the contents again."""
-        self._output.publish(self._message)
+        self._output.publish(self._again)
 
 
 def _deletion(namespace: str, marker_id: int, action: int) -> Marker:
