@@ -82,11 +82,16 @@ def write_world(
     text: str,
     said: str,
     notes: Sequence[str] = (),
+    *,
+    force: bool = True,
 ) -> None:
-    """Write an exported scenario into --out, and print its notes, its path and what is said of it."""
+    """Write an exported scenario into --out, and print its notes, its path and what is said of it.
+
+    Args: force: replace a file that is there.
+    """
     # The scenario's own name may not be a valid file name.
     path = options.out / f"{Path(options.scenario).stem}.{suffix}"
-    expect_new([path], getattr(options, "force", True))
+    expect_new([path], force)
     check_outputs({}, inputs, folders={"--out": [path]})
     warn(notes)
     prepare_folder(options.out)

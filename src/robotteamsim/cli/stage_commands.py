@@ -109,4 +109,4 @@ def export_stage(options: argparse.Namespace) -> None:
         robots = setup.robots[: setup.scenario.num_robots]
         export = export_world(setup.plan, setup.scenario, robots)
         said = counted(sum(robot.present for robot in robots), "robot")
-    write_world(options, "world", files, export.world, said, export.notes)
+    write_world(options, "world", files, export.world, said, export.notes, force=options.force)
