@@ -8,8 +8,8 @@ from functools import partial
 from robotteamsim.control import Guard, make_controller
 from robotteamsim.control.runtime.base_station import StandingBase, with_base
 from robotteamsim.interface import Controller, Decision, Message, Observation, Task
+from robotteamsim.mission import Sensed
 from robotteamsim.setup import Setup
-from robotteamsim.simulation.controllers import TeamInputs
 
 
 class _Obeying:
@@ -51,15 +51,15 @@ class DrivenControllers:
         for i, decision in zip(self._driven, decisions, strict=True):
             self._commanded[i] = decision
 
-    def step(self, inputs: TeamInputs) -> tuple[Decision, ...]:
+    def step(self, sensed: Sensed) -> tuple[Decision, ...]:
         """As for all controllers."""
-        present = inputs.present.tolist()
+        present = sensed.present.tolist()
         commanded = zip(self._commanded, present, strict=True)
         decisions = [decision if is_present else Decision() for decision, is_present in commanded]
         if self._deciding:
-            observations = inputs.observations()
+            observations = sensed.observations()
             for i, controller in self._deciding.items():
                 if present[i]:
-                    decisions[i] = controller.step(observations[i], inputs.inboxes[i], inputs.task)
+                    decisions[i] = controller.step(observations[i], sensed.inboxes[i], sensed.task)
         self._commanded[:] = [Decision(one.twist) for one in self._commanded]
         return tuple(decisions)

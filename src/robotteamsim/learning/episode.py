@@ -154,13 +154,13 @@ class Episode:
         simulation.mission.start()
         self._sense(simulation)
         self._cycles, self._early = 0, np.zeros(len(self.robot_ids))
-        while not self._sensed.inputs.task.running:
+        while not self._sensed.task.running:
             self.record = record = simulation.decide(self._sensed)
             if record.mission.state == "ended":
                 raise LearningError(f"the mission ends before it begins: {END_TEXTS[record.mission.end]}")
             self._early += self._rewards(record)
             self._sense(simulation)
-        self._simulation, self.percepts = simulation, self._senses.of_team(self._sensed.inputs)
+        self._simulation, self.percepts = simulation, self._senses.of_team(self._sensed)
         if self.watch is not None and self.record is not None:
             self.watch(simulation, self.record)
 
@@ -178,7 +178,7 @@ class Episode:
             self._sense(simulation)
             if record.mission.state == "ended":
                 break
-        self.percepts = self._senses.of_team(self._sensed.inputs)
+        self.percepts = self._senses.of_team(self._sensed)
         self._cycles += 1
         has_ended = record.mission.state == "ended" and record.mission.end != "time_limit"
         is_cut = record.mission.end == "time_limit" or self._cycles == self.rules.max_cycles
@@ -230,8 +230,8 @@ class Episode:
 
     def _sense(self, simulation: Simulation) -> None:
         self._sensed = simulation.sense()
-        self.present = self._sensed.inputs.present[self.robot_ids]
-        self._senses.note_team(self._sensed.inputs)
+        self.present = self._sensed.present[self.robot_ids]
+        self._senses.note_team(self._sensed)
 
     def _rewards(self, record: StepRecord) -> np.ndarray:
         return numbers_of("rewards", self._reward.of_step(record), (len(self.robot_ids),))

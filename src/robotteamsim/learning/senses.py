@@ -13,10 +13,10 @@ from robotteamsim.interface import Message, Observation, Task
 from robotteamsim.interface.payload import Point, Update, update_reader
 from robotteamsim.learning.arrays import numbers_of
 from robotteamsim.learning.observe import Observe, Percepts, cos_sin
+from robotteamsim.mission import Sensed
 from robotteamsim.network.messages import Batch, batch_of
 from robotteamsim.sensing.readings import RobotReading, VoiceReading
 from robotteamsim.setup import Setup
-from robotteamsim.simulation.controllers import TeamInputs
 
 
 class Said(Update, frozen=True):
@@ -67,24 +67,24 @@ class Senses:
             self._heard[where] = rows
             self._heard[(*where, 3)] = time_ns
 
-    def note_team(self, inputs: TeamInputs) -> None:
+    def note_team(self, sensed: Sensed) -> None:
         """Note a step, see `note`."""
-        readings = [inputs.readings.robots[i] for i in self._ids] if self._memory.looks else ()
-        self.note(inputs.sim_time_ns, [inputs.inboxes[i] for i in self._ids], readings)
+        readings = [sensed.readings.robots[i] for i in self._ids] if self._memory.looks else ()
+        self.note(sensed.sim_time_ns, [sensed.inboxes[i] for i in self._ids], readings)
 
-    def of_team(self, inputs: TeamInputs) -> Percepts:
+    def of_team(self, sensed: Sensed) -> Percepts:
         """Return what the agents of a team perceive; numbers of absent ones mean nothing, but are finite."""
-        state, ranges_m, voices = inputs.readings.state, inputs.readings.ranges_m, inputs.voices
+        state, ranges_m, voices = sensed.readings.state, sensed.readings.ranges_m, sensed.voices
         poses = state.true_pose if self._map_T_odom is None else state.odometry.pose
-        if not inputs.present.all():
-            poses = np.where(inputs.present[:, None], poses, 0.0)
+        if not sensed.present.all():
+            poses = np.where(sensed.present[:, None], poses, 0.0)
         return self._percepts(
             ranges_m if self._are_all else [ranges_m[i] for i in self._ids],
             poses if self._are_all else poses[self._ids],
             state.odometry.twist if self._are_all else state.odometry.twist[self._ids],
             voices if self._are_all else [voices[i] for i in self._ids],
-            inputs.task,
-            inputs.sim_time_ns,
+            sensed.task,
+            sensed.sim_time_ns,
         )
 
     def of_robot(self, observation: Observation, task: Task) -> Percepts:

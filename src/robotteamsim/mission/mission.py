@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import msgspec
 
 from robotteamsim import _core
 from robotteamsim.hazards import HazardField
-from robotteamsim.interface import Discovery, Task
+from robotteamsim.interface import Decision, Discovery, Task
 from robotteamsim.mission import events
 from robotteamsim.mission.area_order import AreaOrder
 from robotteamsim.mission.base_station import BaseStation
 from robotteamsim.mission.egress import Egress, EgressMonitor
 from robotteamsim.mission.events import Event
 from robotteamsim.mission.exits import Exits
-from robotteamsim.mission.input import MissionInput
 from robotteamsim.mission.monitors import LinkMonitor, TeamMonitor, WorldMonitor
 from robotteamsim.mission.rescue import Rescue
+from robotteamsim.mission.sensed import Sensed
 from robotteamsim.mission.status import IN_CARE, OUT_OF_DANGER, SAVED, MissionEnd, MissionState, MissionStatus
 from robotteamsim.mission.victims import Casualties, VictimNews, Victims
 from robotteamsim.network.messages import Message, Refusal, Traffic
@@ -27,7 +27,7 @@ from robotteamsim.setup import Setup
 
 
 class Mission:
-    """Judges one mission, step by step, only from the input of `step`; it has no access to the world.
+    """Judges one mission, step by step, only from what `step` is given; it has no access to the world.
 
     The mission's clock counts the steps while the mission is running, not those before the start, while paused or after
     the end. All events of a step have its time, see `StepRecord`. When a robot hears a voice, the victim who
@@ -37,8 +37,9 @@ class Mission:
     one without areas but with exits. Whoever is in an exit is safe. While somebody flees, the mission goes on.
     """
 
-    def __init__(self, setup: Setup) -> None:
-        scenario = setup.scenario
+    def __init__(self, setup: Setup, speaker: Callable[[Point], str | None]) -> None:
+        """Args: speaker: returns whose voice is the loudest at a place in `map` [m]; None if nobody calls."""
+        scenario, self._speaker = setup.scenario, speaker
         self._areas, self._order = scenario.mission.areas, AreaOrder(scenario)
         self._save_distance_m = scenario.mission.save_distance_m
         self._time_limit_ns = round(scenario.mission.time_limit_s * 1e9)
@@ -48,7 +49,7 @@ class Mission:
         """Background noise [dB]."""
 
         self._victims = Victims(scenario.mission.victims)
-        self._rescue = Rescue(setup) if scenario.mission.saved_by == "firefighter" else None
+        self._rescue = Rescue(setup, speaker) if scenario.mission.saved_by == "firefighter" else None
         """None if robots save the victims."""
         self._exits, self._has_exits = Exits(scenario.mission.exits), bool(scenario.mission.exits)
         self._ends_in_safety = self._rescue is not None or (self._has_exits and not self._areas)
@@ -143,8 +144,8 @@ class Mission:
         self._add(events.VictimPlaced(name, position_m))
         self._change_task()
 
-    def step(self, now: MissionInput) -> tuple[Event, ...]:
-        """Judge one step and return the events since the last one, in order."""
+    def step(self, now: Sensed, decisions: Sequence[Decision]) -> tuple[Event, ...]:
+        """Judge one step, in which the team decides this, and return the events since the last one, in order."""
         if self._team_was_running:
             self._elapsed_ns += now.sim_time_ns - self._last_step_ns
         self._last_step_ns = now.sim_time_ns
@@ -164,7 +165,7 @@ class Mission:
         for change in self._world.departures_and_arrivals(now):
             self._add(change)
         if self._state == "running":
-            self._judge(now)
+            self._judge(now, decisions)
         self._team_was_running = self._state == "running"
         if not (self._news or self._is_task_new):  # nothing but the time has changed
             self.status = msgspec.structs.replace(self.status, time_s=self._elapsed_ns / 1e9)
@@ -174,27 +175,28 @@ class Mission:
         news, self._news = self._news, []
         return tuple(Event(self._elapsed_ns / 1e9, what, what.words(self._member)) for what in news)
 
-    def _judge(self, now: MissionInput) -> None:
+    def _judge(self, now: Sensed, decisions: Sequence[Decision]) -> None:
         self._judge_voices(now)
         self._judge_places(now)
-        passed = self._order.passed_over(now.decisions, now.present)
+        passed = self._order.passed_over(decisions, now.present)
         if passed is not None:
             self._epoch += 1
             self._add(events.AreaPassedOver(passed.name))
         if self._rescue is not None:
-            for news in self._rescue.judge(self._elapsed_ns / 1e9, now, self._victims):
+            for news in self._rescue.judge(self._elapsed_ns / 1e9, now, decisions, self._victims):
                 self._note_victim(news)
         for news in self._exits.left(self._victims):
             self._note_victim(news)
-        if self._casualties is not None and now.harms and now.smoke is not None:
-            self._judge_harm(self._casualties, now.smoke)
+        if self._casualties is not None and now.hazards is not None:
+            self._judge_harm(self._casualties, now.hazards)
         if self._base.undelivered:
-            self._judge_deliveries(now.base_inbox)
+            assert self._base.base is not None
+            self._judge_deliveries(now.inboxes[self._base.base])
         for link in self._links.news(now.network):
             self._add(link)
         if now.network.traffic.refused:
             self._judge_messages(now.network.traffic)
-        for change in self._team.changes(now.decisions, now.present):
+        for change in self._team.changes(decisions, now.present):
             self._add(change)
         self._judge_end(now)
 
@@ -215,24 +217,24 @@ class Mission:
             self._epoch += 1  # the voice leaves the map
             self._add(event)
 
-    def _judge_voices(self, now: MissionInput) -> None:
+    def _judge_voices(self, now: Sensed) -> None:
         if "waiting" not in self._victims.states:
             return
         for robot_id, voice in enumerate(now.voices):
             if voice.heard and voice.local_best_m not in self._heard_places_m:
                 self._heard_places_m.add(voice.local_best_m)
-                self._hear(robot_id, now.speaker(voice.local_best_m), voice.local_best_level_db)
+                self._hear(robot_id, self._speaker(voice.local_best_m), voice.local_best_level_db)
 
-    def _judge_places(self, now: MissionInput) -> None:
+    def _judge_places(self, now: Sensed) -> None:
         num_victims = len(self._saved_on_reach)
         areas = self._order.can_be_explored
-        for place, robot_id in self._places.reached(now.positions_m):
+        for place, robot_id in self._places.reached(now.readings.positions_m):
             if place - num_victims in areas:
                 self._explore(place - num_victims, robot_id)
             elif place < num_victims and self._needs_robot(place, now):
                 self._save(place, robot_id)
 
-    def _needs_robot(self, index: int, now: MissionInput) -> bool:
+    def _needs_robot(self, index: int, now: Sensed) -> bool:
         """Whether a robot saves a victim by reaching them: not those who flee, unless they are enclosed or collapse."""
         return self._victims.states[index] not in OUT_OF_DANGER and self._victims.needs_help(index, now.enclosed)
 
@@ -292,7 +294,7 @@ class Mission:
                 self._refusals.add(refusal)
                 self._add(events.MessageTooLarge(refusal.num_bytes, refusal.limit_bytes, robot_id=refusal.sender))
 
-    def _judge_end(self, now: MissionInput) -> None:
+    def _judge_end(self, now: Sensed) -> None:
         somebody_flees = self._has_exits and self._victims.somebody_flees(now.enclosed)
         goes_on = self._rescue is not None or somebody_flees
         if self._ends_in_safety and self.victims and all(s in OUT_OF_DANGER for s in self._victims.states):

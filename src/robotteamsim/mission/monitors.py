@@ -29,7 +29,7 @@ from robotteamsim.mission.events import (
     SwarmDissolved,
     SwarmFounded,
 )
-from robotteamsim.mission.input import MissionInput
+from robotteamsim.mission.sensed import Sensed
 from robotteamsim.network.graph import newly_endangered
 from robotteamsim.network.messages import NetworkState
 from robotteamsim.scenario.scenario import Scenario
@@ -55,7 +55,7 @@ class WorldMonitor:
         """Whether nobody is present, as of the last step."""
         self._firefighters = frozenset(scenario.firefighter_ids)
 
-    def changes(self, now: MissionInput) -> Iterator[Happening]:
+    def changes(self, now: Sensed) -> Iterator[Happening]:
         """Yield what has happened to fuel, doors, people, robots and objects."""
         for fuel, position_m, spread in now.ignited[self._num_ignited :]:
             yield FireStarted(fuel, position_m, spread)
@@ -74,7 +74,7 @@ class WorldMonitor:
             yield from self._load_changes(now.loads)
         self._mishaps = now.mishaps
 
-    def departures_and_arrivals(self, now: MissionInput) -> Iterator[Happening]:
+    def departures_and_arrivals(self, now: Sensed) -> Iterator[Happening]:
         """Yield who has left the team, and why, and who has arrived."""
         if now.team_version == self._team_version:
             return

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import Literal
 
 import msgspec
 import numpy as np
 
 from robotteamsim.control.people.messages import parse_firefighter_update
+from robotteamsim.interface import Decision
 from robotteamsim.interface.task import Assistance
 from robotteamsim.mission.egress import AT_CENTRE
 from robotteamsim.mission.events import (
@@ -21,7 +22,7 @@ from robotteamsim.mission.events import (
     VictimSafe,
 )
 from robotteamsim.mission.exits import exit_at
-from robotteamsim.mission.input import MissionInput
+from robotteamsim.mission.sensed import Sensed
 from robotteamsim.mission.status import VictimState
 from robotteamsim.mission.victims import VictimNews, Victims
 from robotteamsim.scenario.base import Point
@@ -46,7 +47,9 @@ class Rescue:
     or led are safe near the command centre, and in exits; `Exits` judges all others.
     """
 
-    def __init__(self, setup: Setup) -> None:
+    def __init__(self, setup: Setup, speaker: Callable[[Point], str | None]) -> None:
+        """Args: speaker: see `Mission`."""
+        self._name_of_speaker = speaker
         scenario, mission = setup.scenario, setup.scenario.mission
         self._section, self._reach_m = mission.rescue, mission.save_distance_m
         self._firefighters = scenario.firefighter_ids
@@ -81,7 +84,9 @@ class Rescue:
         self._helps.pop(index, None)
         self._last_seen_m = {key: place for key, place in self._last_seen_m.items() if key[1] != index}
 
-    def judge(self, time_s: float, now: MissionInput, victims: Victims) -> Iterator[VictimNews]:
+    def judge(
+        self, time_s: float, now: Sensed, decisions: Sequence[Decision], victims: Victims
+    ) -> Iterator[VictimNews]:
         """Yield what happens in a step. The caller applies each change of the victims before it takes the next one.
 
         Args: time_s: of the mission's clock [s].
@@ -89,18 +94,18 @@ class Rescue:
         self._time_s = time_s
         if now.doors:
             self._sight.follow_doors(now.doors)
-        there_m = np.where(now.present[:, None], now.positions_m, math.nan)
+        there_m = np.where(now.present[:, None], now.readings.positions_m, math.nan)
         yield from self._located_by_voice(there_m, now, victims)
         yield from self._seen(there_m, now, victims)
-        yield from self._not_found(now, victims)
+        yield from self._not_found(decisions, victims)
         yield from self._given_up(there_m, victims)
         yield from self._reached(time_s, there_m, now.enclosed, victims)
         yield from self._picked_up(time_s, victims)
         yield from self._safe(victims)
 
-    def _located_by_voice(self, there_m: np.ndarray, now: MissionInput, victims: Victims) -> Iterator[VictimNews]:
+    def _located_by_voice(self, there_m: np.ndarray, now: Sensed, victims: Victims) -> Iterator[VictimNews]:
         # All voices of a step are those of whoever called before it, also if they fall silent in this step.
-        speakers = [(robot_id, self._speaker(voice, now, victims)) for robot_id, voice in enumerate(now.voices)]
+        speakers = [(robot_id, self._speaker(voice, victims)) for robot_id, voice in enumerate(now.voices)]
         located: set[int] = set()
         for robot_id, index in speakers:
             if index is None or index in located or math.isnan(there_m[robot_id, 0]):
@@ -109,14 +114,14 @@ class Rescue:
                 located.add(index)
                 yield self._located(index, robot_id, now.voices[robot_id].local_best_m, "voice", victims.all[index])
 
-    def _speaker(self, voice: VoiceReading, now: MissionInput, victims: Victims) -> int | None:
+    def _speaker(self, voice: VoiceReading, victims: Victims) -> int | None:
         """Return the index of the victim whose loud voice this is; None if it is not loud, or they are silent."""
         if not voice.heard or voice.local_best_level_db < self._section.located_voice_db:
             return None
-        name = now.speaker(voice.local_best_m)
+        name = self._name_of_speaker(voice.local_best_m)
         return None if name is None or name in victims.silent else victims.index(name)
 
-    def _seen(self, there_m: np.ndarray, now: MissionInput, victims: Victims) -> Iterator[VictimNews]:
+    def _seen(self, there_m: np.ndarray, now: Sensed, victims: Victims) -> Iterator[VictimNews]:
         states, enclosed = victims.states, now.enclosed
         wanted = [
             index
@@ -148,10 +153,10 @@ class Rescue:
         event = VictimLocated(victim.name, by, math.dist(seen_m, victim.position), robot_id=robot_id)
         return VictimNews(index, "located", event, (robot_id, seen_m))
 
-    def _not_found(self, now: MissionInput, victims: Victims) -> Iterator[VictimNews]:
+    def _not_found(self, decisions: Sequence[Decision], victims: Victims) -> Iterator[VictimNews]:
         """Yield the victims whom a firefighter reports as missing, unless they were located since: they call again."""
         for robot_id in self._firefighters:
-            reports = [parse_firefighter_update(message.payload) for message in now.decisions[robot_id].outbox]
+            reports = [parse_firefighter_update(message.payload) for message in decisions[robot_id].outbox]
             missing = {pair for report in reports if report is not None for pair in report.missing}
             for name, news_s in sorted(missing):
                 index = victims.index(name)

@@ -14,6 +14,7 @@ import msgspec
 from robotteamsim.geometry import Twist
 from robotteamsim.interface import Decision
 from robotteamsim.message_parts import robot_name
+from robotteamsim.mission import Sensed
 from robotteamsim.network.messages import Message
 from robotteamsim.nodes.inputs import QUEUED, Input
 from robotteamsim.nodes.node import Node
@@ -23,7 +24,7 @@ from robotteamsim.nodes.steps import REPORT_TIMEOUT_S
 from robotteamsim.recording.topics import Topic
 from robotteamsim.recording.topics.decisions import COMMAND, OUTBOX, STAMPED_COMMAND, STATUS
 from robotteamsim.scenario.sections import PlacedRobot
-from robotteamsim.simulation import TeamControllers, TeamInputs
+from robotteamsim.simulation import TeamControllers
 
 CHECK_PERIOD_S = 1.0
 """Interval of checks for silent controllers [s, wall]."""
@@ -95,7 +96,7 @@ class ControllersByTopic:
         self,
         node: Node,
         settings: Settings,
-        publish: Callable[[TeamInputs], None],
+        publish: Callable[[Sensed], None],
         patience_s: Callable[[], float],
     ) -> None:
         """Subscribe.
@@ -135,21 +136,21 @@ class ControllersByTopic:
             self._closed = True
             self._changed.notify_all()
 
-    def step(self, inputs: TeamInputs) -> tuple[Decision, ...]:
+    def step(self, sensed: Sensed) -> tuple[Decision, ...]:
         """As for all controllers."""
         with self._changed:
-            self._time_ns = inputs.sim_time_ns
-            expected = {(i, topic) for i in self._settings.controlled if inputs.present[i] for topic in ANSWERS}
+            self._time_ns = sensed.sim_time_ns
+            expected = {(i, topic) for i in self._settings.controlled if sensed.present[i] for topic in ANSWERS}
             lockstep = self._settings.lockstep
             self._waiting = expected - self._silent if lockstep else expected & self._known
-        self._publish(inputs)
+        self._publish(sensed)
         with self._changed:
             if lockstep:
                 self._wait_for_answers()
             else:
                 self._changed.wait_for(lambda: self._closed or not self._waiting, self._patience_s())
             return tuple(
-                self._decision(robot_id) if inputs.present[robot_id] else self._forget(robot_id)
+                self._decision(robot_id) if sensed.present[robot_id] else self._forget(robot_id)
                 for robot_id in range(len(self._robots))
             )
 
@@ -223,7 +224,7 @@ class ControllersByTopic:
 class ControllersInside:
     """The controllers of the scenario in this process, with all their topics."""
 
-    def __init__(self, node: Node, settings: Settings, publish: Callable[[TeamInputs], None]) -> None:
+    def __init__(self, node: Node, settings: Settings, publish: Callable[[Sensed], None]) -> None:
         """Advertise. Args: publish: publishes the inputs of the controllers."""
         self.restart(settings)
         self._publish = publish
@@ -238,11 +239,11 @@ class ControllersInside:
         """Go on with new controllers, because time starts again."""
         self._controllers = TeamControllers(settings.setup)
 
-    def step(self, inputs: TeamInputs) -> tuple[Decision, ...]:
+    def step(self, sensed: Sensed) -> tuple[Decision, ...]:
         """As for all controllers."""
-        self._publish(inputs)
-        decisions = self._controllers.step(inputs)
-        self._outputs.publish(Decided(inputs.sim_time_ns, inputs.present, decisions))
+        self._publish(sensed)
+        decisions = self._controllers.step(sensed)
+        self._outputs.publish(Decided(sensed.sim_time_ns, sensed.present, decisions))
         return decisions
 
 

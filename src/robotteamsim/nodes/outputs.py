@@ -12,6 +12,7 @@ from robotteamsim._core.sensing import OdometryState
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision
 from robotteamsim.message_parts import Make
+from robotteamsim.mission import Sensed
 from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.status import MissionStatus
 from robotteamsim.nodes.node import Node, Output
@@ -26,7 +27,7 @@ from robotteamsim.recording.topics.radio import RADIO_MAP_TOPICS, VOICE_MAP_TOPI
 from robotteamsim.recording.topics.robots import BODY_TOPICS, ODOM, TF
 from robotteamsim.recording.topics.world import DOORS, ROBOTS, WORLD_TOPICS
 from robotteamsim.sensing.readings import OdometryReading, TeamReadings
-from robotteamsim.simulation import Simulation, StepRecord, TeamInputs
+from robotteamsim.simulation import Simulation, StepRecord
 from robotteamsim.world.contract import AnyWorld
 
 RADIO_MAP_PERIOD_NS = 10**9
@@ -43,8 +44,8 @@ class Decided(NamedTuple):
     decisions: Mapping[int, Decision] | Sequence[Decision]
 
 
-class Sensed(NamedTuple):
-    """The part of a step that robots sense."""
+class Motion(NamedTuple):
+    """The odometry of a time between two steps."""
 
     sim_time_ns: int
     present: np.ndarray
@@ -57,7 +58,7 @@ class _Moved(NamedTuple):
     odometry: OdometryReading
 
 
-StepInputs = TeamInputs | Decided | Sensed
+StepInputs = Sensed | Decided | Motion
 
 
 def output_of(node: Node, topic: Topic, settings: Settings, robot_id: int | None = None) -> Output:
@@ -133,7 +134,7 @@ class TeamOutputs(RobotOutputs):
 
     def publish_motion(self, time_ns: int, odometry: OdometryState, present: np.ndarray) -> None:
         """Publish odometry and tf of a time between two steps."""
-        super().publish(Sensed(time_ns, present, [_Moved(reading) for reading in odometry.readings()]), only=ODOM)
+        super().publish(Motion(time_ns, present, [_Moved(reading) for reading in odometry.readings()]), only=ODOM)
         self._publish_tf(time_ns, odometry, present)
 
     def _publish_tf(self, time_ns: int, odometry: OdometryState, present: np.ndarray) -> None:

@@ -15,6 +15,7 @@ from rich.console import Console
 from robotteamsim import recording
 from robotteamsim.analysis.runs.tables import print_totals
 from robotteamsim.geometry import Pose
+from robotteamsim.mission import Sensed
 from robotteamsim.nodes.answers import CommandsByTopic, ControllersByTopic, ControllersInside
 from robotteamsim.nodes.elsewhere import RobotsElsewhere, SensorsElsewhere
 from robotteamsim.nodes.gate import FairLock, Gate, Pacer
@@ -33,7 +34,7 @@ from robotteamsim.recording.topics import Source
 from robotteamsim.recording.topics.radio import HEARD_TOPICS, RADIO_MAP
 from robotteamsim.recording.topics.world import CLOCK, DOORS, MAP
 from robotteamsim.scenario.map_image import check_published_map
-from robotteamsim.simulation import Observer, Simulation, StepRecord, TeamInputs
+from robotteamsim.simulation import Observer, Simulation, StepRecord
 from robotteamsim.simulation.trial import Trial
 
 logger = logging.getLogger(__name__)
@@ -195,28 +196,28 @@ class SteppedSimulation:
                 self._commands.stop(robot_id)
         return record
 
-    def _publish_inputs(self, inputs: TeamInputs) -> None:
+    def _publish_inputs(self, sensed: Sensed) -> None:
         """Publish what the controllers need."""
         if self._motion is not None:
-            self._made_inputs = inputs  # published after the ticks of this step
+            self._made = sensed  # published after the ticks of this step
             return
-        self._publish_sensed(inputs)
+        self._publish_sensed(sensed)
 
-    def _publish_sensed(self, inputs: TeamInputs) -> None:
+    def _publish_sensed(self, sensed: Sensed) -> None:
         simulation = self._simulation
         self._record.publish_presence(
-            inputs.sim_time_ns, inputs.present, inputs.arrivals, simulation.world, simulation.hazards.failed
+            sensed.sim_time_ns, sensed.present, sensed.arrivals, simulation.world, simulation.hazards.failed
         )
-        self._team_outputs.publish(inputs)
-        self._heard_outputs.publish(inputs)
-        self._publish_clock(inputs.sim_time_ns)
+        self._team_outputs.publish(sensed)
+        self._heard_outputs.publish(sensed)
+        self._publish_clock(sensed.sim_time_ns)
 
     def _publish(self, record: StepRecord) -> None:
         """Publish the record of a step."""
         time_ns = record.sim_time_ns
         if self._motion is not None:
             # The step is made when it begins, so its motion is known at each tick.
-            made = self._made_inputs
+            made = self._made
             self._motion.add(made.readings.state.odometry, record.arrivals)
             self._tick(time_ns - self._settings.step_ns, made)
             self._publish_sensed(made)
@@ -228,7 +229,7 @@ class SteppedSimulation:
             for event in record.events:
                 logger.info("%.1f s: %s", event.time_s, event.detail)
 
-    def _tick(self, from_ns: int, made: TeamInputs | None = None) -> None:
+    def _tick(self, from_ns: int, made: Sensed | None = None) -> None:
         """Wait for the next step, and publish the ticks of the clock up to it. Args: made: that step, if it is made."""
         ticks, step_ns = self._settings.scenario.run.physics_substeps, self._settings.step_ns
         for tick in range(1, ticks + 1):

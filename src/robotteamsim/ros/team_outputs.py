@@ -9,7 +9,7 @@ import numpy as np
 
 from robotteamsim._core.sensing import OdometryState
 from robotteamsim.nodes.node import Node
-from robotteamsim.nodes.outputs import ORIGIN, Sensed, StepInputs, TeamOutputs
+from robotteamsim.nodes.outputs import ORIGIN, Motion, StepInputs, TeamOutputs
 from robotteamsim.nodes.settings import Settings
 from robotteamsim.recording.topics import Topic, robots
 from robotteamsim.recording.topics.robots import ODOM, SCAN, TRUTH
@@ -42,7 +42,7 @@ class BulkTeamOutputs(TeamOutputs):
         super().__init__(node, settings, localized=localized)
         models = self._models
         still = RobotReading(ORIGIN.pose, ORIGIN.twist, ORIGIN, np.zeros(0, np.float32), in_contact=False)
-        begin = Sensed(0, np.zeros(len(models), bool), [still] * len(models))
+        begin = Motion(0, np.zeros(len(models), bool), [still] * len(models))
         self._heads = {
             topic: {i: _tail(self._messages(topic, begin, i)[0], size) for i in self._here}
             for topic, size in _BULK.items()

@@ -1,6 +1,6 @@
 """One trial: the step loop, its environment, its records."""
 
-from robotteamsim.simulation.controllers import Controllers, TeamControllers, TeamInputs
+from robotteamsim.simulation.controllers import Controllers, TeamControllers
 from robotteamsim.simulation.record import Observer, Result, RobotTotals, StepRecord
 from robotteamsim.simulation.simulation import Simulation
 from robotteamsim.simulation.trial import TrajectoryHash
@@ -13,6 +13,5 @@ __all__ = [
     "Simulation",
     "StepRecord",
     "TeamControllers",
-    "TeamInputs",
     "TrajectoryHash",
 ]

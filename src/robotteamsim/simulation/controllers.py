@@ -6,38 +6,12 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Protocol
 
-import msgspec
-import numpy as np
-
 from robotteamsim.control import Guard, make_controller
 from robotteamsim.errors import ScenarioError
-from robotteamsim.interface import Controller, Decision, Observation, Task
-from robotteamsim.network.messages import Message
+from robotteamsim.interface import Controller, Decision
+from robotteamsim.mission.sensed import Sensed
 from robotteamsim.scenario import Scenario
-from robotteamsim.sensing.readings import TeamReadings, VoiceReading
 from robotteamsim.setup import Setup
-
-
-class TeamInputs(msgspec.Struct, frozen=True, eq=False):
-    """The inputs of all controllers in one step; sequences are in robot id order.
-
-    inboxes:  messages that arrived in this step.   task: of the mission, as of the step before.
-    present:  whether each robot is present, bool, shape (n,). Entries of absent robots mean nothing.
-    arrivals: how often each robot has arrived, its start included.
-    """
-
-    sim_time_ns: int
-    readings: TeamReadings
-    voices: tuple[VoiceReading, ...]
-    inboxes: Sequence[Sequence[Message]]
-    task: Task
-    present: np.ndarray
-    arrivals: Sequence[int]
-
-    def observations(self) -> list[Observation]:
-        """Return what each member of the team perceives."""
-        team = zip(self.readings.robots, self.voices, strict=True)
-        return [Observation(i, self.sim_time_ns, reading, voice) for i, (reading, voice) in enumerate(team)]
 
 
 class Controllers(Protocol):
@@ -47,15 +21,15 @@ class Controllers(Protocol):
     def faults(self) -> Sequence[str]:
         """Why each controller was stopped, or could not be made; "" while it works."""
 
-    def step(self, inputs: TeamInputs) -> tuple[Decision, ...]:
+    def step(self, sensed: Sensed) -> tuple[Decision, ...]:
         """Return the decision of each robot in id order; `Decision()` for an absent one."""
 
 
-def decisions_of(controllers: Sequence[Controller], inputs: TeamInputs) -> tuple[Decision, ...]:
+def decisions_of(controllers: Sequence[Controller], sensed: Sensed) -> tuple[Decision, ...]:
     """Return the decision of each controller in id order; `Decision()` for an absent robot."""
-    team = zip(controllers, inputs.observations(), inputs.inboxes, inputs.present.tolist(), strict=True)
+    team = zip(controllers, sensed.observations(), sensed.inboxes, sensed.present.tolist(), strict=True)
     return tuple(
-        controller.step(observation, inbox, inputs.task) if is_present else Decision()
+        controller.step(observation, inbox, sensed.task) if is_present else Decision()
         for controller, observation, inbox, is_present in team
     )
 
@@ -85,11 +59,11 @@ class TeamControllers:
         """As for all controllers."""
         return [guard.fault for guard in self.guards]
 
-    def step(self, inputs: TeamInputs) -> tuple[Decision, ...]:
+    def step(self, sensed: Sensed) -> tuple[Decision, ...]:
         """As for all controllers."""
-        if inputs.arrivals != self._arrivals:
-            self._make_arrived(inputs.arrivals)
-        return decisions_of(self.guards, inputs)
+        if sensed.arrivals != self._arrivals:
+            self._make_arrived(sensed.arrivals)
+        return decisions_of(self.guards, sensed)
 
     def _make_arrived(self, arrivals: Sequence[int]) -> None:
         for robot_id, (before, count) in enumerate(zip(self._arrivals, arrivals, strict=True)):

@@ -2,30 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from types import MappingProxyType
+from collections.abc import Sequence
 from typing import Protocol
 
 import msgspec
-import numpy as np
 
-from robotteamsim.hazards import HazardField
 from robotteamsim.interface import Decision
 from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.events import Event
+from robotteamsim.mission.sensed import Sensed
 from robotteamsim.mission.status import MissionEnd, MissionStatus
-from robotteamsim.network.messages import Message, NetworkState
-from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.sections import Victim
-from robotteamsim.sensing.readings import TeamReadings, VoiceReading
 from robotteamsim.setup import Setup
-from robotteamsim.world.contract import Mishap
-from robotteamsim.world.doors import DoorStates
-from robotteamsim.world.people import PersonState
 
 
-class StepRecord(msgspec.Struct, frozen=True, kw_only=True, eq=False):
-    """The record of one step; sequences are in robot id order.
+class StepRecord(Sensed, kw_only=True, eq=False):
+    """The record of one step: what `Sensed` lists, what the team decided, and what the mission made of it.
 
     A step has one stamp, the time of the world at its end: step k of length T has the stamp k T. All that happens in it
     happens at this stamp, changes by a schedule included. The mission's clock, `mission.time_s`, is 0 at the stamp of
@@ -34,50 +26,19 @@ class StepRecord(msgspec.Struct, frozen=True, kw_only=True, eq=False):
     bags and trajectories have stamps; all that shows a mission to people (terminal, mission.json, reports, views,
     films) has the mission's clock, in bags the time since the stamp at which it is 0.
 
-    step_index: 1 for the first step.     sim_time_ns: its stamp [ns].
-    inboxes:    messages that arrived in this step, sent in the one before.
     decisions:  of the controllers; their outboxes arrive in the next step.
+    mission, events: after the step, and what has happened since the last one.
     victims:    in the order of `mission.victims`, at their current positions.
-    doors:      after the step, by name, in the plan's order.
-    team_version: increases with each change of present, arrivals, mishaps and loads.
-    present:    whether each robot is present, bool, shape (n,). Entries of absent robots mean nothing.
-    arrivals:   how often each robot has arrived, its start included.
-    mishaps:    robots that cannot go on, by id, and why.
-    loads:      names of the objects that robots hold, by the robots' ids.
-    voice_map:  the voice level over the floor [dB] in the first step and whenever it has changed, else None.
-    hazards:    fire, smoke and temperature, in the steps in which they advance, else None.
-    failed:     ids of the absent robots that have failed by heat.
-    people:     that the world moves; `people_version` increases with each update of their positions.
+    noise_db:   the background noise.
     egress:     how people leave; None without fire and without exits.
     """
 
-    step_index: int
-    sim_time_ns: int
-    readings: TeamReadings
-    voices: tuple[VoiceReading, ...]
-    network: NetworkState
-    inboxes: Sequence[Sequence[Message]]
-    decisions: tuple[Decision, ...]
+    decisions: Sequence[Decision]
     mission: MissionStatus
     events: tuple[Event, ...]
     victims: tuple[Victim, ...]
     noise_db: float
-    voice_map: FieldMap | None
-    doors: DoorStates = DoorStates()
-    team_version: int = 0
-    present: np.ndarray
-    arrivals: tuple[int, ...] = ()
-    mishaps: Mapping[int, Mishap] = MappingProxyType({})
-    loads: Mapping[int, str] = MappingProxyType({})
-    hazards: HazardField | None = None
-    failed: frozenset[int] = frozenset()
-    people_version: int = 0
-    people: tuple[PersonState, ...] = ()
     egress: Egress | None = None
-
-    def is_there(self, robot_id: int) -> bool:
-        """Whether a robot is present."""
-        return bool(self.present[robot_id])
 
     @property
     def sim_time_s(self) -> float:

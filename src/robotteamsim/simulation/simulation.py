@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 import msgspec
 
@@ -11,17 +10,13 @@ from robotteamsim.errors import PlacementError, ScenarioError
 from robotteamsim.geometry import Pose, Twist, are_finite
 from robotteamsim.interface import Decision, Task
 from robotteamsim.mission import Mission
-from robotteamsim.mission.events import Event
-from robotteamsim.mission.input import MissionInput
-from robotteamsim.network.messages import NetworkState
-from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Mission as MissionSection
 from robotteamsim.scenario.sections import Victim, Voice
 from robotteamsim.sensing.robots import RobotSensors, Sensors
 from robotteamsim.setup import Setup, check_headless, resolve
-from robotteamsim.simulation.controllers import Controllers, TeamControllers, TeamInputs
+from robotteamsim.simulation.controllers import Controllers, TeamControllers
 from robotteamsim.simulation.record import Observer, Result, StepRecord
 from robotteamsim.simulation.stages import (
     HazardStage,
@@ -36,22 +31,6 @@ from robotteamsim.wording import printable
 from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.placement import check_mission
 from robotteamsim.world.world import make_world
-
-
-class _Before(NamedTuple):
-    """What a step knows of the step before: decisions, the mission's task, and the names of silent victims."""
-
-    decisions: tuple[Decision, ...]
-    task: Task = Task()
-    silent: tuple[str, ...] = ()
-
-
-class Sensed(NamedTuple):
-    """The first part of a step: what the controllers need, the network, and where victims have moved, by name."""
-
-    inputs: TeamInputs
-    network: NetworkState
-    moved: Mapping[str, Point]
 
 
 class Simulation:
@@ -91,88 +70,37 @@ class Simulation:
         """The voices of victims."""
         self.network = NetworkStage(setup, self.world)
         self.controllers: Controllers = controllers or TeamControllers(setup)
-        self.mission = Mission(setup)
+        self.mission = Mission(setup, self.hearing.sensor.speaker)
         self._doors = DoorStates.at_start(scenario.plan)
-        self._before = _Before(tuple(Decision() for _ in robots))
+        # What a step knows of the step before: decisions, the mission's task, and the names of silent victims.
+        self._decisions: Sequence[Decision] = tuple(Decision() for _ in robots)
+        self._task = Task()
+        self._silent: tuple[str, ...] = ()
 
     def step(self) -> StepRecord:
         """Advance by one step and return its record, which observers receive."""
         return self.decide(self.sense())
 
-    def sense(self) -> Sensed:
-        """Advance up to what the controllers perceive in this step; then comes `decide`."""
-        world, hazards = self.world, self.hazards
+    def sense(self) -> StepRecord:
+        """Advance up to what the controllers perceive in this step; then comes `decide`, which completes the record."""
+        world, hazards, mission = self.world, self.hazards, self.mission
         self.schedule.step(world.sim_time_ns, self)
-        before = self._before
-        world.step(hazards.slowed([decision.twist for decision in before.decisions]))
+        world.step(hazards.slowed([decision.twist for decision in self._decisions]))
         hazards.step()
-        moved = self.people.step(self.mission.status.victims, before.task.assistance, hazards.field)
+        moved = self.people.step(mission.status.victims, self._task.assistance, hazards.field)
         self._follow_doors()
         readings = self.sensors.read()
         positions_m = readings.positions_m
-        voices = self.hearing.step(positions_m, moved, before.silent)
-        network, inboxes = self.network.step(positions_m, [decision.outbox for decision in before.decisions])
-        inputs = TeamInputs(world.sim_time_ns, readings, voices, inboxes, before.task, world.present, world.arrivals)
-        return Sensed(inputs, network, moved)
-
-    def decide(self, sensed: Sensed) -> StepRecord:
-        """Complete a step: let the controllers decide and the mission judge, and return the record of the step."""
-        if not isinstance(sensed, Sensed):
-            raise ValueError(f"decide: {sensed!r:.60}; expected what sense returns")
-        mission, (inputs, network, moved) = self.mission, sensed
-        decisions = self.controllers.step(inputs)
-        events = mission.step(self._judged(inputs, network, decisions, moved))
-        self._before = _Before(decisions, mission.task, mission.silent_victims)
-        return self._record(inputs, network, decisions, events)
-
-    def _judged(
-        self,
-        of: TeamInputs,
-        network: NetworkState,
-        decisions: tuple[Decision, ...],
-        moved: Mapping[str, Point],
-    ) -> MissionInput:
-        """Return what the mission judges in this step."""
-        world, hazards = self.world, self.hazards
-        return MissionInput(
-            sim_time_ns=of.sim_time_ns,
-            positions_m=of.readings.positions_m,
-            voices=of.voices,
-            speaker=self.hearing.sensor.speaker,
-            network=network,
-            decisions=decisions,
-            present=world.present,
-            team_version=world.team_version,
-            failed=hazards.failed,
-            base_inbox=() if self.scenario.base is None else of.inboxes[self.scenario.base],
-            doors=world.door_states(),
-            moved=moved,
-            people=self.people.states,
-            smoke=hazards.field,
-            harms=hazards.update is not None,
-            ignited=hazards.ignited,
-            burnt_doors=hazards.burnt_doors,
-            mishaps=world.mishaps,
-            loads=world.loads,
-        )
-
-    def _record(
-        self, of: TeamInputs, network: NetworkState, decisions: tuple[Decision, ...], events: tuple[Event, ...]
-    ) -> StepRecord:
-        """Return the record of this step."""
-        world, mission = self.world, self.mission
+        voices = self.hearing.step(positions_m, moved, self._silent)
+        network, inboxes = self.network.step(positions_m, [decision.outbox for decision in self._decisions])
         return StepRecord(
             step_index=world.step_index,
-            sim_time_ns=of.sim_time_ns,
-            readings=of.readings,
-            voices=of.voices,
+            sim_time_ns=world.sim_time_ns,
+            readings=readings,
+            voices=voices,
             network=network,
-            inboxes=of.inboxes,
-            decisions=decisions,
-            mission=mission.status,
-            events=events,
-            victims=mission.victims,
-            noise_db=mission.noise_db,
+            inboxes=inboxes,
+            task=self._task,
             voice_map=self.hearing.new_map,
             doors=world.door_states(),
             team_version=world.team_version,
@@ -180,12 +108,33 @@ class Simulation:
             arrivals=world.arrivals,
             mishaps=world.mishaps,
             loads=world.loads,
-            hazards=self.hazards.update,
-            failed=self.hazards.failed,
-            people_version=self.people.version,
+            smoke=hazards.field,
+            smoke_is_new=hazards.is_updated,
+            failed=hazards.failed,
+            ignited=hazards.ignited,
+            burnt_doors=hazards.burnt_doors,
+            moved=moved,
             people=self.people.states,
+            people_version=self.people.version,
+            decisions=self._decisions,
+            mission=mission.status,
+            events=(),
+            victims=mission.victims,
+            noise_db=mission.noise_db,
             egress=mission.egress,
         )
+
+    def decide(self, record: StepRecord) -> StepRecord:
+        """Complete a step: let the controllers decide and the mission judge, and return its record."""
+        if not isinstance(record, StepRecord):
+            raise ValueError(f"decide: {record!r:.60}; expected what sense returns")
+        mission = self.mission
+        self._decisions = record.decisions = self.controllers.step(record)
+        record.events = mission.step(record, record.decisions)
+        self._task, self._silent = mission.task, mission.silent_victims
+        record.mission, record.victims = mission.status, mission.victims
+        record.noise_db, record.egress = mission.noise_db, mission.egress
+        return record
 
     def run(self, observers: Sequence[Observer] = ()) -> Result:
         """Run until the mission has ended, and report each step to the observers; a mission that waits is started.
@@ -244,9 +193,7 @@ class Simulation:
         Raises: ValueError: no such robot, or it is absent.
         """
         self.world.remove_robot(robot_id)
-        decisions = list(self._before.decisions)
-        decisions[robot_id] = Decision()
-        self._before = self._before._replace(decisions=tuple(decisions))
+        self._decisions = [Decision() if i == robot_id else decision for i, decision in enumerate(self._decisions)]
 
     def spawn_robot(self, robot_id: int, pose: Pose | None = None) -> None:
         """Spawn an absent robot, see `World.spawn_robot`; it starts with a new controller.
@@ -273,11 +220,10 @@ class Simulation:
                 raise ValueError(f"command: robot {robot_id} is absent; record.is_there({robot_id}) says so")
             if not isinstance(twist, Twist) or not are_finite(*msgspec.structs.astuple(twist)):
                 raise ValueError(f"command: robot {robot_id}: {twist!r}; expected a Twist of finite numbers")
-        decisions = tuple(
+        self._decisions = [
             msgspec.structs.replace(decision, twist=twists[robot_id]) if robot_id in twists else decision
-            for robot_id, decision in enumerate(self._before.decisions)
-        )
-        self._before = self._before._replace(decisions=decisions)
+            for robot_id, decision in enumerate(self._decisions)
+        ]
 
     def lift_object(self, robot_id: int, name: str) -> None:
         """Let a robot's gripper hold an object, see `AnyWorld.lift_object`. Raises: ValueError."""

@@ -98,8 +98,8 @@ class NoHazards:
     """Simulates fire and smoke."""
     field: HazardField | None = None
     """Fire, smoke and temperature as of the last update; None if nothing can burn."""
-    update: HazardField | None = None
-    """`field` if it was updated in the last step, else None."""
+    is_updated = False
+    """Whether `field` was updated in the last step."""
     failed: frozenset[int] = frozenset()
     """The absent robots and firefighters that have failed or collapsed."""
     burnt_doors: tuple[str, ...] = ()
@@ -148,9 +148,9 @@ class HazardStage(NoHazards):
         """See `NoHazards.step`."""
         world = self._world
         self.failed = frozenset(robot_id for robot_id in self.failed if not world.present[robot_id])
-        is_updated, field = self.source.step(world.sim_time_ns, world.door_states()), self.source.field
-        self.field, self.update = field, field if is_updated else None
-        if not is_updated:
+        self.is_updated = self.source.step(world.sim_time_ns, world.door_states())
+        self.field = field = self.source.field
+        if not self.is_updated:
             return
         self.burnt_doors = self.source.burnt_doors()
         for name in self.burnt_doors:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.interface import Decision
-from robotteamsim.mission import Event, Mission, MissionInput
+from robotteamsim.mission import Event, Mission, Sensed
 from robotteamsim.network.messages import NetworkState
-from robotteamsim.sensing.readings import VoiceReading
+from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings, VoiceReading
+from robotteamsim.setup import resolve
 
 STEP_NS = 100_000_000
 FAR_M = (1.0, 1.0)
@@ -40,27 +43,37 @@ def network_of(
     )
 
 
+def standing_at(place_m: tuple[float, float]) -> RobotReading:
+    pose = PoseReading.from_pose(Pose(*place_m, 0.0))
+    return RobotReading(pose, Twist(), OdometryReading(pose, Twist()), np.zeros(0, np.float32), in_contact=False)
+
+
+def speaker_is_ann(place_m: tuple[float, float]) -> str:
+    return "ann"
+
+
 class Course:
     """Steps a mission of two robots; whatever is not given is quiet and far away."""
 
-    def __init__(self, mission: Mission) -> None:
-        self.mission, self.sim_time_ns = mission, 0
+    def __init__(self, scenario: Scenario, speaker: Callable[[tuple[float, float]], str | None] = speaker_is_ann):
+        self.mission, self.sim_time_ns = Mission(resolve(scenario), speaker), 0
 
     def step(
-        self, positions=(), voices=(), endangered=(), excluded=(), present=(True, True), lost=(), **more
+        self, positions=(), voices=(), endangered=(), excluded=(), present=(True, True), lost=(), decisions=None, **more
     ) -> tuple[Event, ...]:
         self.sim_time_ns += STEP_NS
         given = {
+            "step_index": self.sim_time_ns // STEP_NS,
             "sim_time_ns": self.sim_time_ns,
-            "positions_m": np.array((list(positions) + [FAR_M] * 2)[:2]),
+            "readings": TeamReadings.of([standing_at(place_m) for place_m in (list(positions) + [FAR_M] * 2)[:2]]),
             "voices": (list(voices) + [SILENCE] * 2)[:2],
-            "speaker": lambda place_m: "ann",
             "network": network_of(2, endangered, lost, self.sim_time_ns),
-            "decisions": [Decision(excluded=i in excluded) for i in range(2)],
+            "inboxes": ((), ()),
             "present": np.array(present),
             "team_version": self.sim_time_ns,
         }
-        return self.mission.step(MissionInput(**(given | more)))
+        decided = decisions or [Decision(excluded=i in excluded) for i in range(2)]
+        return self.mission.step(Sensed(**(given | more)), decided)
 
     def kinds(self, **inputs) -> list[str]:
         return [event.kind for event in self.step(**inputs)]

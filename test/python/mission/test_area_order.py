@@ -9,15 +9,13 @@ from mission_course import FAR_M, Course
 
 from robotteamsim.interface import EVERYBODY, Decision, Message
 from robotteamsim.interface.closed_area import closed_area_in
-from robotteamsim.mission import Mission
-from robotteamsim.setup import resolve
 
 EAST_M, WEST_M = (16.0, 5.0), (5.0, 5.0)
 
 
 @pytest.fixture
 def course(hall_scenario) -> Course:
-    course = Course(Mission(resolve(hall_scenario())))
+    course = Course(hall_scenario())
     course.step()
     return course
 
@@ -76,7 +74,7 @@ def test_other_messages_report_no_area(payload):
 def test_areas_that_robots_choose_count_in_any_order(hall_scenario):
     scenario = hall_scenario()
     chosen = scenario.mission.model_copy(update={"area_order": "nearest"})
-    course = Course(Mission(resolve(scenario.model_copy(update={"mission": chosen}))))
+    course = Course(scenario.model_copy(update={"mission": chosen}))
     course.step()
     assert (course.mission.status.target_area, course.mission.task.explored_by) == (-1, (-1, -1))
     assert (course.mission.task.area_center_m, course.mission.task.area_radius_m) == (None, 0.0)

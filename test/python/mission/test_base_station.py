@@ -8,11 +8,9 @@ from mission_course import Course
 
 from robotteamsim.interface import Discovery
 from robotteamsim.interface.discovery import announcement
-from robotteamsim.mission import Mission
 from robotteamsim.mission.base_station import BaseStation
 from robotteamsim.mission.status import DeliveredDiscoveries
 from robotteamsim.network.messages import Message
-from robotteamsim.setup import resolve
 
 START_M, EAST_M, WEST_M, ANN_M = (3.0, 1.0), (16.0, 5.0), (5.0, 5.0), (9.0, 4.0)
 ANN = Discovery("victim", "ann", 1, ANN_M, 12.5)
@@ -27,12 +25,12 @@ class BaseCourse(Course):
     """Gives the places of the base and of the other robot, and the payloads that the base receives."""
 
     def step(self, *places_m, inbox=()):
-        return super().step(places_m, base_inbox=[Message(1, 0, payload) for payload in inbox])
+        return super().step(places_m, inboxes=([Message(1, 0, payload) for payload in inbox], ()))
 
 
 @pytest.fixture
 def course(hall_scenario) -> BaseCourse:
-    course = BaseCourse(Mission(resolve(with_base(hall_scenario))))
+    course = BaseCourse(with_base(hall_scenario))
     course.step(START_M, START_M)
     return course
 
@@ -75,7 +73,7 @@ def test_mission_continues_until_every_discovery_is_delivered(course):
 
 
 def test_without_a_base_nothing_is_undelivered(hall_scenario):
-    course = BaseCourse(Mission(resolve(hall_scenario())))
+    course = BaseCourse(hall_scenario())
     course.step(START_M, START_M)
     events = course.step(START_M, ANN_M, inbox=[announcement(ANN)])
     assert [event.kind for event in events] == ["victim_saved"]

@@ -7,12 +7,10 @@ from mission_course import FAR_M, SILENCE, Course, network_of
 
 from robotteamsim import _core, rng
 from robotteamsim.interface import Task
-from robotteamsim.mission import Mission
 from robotteamsim.network.messages import Refusal, Traffic
 from robotteamsim.scenario import sections
 from robotteamsim.scenario.floor_plan import Door
 from robotteamsim.sensing.readings import VoiceReading
-from robotteamsim.setup import resolve
 from robotteamsim.world.doors import DoorState, DoorStates
 
 AREA_EAST_M, AREA_WEST_M = (16.0, 5.0), (5.0, 5.0)
@@ -20,13 +18,8 @@ ANN_M, BOB_M = (9.0, 4.0), (12.0, 7.0)
 
 
 @pytest.fixture
-def mission(hall_scenario) -> Mission:
-    return Mission(resolve(hall_scenario()))
-
-
-@pytest.fixture
-def course(mission) -> Course:
-    return Course(mission)
+def course(hall_scenario) -> Course:
+    return Course(hall_scenario())
 
 
 def hears(place_m: tuple[float, float], level_db: float = 24.0) -> VoiceReading:
@@ -49,7 +42,7 @@ def test_start_event_lists_areas_victims_and_noise(course):
 def test_mission_without_autostart_waits_for_start(hall_scenario):
     scenario = hall_scenario()
     waiting = scenario.mission.model_copy(update={"autostart": False})
-    course = Course(Mission(resolve(scenario.model_copy(update={"mission": waiting}))))
+    course = Course(scenario.model_copy(update={"mission": waiting}))
     assert course.kinds(positions=[AREA_EAST_M]) == []
     assert course.mission.status.state == "waiting"
     assert not course.mission.status.task.running
@@ -58,8 +51,8 @@ def test_mission_without_autostart_waits_for_start(hall_scenario):
     assert course.kinds(positions=[AREA_EAST_M]) == ["start", "area_explored"]
 
 
-def test_team_does_not_move_before_the_start(mission):
-    assert mission.status.task == Task(running=False, area_center_m=AREA_EAST_M, area_radius_m=2.0)
+def test_team_does_not_move_before_the_start(course):
+    assert course.mission.status.task == Task(running=False, area_center_m=AREA_EAST_M, area_radius_m=2.0)
 
 
 def test_only_the_target_area_counts_as_explored(course):
@@ -94,18 +87,19 @@ def test_saved_victim_is_saved_once(course):
     assert course.kinds(positions=[ANN_M]) == []
 
 
-def test_heard_victim_is_the_one_who_is_loudest_at_the_loudest_place(course):
-    loudest = {(10.4, 5.0): "bob", ANN_M: "ann"}  # ann is nearer to both places
-    events = course.step(voices=[SILENCE, hears((10.4, 5.0))], speaker=loudest.get)
+def test_heard_victim_is_the_one_who_is_loudest_at_the_loudest_place(hall_scenario):
+    course = Course(hall_scenario(), {(10.4, 5.0): "bob", ANN_M: "ann"}.get)  # ann is nearer to both places
+    events = course.step(voices=[SILENCE, hears((10.4, 5.0))])
     assert (events[1].kind, events[1].subject, events[1].robot_id) == ("victim_heard", "bob", 1)
     assert events[1].detail == "robot 1 hears bob at 24.0 dB"
-    course.step(voices=[hears(ANN_M)], speaker=loudest.get)
+    course.step(voices=[hears(ANN_M)])
     assert course.mission.status.victims == ("heard", "heard")
 
 
-def test_voice_after_the_last_victim_was_saved_is_nobody(course):
+def test_voice_after_the_last_victim_was_saved_is_nobody(hall_scenario):
+    course = Course(hall_scenario(), lambda place_m: None)
     course.step(positions=[ANN_M, BOB_M])
-    assert course.kinds(voices=[hears(ANN_M)], speaker=lambda place_m: None) == []
+    assert course.kinds(voices=[hears(ANN_M)]) == []
 
 
 def test_epoch_grows_when_a_victim_falls_silent_and_when_the_target_area_changes(course):
@@ -145,7 +139,7 @@ def test_leaf_of_a_door_is_reported_when_it_starts_is_blocked_and_stops(hall_sce
     scenario = hall_scenario()
     gate = Door(name="gate", start=(10.0, 0.2), end=(10.0, 1.2), motion="swing")
     plan = scenario.plan.model_copy(update={"doors": (gate,)})
-    course = Course(Mission(resolve(scenario.model_copy(update={"plan": plan}))))
+    course = Course(scenario.model_copy(update={"plan": plan}))
     course.step()
     told, epochs = [], []
     states = (
@@ -222,7 +216,7 @@ def test_mission_ends_when_all_areas_are_explored(course):
 
 def test_mission_ends_at_the_time_limit(hall_scenario):
     scenario = hall_scenario(mission=sections.Mission(time_limit_s=0.3))
-    course = Course(Mission(resolve(scenario)))
+    course = Course(scenario)
     for _ in range(3):
         course.step()
     assert course.mission.status.state == "running"
@@ -239,7 +233,7 @@ def test_mission_ends_when_all_robots_are_excluded(course):
 
 def test_exploring_the_last_area_in_the_last_moment_is_success(hall_scenario):
     area = sections.Area(name="only", center=AREA_EAST_M)
-    course = Course(Mission(resolve(hall_scenario(mission=sections.Mission(areas=(area,), time_limit_s=0.1)))))
+    course = Course(hall_scenario(mission=sections.Mission(areas=(area,), time_limit_s=0.1)))
     course.step()
     course.step(positions=[AREA_EAST_M], excluded=[0, 1])
     assert course.mission.status.end == "areas_explored"
@@ -285,7 +279,7 @@ def test_nothing_happens_after_the_end(course):
 
 def test_two_missions_with_equal_inputs_have_equal_events(hall_scenario):
     def events() -> list:
-        course = Course(Mission(resolve(hall_scenario())))
+        course = Course(hall_scenario())
         walk = [FAR_M, ANN_M, BOB_M, AREA_EAST_M, AREA_WEST_M]
         return [event for place in walk for event in course.step(positions=[place])]
 
@@ -352,6 +346,6 @@ def test_mission_ends_when_no_robot_is_left(course):
 def test_robots_in_reserve_at_the_start_cause_no_event(hall_scenario):
     loaded = hall_scenario()
     robots = tuple(robot.model_copy(update={"present": i == 0}) for i, robot in enumerate(loaded.robots))
-    course = Course(Mission(resolve(loaded.model_copy(update={"robots": robots}))))
+    course = Course(loaded.model_copy(update={"robots": robots}))
     assert course.kinds(present=(True, False)) == ["start"]
     assert course.kinds() == ["robot_spawned"]

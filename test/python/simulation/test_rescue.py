@@ -12,7 +12,6 @@ import pytest
 
 from robotteamsim.errors import PlacementError, ScenarioError
 from robotteamsim.hazards import walking_speed_share
-from robotteamsim.mission import MissionInput
 from robotteamsim.scenario.loading import from_mapping
 from robotteamsim.simulation import Simulation, StepRecord
 
@@ -121,13 +120,10 @@ def test_loud_voice_locates_only_the_victim_whose_voice_it_is(near, located):
     records = [first, *(simulation.step() for _ in range(10))]
     assert events(records, "victim_located") == located
     # In a voice that is one step old, its victim is silent by now.
-    late = MissionInput(
-        sim_time_ns=records[-1].sim_time_ns + 100_000_000,
-        speaker=lambda place_m: near["name"],
-        positions_m=np.array([(reading.true_pose.x_m, reading.true_pose.y_m) for reading in first.readings]),
-        **{name: getattr(first, name) for name in ("voices", "network", "decisions", "present", "doors", "people")},
-    )
-    assert "victim_located" not in [event.kind for event in simulation.mission.step(late)]
+    simulation.hearing.sensor.set_silenced(())
+    assert simulation.hearing.sensor.speaker(first.voices[0].local_best_m) == near["name"]
+    first.sim_time_ns = records[-1].sim_time_ns + 100_000_000
+    assert "victim_located" not in [event.kind for event in simulation.mission.step(first, first.decisions)]
 
 
 def test_voice_through_a_wall_does_not_locate_who_is_nearer_than_the_one_who_is_heard():
