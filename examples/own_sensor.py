@@ -18,7 +18,7 @@ class GasDetectors(rts.Observer):
 
     def step(self, record):
         if record.step_index % self.every == 0:
-            for noise, position_m in zip(self.noise, record.readings.positions_m, strict=True):
+            for noise, position_m in zip(self.noise, record.state.positions_m, strict=True):
                 true_ppm = PPM_AT_LEAK * np.exp(-np.hypot(*(position_m - LEAK_M)) / SPREAD_M)
                 self.rows.append((*position_m, true_ppm + noise.normal(0.0, NOISE_PPM)))
 

@@ -163,7 +163,7 @@ class OwnProgress(Reward):
         robot_id = self.robot_ids[agent]
         if not record.present[robot_id]:
             return 0.0
-        position = tuple(record.readings.positions_m[robot_id].tolist())
+        position = tuple(record.state.positions_m[robot_id].tolist())
         goals = [
             (self._length_m(robot_id, place, position, own), place) for place, own in self._goals(robot_id, record)
         ]

@@ -81,18 +81,6 @@ base::Table<Value> TableOf(const Array<Value, -1, -1>& rows) {
   return {rows.data(), rows.shape(0), rows.shape(1)};
 }
 
-/// A view of records of doubles, one row of `count` numbers per record; the owner of the records is set by the binding.
-template <nanobind::ssize_t count, typename Record>
-Array<const double, -1, count> ViewOf(const std::vector<Record>& records) {
-  static_assert(sizeof(Record) == count * sizeof(double));
-  return Array<const double, -1, count>(reinterpret_cast<const double*>(records.data()), {records.size(), count});
-}
-
-/// A view of values that are 0 or 1.
-inline Array<const bool, -1> FlagsIn(const std::vector<std::uint8_t>& values) {
-  return Array<const bool, -1>(reinterpret_cast<const bool*>(values.data()), {values.size()});
-}
-
 inline Array<bool, -1> FlagsOf(const std::vector<bool>& values) {
   return ArrayOf<bool, -1>(std::vector<unsigned char>(values.begin(), values.end()), {values.size()});
 }

@@ -4,6 +4,7 @@
 
 #include "bindings.hpp"
 #include "casters.hpp"
+#include "mission_state.hpp"
 #include "robotteamsim/network/fiedler.hpp"
 #include "robotteamsim/network/hop_count.hpp"
 #include "robotteamsim/network/team_links.hpp"
@@ -12,7 +13,6 @@ namespace robotteamsim::bindings {
 
 void BindNetwork(nb::module_&& m) {
   m.def("hop_count", &network::CountHops, "adjacency"_a);
-  m.def("break_matrix", &network::BreakMatrix, "link"_a, "hops"_a);
   m.def("fiedler_value", &network::FiedlerValue, "adjacency"_a);
   nb::class_<network::TeamLinks>(m, "TeamLinks")
       .def(
@@ -25,11 +25,9 @@ void BindNetwork(nb::module_&& m) {
           },
           "faces"_a, "model"_a, nb::kw_only(), "by_distance"_a, "lost_below_dbm"_a, "max_distance_m"_a,
           "endangered_below_dbm"_a)
-      .def("step", &network::TeamLinks::Step, "positions_m"_a, "rssi_dbm"_a, "link"_a)
-      .def_prop_ro("fiedler_value", &network::TeamLinks::fiedler_value)
-      .def("adjacency", &network::TeamLinks::adjacency, nb::rv_policy::copy)
-      .def("hop_count", &network::TeamLinks::hops, nb::rv_policy::copy)
-      .def("endangered", &network::TeamLinks::endangered, nb::rv_policy::copy);
+      .def(
+          "step", [](network::TeamLinks& links, MissionState& state) { links.Step(state.written(), state.mission()); },
+          "state"_a);
 }
 
 }  // namespace robotteamsim::bindings

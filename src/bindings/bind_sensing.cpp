@@ -2,39 +2,23 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <stdexcept>
+#include <map>
+#include <memory>
+#include <utility>
 #include <vector>
 
 #include "arrays.hpp"
 #include "bindings.hpp"
 #include "casters.hpp"
+#include "mission_state.hpp"
 #include "robotteamsim/sensing/range_report.hpp"
-#include "robotteamsim/sensing/team_odometry.hpp"
-#include "robotteamsim/sensing/team_state.hpp"
+#include "robotteamsim/sensing/team_sensors.hpp"
 #include "robotteamsim/sensing/voice_sensor.hpp"
-
-namespace nanobind::detail {
-
-namespace sensing = robotteamsim::sensing;
-
-template <>
-struct type_caster<sensing::VoiceReading> {
-  NB_TYPE_CASTER(sensing::VoiceReading, const_name("robotteamsim.sensing.readings.VoiceReading"))
-
-  static handle from_cpp(const sensing::VoiceReading& heard, rv_policy /*policy*/, cleanup_list* /*cleanup*/) {
-    // Kept for as long as the interpreter runs.
-    static const handle record =
-        object(module_::import_("robotteamsim.sensing.readings").attr("VoiceReading")).release();
-    return record(heard.level_db, heard.heard, heard.local_best, heard.local_best_level_db).release();
-  }
-};
-
-}  // namespace nanobind::detail
 
 namespace robotteamsim::bindings {
 namespace {
 
-using sensing::OdometryState, sensing::RangeLimits, sensing::TeamOdometry, sensing::TeamState, sensing::VoiceSensor;
+using sensing::RangeLimits, sensing::TeamOdometry, sensing::TeamSensors, sensing::VoiceSensor;
 using Rows = Array<const double, -1, -1>;
 using Ranges = Array<float, -1, -1>;
 
@@ -44,131 +28,64 @@ Ranges Reported(const RangeLimits& limits, const Rows& ranges_m, const Rows& noi
   return reported_m;
 }
 
-// An object of a module, such as a class, kept for as long as the interpreter runs.
-nb::handle PythonObject(const char* module, const char* name) {
-  return nb::object(nb::module_::import_(module).attr(name)).release();
+using Noise = Array<const double, -1, -1>;
+
+TeamSensors::Noise NoiseOf(const Noise& odometry, const Noise& ranges_m) {
+  return {TableOf(odometry), TableOf(ranges_m)};
 }
 
-nb::object RecordOf(const sensing::PoseReading& pose) {
-  static const nb::handle record = PythonObject("robotteamsim.geometry", "PoseReading");
-  return record(pose.x, pose.y, pose.qz, pose.qw);
+TeamOdometry OdometryOf(const std::vector<std::array<double, 4>>& alphas, double step_s,
+                        const std::vector<bool>& omni) {
+  std::vector<sensing::OdometryModel> models;
+  models.reserve(alphas.size());
+  for (const auto& [alpha1, alpha2, alpha3, alpha4] : alphas) models.push_back({alpha1, alpha2, alpha3, alpha4});
+  return {models, step_s, omni};
 }
 
-// Row i of the odometry as an `OdometryReading`.
-nb::object RecordOf(const OdometryState& odometry, std::size_t i) {
-  static const nb::handle record = PythonObject("robotteamsim.sensing.readings", "OdometryReading");
-  const auto& [xx, xy, x_yaw, yy, y_yaw, yaw_yaw] = odometry.pose_covariance[i];
-  const auto& [forward, left, turn] = odometry.twist_variances[i];
-  return record(RecordOf(odometry.pose[i]), odometry.twist[i], nb::make_tuple(xx, xy, x_yaw, yy, y_yaw, yaw_yaw),
-                nb::make_tuple(forward, left, turn));
-}
-
-nb::list OdometryReadings(const OdometryState& odometry) {
-  nb::list readings;
-  for (std::size_t i = 0; i < odometry.pose.size(); ++i) readings.append(RecordOf(odometry, i));
-  return readings;
-}
-
-// The robots as `RobotReading`s. Args: ranges_m: of each robot; contact_angles_rad, sensors: of those that have any, by
-// id.
-nb::list RobotReadings(const TeamState& state, const nb::sequence& ranges_m, const nb::dict& contact_angles_rad,
-                       const nb::dict& sensors) {
-  static const nb::handle record = PythonObject("robotteamsim.sensing.readings", "RobotReading");
-  static const nb::handle nothing_sensed = PythonObject("robotteamsim.sensing.readings", "NOTHING_SENSED");
-  if (nb::len(ranges_m) != state.size()) throw std::invalid_argument("ranges_m must have one item per robot");
-  const nb::tuple no_angles;
-  nb::list robots;
-  for (std::size_t i = 0; i < state.size(); ++i) {
-    const nb::int_ id(i);
-    robots.append(record(RecordOf(state.true_pose[i]), state.true_twist[i], RecordOf(state.odometry, i), ranges_m[i],
-                         state.contact[i] != 0, contact_angles_rad.get(id, no_angles),
-                         sensors.get(id, nothing_sensed)));
-  }
-  return robots;
-}
-
-OdometryState OdometryOf(const Array<const double, -1, 4>& pose, const Triples& twist,
-                         const Array<const double, -1, 6>& pose_covariance, const Triples& twist_variances) {
-  OdometryState odometry{RecordsOf<sensing::PoseReading>(pose), RecordsOf<base::Twist>(twist),
-                         RecordsOf<sensing::PoseCovariance>(pose_covariance),
-                         RecordsOf<sensing::TwistVariances>(twist_variances)};
-  sensing::Check(odometry);
-  return odometry;
-}
-
-TeamState StateOf(const Array<const double, -1, 4>& true_pose, const Triples& true_twist, const OdometryState& odometry,
-                  const Array<const bool, -1>& contact) {
-  TeamState state{RecordsOf<sensing::PoseReading>(true_pose), RecordsOf<base::Twist>(true_twist), odometry,
-                  ValuesOf<std::uint8_t>(contact)};
-  sensing::Check(state);
-  return state;
-}
-
-void BindState(nb::module_& m) {
-  nb::class_<OdometryState>(m, "OdometryState")
+void BindTeam(nb::module_& m) {
+  nb::class_<sensing::Lasers>(m, "Lasers")
       .def(
           "__init__",
-          [](OdometryState* self, const Array<const double, -1, 4>& pose, const Triples& twist,
-             const Array<const double, -1, 6>& pose_covariance, const Triples& twist_variances) {
-            new (self) OdometryState(OdometryOf(pose, twist, pose_covariance, twist_variances));
+          [](sensing::Lasers* self, const world::Fan& fan, const RangeLimits& limits, std::vector<int> robot_ids,
+             std::shared_ptr<const world::FanCaster> caster) {
+            new (self) sensing::Lasers{fan, std::move(caster), limits, std::move(robot_ids)};
           },
-          nb::kw_only(), "pose"_a, "twist"_a, "pose_covariance"_a, "twist_variances"_a)
-      .def_prop_ro("pose", [](const OdometryState& state) { return ViewOf<4>(state.pose); })
-      .def_prop_ro("twist", [](const OdometryState& state) { return ViewOf<3>(state.twist); })
-      .def_prop_ro("pose_covariance", [](const OdometryState& state) { return ViewOf<6>(state.pose_covariance); })
-      .def_prop_ro("twist_variances", [](const OdometryState& state) { return ViewOf<3>(state.twist_variances); })
-      .def("readings", &OdometryReadings,
-           nb::sig("def readings(self) -> list[robotteamsim.sensing.readings.OdometryReading]"));
-  nb::class_<TeamState>(m, "TeamState")
+          "fan"_a, "limits"_a, "robot_ids"_a, "caster"_a.none() = nb::none());
+  nb::class_<TeamSensors>(m, "TeamSensors")
       .def(
           "__init__",
-          [](TeamState* self, const Array<const double, -1, 4>& true_pose, const Triples& true_twist,
-             const OdometryState& odometry, const Array<const bool, -1>& contact) {
-            new (self) TeamState(StateOf(true_pose, true_twist, odometry, contact));
+          [](TeamSensors* self, std::vector<sensing::Lasers> lasers, const std::vector<std::array<double, 4>>& alphas,
+             double step_s, const std::vector<bool>& omni) {
+            new (self) TeamSensors(std::move(lasers), OdometryOf(alphas, step_s, omni));
           },
-          nb::kw_only(), "true_pose"_a, "true_twist"_a, "odometry"_a, "contact"_a)
-      .def("__len__", &TeamState::size)
-      .def_prop_ro(
-          "positions_m", [](const TeamState& state) { return RowsOf<2>(state.positions()); }, nb::rv_policy::reference)
-      .def_prop_ro("true_pose", [](const TeamState& state) { return ViewOf<4>(state.true_pose); })
-      .def_prop_ro("true_twist", [](const TeamState& state) { return ViewOf<3>(state.true_twist); })
-      .def_ro("odometry", &TeamState::odometry)
-      .def_prop_ro("contact", [](const TeamState& state) { return FlagsIn(state.contact); })
-      .def("readings", &RobotReadings,
-           nb::sig("def readings(self, ranges_m: collections.abc.Sequence[numpy.ndarray] | numpy.ndarray, "
-                   "contact_angles_rad: dict[int, tuple[float, ...]], "
-                   "sensors: dict[int, collections.abc.Mapping[str, typing.Any]]) -> "
-                   "list[robotteamsim.sensing.readings.RobotReading]"),
-           "ranges_m"_a, "contact_angles_rad"_a, "sensors"_a);
-}
-
-void BindOdometry(nb::module_& m) {
-  nb::class_<TeamOdometry>(m, "TeamOdometry")
+          "lasers"_a, "alphas"_a, "step_s"_a, "omni"_a)
+      .def_prop_ro("beams", &TeamSensors::beams)
+      .def("set_haze", &TeamSensors::SetHaze, "haze"_a.none())
+      .def("restart", &TeamSensors::Restart, "robot_id"_a)
       .def(
-          "__init__",
-          [](TeamOdometry* self, const std::vector<std::array<double, 4>>& alphas, double step_s,
-             const std::vector<bool>& omni) {
-            std::vector<sensing::OdometryModel> models;
-            models.reserve(alphas.size());
-            for (const auto& [alpha1, alpha2, alpha3, alpha4] : alphas)
-              models.push_back({alpha1, alpha2, alpha3, alpha4});
-            new (self) TeamOdometry(models, step_s, omni);
+          "read",
+          [](TeamSensors& sensors, MissionState& state, const world::World& world, const Noise& odometry_noise,
+             const Noise& noise_m) {
+            sensors.Read(world, NoiseOf(odometry_noise, noise_m), state.written(), state.mission());
           },
-          "alphas"_a, "step_s"_a, "omni"_a)
-      .def("restart", &TeamOdometry::Restart, "robot_id"_a)
+          "state"_a, "world"_a, "odometry_noise"_a, "noise_m"_a)
       .def(
-          "step",
-          [](TeamOdometry& odometry, const Triples& motions, const Triples& twists, const Triples& noise) {
-            return odometry.Step(RecordsOf<base::Pose>(motions), RecordsOf<base::Twist>(twists),
-                                 RecordsOf<sensing::Odometry::Noise>(noise));
+          "read_motion",
+          [](TeamSensors& sensors, MissionState& state, const Triples& poses, const Triples& twists,
+             const Triples& motions, const Array<const bool, -1>& in_contact,
+             const std::map<int, std::vector<double>>& contact_angles, const std::vector<Noise>& ranges_m,
+             const Noise& odometry_noise, const Noise& noise_m) {
+            sensing::Motion motion{RecordsOf<base::Pose>(poses), RecordsOf<base::Twist>(twists),
+                                   RecordsOf<base::Pose>(motions), ValuesOf<bool>(in_contact),
+                                   std::vector<std::vector<double>>(in_contact.size())};
+            for (const auto& [robot, angles] : contact_angles) motion.contact_angles.at(robot) = angles;
+            std::vector<base::Table<const double>> tables;
+            tables.reserve(ranges_m.size());
+            for (const Noise& table : ranges_m) tables.push_back(TableOf(table));
+            sensors.Read(motion, tables, NoiseOf(odometry_noise, noise_m), state.written(), state.mission());
           },
-          "motions"_a, "twists"_a, "noise"_a)
-      .def(
-          "read_team",
-          [](TeamOdometry& odometry, const world::TeamMotion& team, const Triples& noise) {
-            return odometry.Read(team, RecordsOf<sensing::Odometry::Noise>(noise));
-          },
-          "team"_a, "noise"_a);
+          "state"_a, "poses"_a, "twists"_a, "motions"_a, "in_contact"_a, "contact_angles_rad"_a, "ranges_m"_a,
+          "odometry_noise"_a, "noise_m"_a);
 }
 
 void BindVoiceSensor(nb::module_& m) {
@@ -183,11 +100,8 @@ void BindVoiceSensor(nb::module_& m) {
           },
           "origin_m"_a, "resolution_m"_a, "levels_db"_a, "radius_m"_a)
       .def(
-          "hear",
-          [](VoiceSensor& sensor, const Points& positions_m) {
-            return sensor.Hear(RecordsOf<base::Point>(positions_m));
-          },
-          "positions_m"_a);
+          "hear", [](VoiceSensor& sensor, MissionState& state) { sensor.Hear(state.written(), state.mission()); },
+          "state"_a);
 }
 
 }  // namespace
@@ -204,8 +118,7 @@ void BindSensing(nb::module_&& m) {
         sensing::Dim(fan, RecordsOf<base::Pose>(robots), haze, no_return_m, TableOf(reported_m));
       },
       "fan"_a, "robots"_a, "haze"_a, "no_return_m"_a, "reported_m"_a);
-  BindState(m);
-  BindOdometry(m);
+  BindTeam(m);
   BindVoiceSensor(m);
 }
 

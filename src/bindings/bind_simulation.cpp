@@ -3,15 +3,19 @@
 
 #include "bindings.hpp"
 #include "casters.hpp"
-#include "robotteamsim/sensing/team_state.hpp"
+#include "mission_state.hpp"
 #include "robotteamsim/simulation/team_totals.hpp"
 
 namespace robotteamsim::bindings {
 namespace {
 
-void AddStep(simulation::TeamTotals& totals, const sensing::TeamState& state, const std::vector<bool>& excluded,
+void AddStep(simulation::TeamTotals& totals, const MissionState& view, const std::vector<bool>& excluded,
              bool running) {
-  totals.AddStep(state.positions(), {state.contact.begin(), state.contact.end()}, excluded, running);
+  const state::State& state = view.state();
+  const auto first = static_cast<std::ptrdiff_t>(state.First(view.mission()));
+  const auto end = first + static_cast<std::ptrdiff_t>(state.robots);
+  totals.AddStep({state.positions.begin() + first, state.positions.begin() + end},
+                 {state.contact.begin() + first, state.contact.begin() + end}, excluded, running);
 }
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace robotteamsim::bindings {
 namespace {
 
 using world::Door, world::DriveLimits, world::FanCaster, world::MovableObject, world::Polygon, world::Solid,
-    world::TeamMotion, world::World;
+    world::World;
 
 // The angles of contact of the robots that touch something, by id.
 using Angles = nb::typed<nb::tuple, double, nb::ellipsis>;
@@ -63,22 +63,6 @@ void BindParts(nb::module_& m) {
   nb::class_<MovableObject>(m, "MovableObject")
       .def(nb::init<double, double, double, base::Pose, Polygon>(), nb::kw_only(), "radius_m"_a, "mass_kg"_a,
            "friction"_a, "start"_a, "corners_m"_a);
-}
-
-void BindTeam(nb::module_& m) {
-  nb::class_<TeamMotion>(m, "TeamMotion")
-      .def(
-          "__init__",
-          [](TeamMotion* self, const Triples& poses, const Triples& twists, const Triples& motions,
-             const Array<const bool, -1>& in_contact) {
-            new (self) TeamMotion{RecordsOf<base::Pose>(poses), RecordsOf<base::Twist>(twists),
-                                  RecordsOf<base::Pose>(motions), ValuesOf<std::uint8_t>(in_contact)};
-          },
-          nb::kw_only(), "poses"_a, "twists"_a, "motions"_a, "in_contact"_a)
-      .def_prop_ro("poses", [](const TeamMotion& team) { return ViewOf<3>(team.poses); })
-      .def_prop_ro("twists", [](const TeamMotion& team) { return ViewOf<3>(team.twists); })
-      .def_prop_ro("motions", [](const TeamMotion& team) { return ViewOf<3>(team.motions); })
-      .def_prop_ro("in_contact", [](const TeamMotion& team) { return FlagsIn(team.in_contact); });
 }
 
 void BindFan(nb::module_& m) {
@@ -130,7 +114,6 @@ void BindWorld(nb::module_&& m) {
       "drives"_a, "speeds"_a, "twists"_a, "dt_s"_a);
   BindFan(m);
   BindCrowd(m);
-  BindTeam(m);
   nb::class_<World>(m, "World")
       .def(nb::init<std::vector<Solid>, std::vector<Door>, std::vector<world::Robot>, double, int,
                     std::vector<MovableObject>>(),
@@ -140,7 +123,9 @@ void BindWorld(nb::module_&& m) {
       .def("step", &World::Step, "twists"_a)
       .def("object_poses", [](const World& world) { return RowsOf<3>(world.object_poses()); })
       .def("poses", [](const World& world) { return RowsOf<3>(world.poses()); })
-      .def("team", &World::team)
+      .def("twists", [](const World& world) { return RowsOf<3>(world.twists()); })
+      .def("motions", [](const World& world) { return RowsOf<3>(world.motions()); })
+      .def("in_contact", [](const World& world) { return FlagsOf(world.in_contact()); })
       .def("contact_angles", &ContactAngles)
       .def("set_pose", &World::SetPose, "robot_id"_a, "pose"_a)
       .def("remove_robot", &World::RemoveRobot, "robot_id"_a)

@@ -14,6 +14,7 @@ void BindPlan(nb::module_&& m);
 void BindWorld(nb::module_&& m);
 void BindPropagation(nb::module_&& m);
 void BindHazards(nb::module_&& m);
+void BindState(nb::module_&& m);
 void BindSensing(nb::module_&& m);
 void BindNetwork(nb::module_&& m);
 void BindSwarm(nb::module_&& m);

@@ -12,6 +12,7 @@ NB_MODULE(_core, m) {
   BindWorld(m.def_submodule("world", "Robots, walls, doors and objects."));
   BindPropagation(m.def_submodule("propagation", "Fading of radio and voice."));
   BindHazards(m.def_submodule("hazards", "Fire, smoke and heat."));
+  BindState(m.def_submodule("state", "The numbers of missions after a step."));
   BindSensing(m.def_submodule("sensing", "Lasers, odometry and hearing."));
   BindNetwork(m.def_submodule("network", "Links between robots."));
   BindSwarm(m.def_submodule("swarm", "Velocities of a robotic swarm."));

@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robotteamsim import _core
-from robotteamsim.geometry import Pose
+from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
 
 
 class Output(NamedTuple):
@@ -267,7 +268,6 @@ def _signals() -> Iterator[Call]:
     yield new("propagation.write_voice_map_db", _FACES, _VOICE, [_CALLER], _ORIGIN, _RESOLUTION_M, solid, _CELLS_OUT, 1)
     yield new("network.hop_count", _LINKED)
     yield new("network.fiedler_value", _LINKED)
-    yield new("network.break_matrix", np.array([[0.0, -60.0], [-60.0, 0.0]]), new("network.hop_count", _LINKED))
     links = new(
         "network.TeamLinks",
         _FACES,
@@ -277,12 +277,9 @@ def _signals() -> Iterator[Call]:
         max_distance_m=25.0,
         endangered_below_dbm=-80.0,
     )
-    square = Output((3, 3), np.float64)
-    yield links.of(
-        ("step", _TEAM, square, square),
-        *((name,) for name in ("fiedler_value", "adjacency", "hop_count")),
-        ("endangered",),
-    )
+    team = new("state.State", 3).of(*(("place", i, Pose(*place, 0.0)) for i, place in enumerate(_TEAM.tolist())))
+    yield links.of(("step", team))
+    yield team.of(("of", 0), ("fiedler_value",), ("links_version",))
 
 
 def _box(x: float, y: float, side: float) -> list[tuple[float, float]]:
@@ -335,7 +332,7 @@ _CROWD = new("world.Crowd", [_WALL], [_INSTANT, _DOOR], _MANNERS)
 _WALKERS = np.array([[0.0, 0.0, 5.0, 0.0, 1.2, 0.15], [0.5, 0.1, 5.0, 1.0, 1.0, 0.15]])
 _WORLD = new("world.World", [_WALL], [_INSTANT, _DOOR], [_ROUND, _SQUARE], 0.1, 2, [_BOX])
 _TWISTS = np.array([[0.5, 0.0, 0.2], [0.7, 0.0, 0.1]])
-_STATE = ("poses", "team", "object_poses", "contact_angles", "present", "arrivals")
+_STATE = ("poses", "twists", "motions", "in_contact", "object_poses", "contact_angles", "present", "arrivals")
 
 
 def _world() -> Iterator[Call]:
@@ -355,7 +352,6 @@ def _world() -> Iterator[Call]:
 _FAN = new("world.Fan", beams=7, angle_min_rad=-1.5, angle_max_rad=1.5, forward_m=0.1, left_m=0.02, range_max_m=6.0)
 _CASTER = new("world.FanCaster", _FAN, [_WALL], [_DOOR])
 _LIMITS = new("sensing.RangeLimits", range_min_m=0.05, range_max_m=6.0, too_near_m=0.05, no_return_m=6.0)
-_ODOMETRY = new("sensing.TeamOdometry", [(0.01, 0.01, 0.02, 0.01)] * 2, 0.1, [False, True])
 _THREE = np.full((2, 3), 0.1)
 
 
@@ -363,18 +359,37 @@ def _sensors() -> Iterator[Call]:
     yield _CASTER.of(("cast", _WORLD, [0, 1]))
     measured_m = np.array([[0.01, 2.0, 9.0], [2.0, 2.0, 2.0]])  # too near, a return, and none
     yield new("sensing.report", _LIMITS, measured_m, np.full((2, 3), 0.01))
-    contact = np.array([True, False])
-    team = new("world.TeamMotion", poses=_THREE, twists=_THREE, motions=_THREE, in_contact=contact)
-    yield team.of(("poses",), ("twists",), ("motions",), ("in_contact",))
-    yield _ODOMETRY.of(("step", _THREE, _THREE, _THREE), ("read_team", team, _THREE), ("restart", 0))
-    four, six = np.full((2, 4), 0.5), np.full((2, 6), 0.1)
-    odometry = new("sensing.OdometryState", pose=four, twist=_THREE, pose_covariance=six, twist_variances=_THREE)
-    yield odometry.of(("pose",), ("twist",), ("pose_covariance",), ("twist_variances",), ("readings",))
-    state = new("sensing.TeamState", true_pose=four, true_twist=_THREE, odometry=odometry, contact=contact)
-    parts = ("readings", [np.zeros(7, np.float32)] * 2, {1: (0.5,)}, {})
-    yield state.of(("positions_m",), ("true_pose",), ("true_twist",), ("odometry",), ("contact",), ("__len__",), parts)
+    carried = new("sensing.Lasers", _FAN, _LIMITS, [0, 1], _CASTER)
+    sensors = new("sensing.TeamSensors", [carried], [(0.01, 0.01, 0.02, 0.01)] * 2, 0.1, [False, True])
+    state, no_noise = new("state.State", 2, 7), np.empty((0, 0))
+    contact, ranges_m = np.array([True, False]), np.full((2, 7), 2.0)
+    motion = (_THREE, _THREE, _THREE, contact, {0: [0.5]}, [ranges_m])
+    yield sensors.of(
+        ("read", state, _WORLD, _THREE, np.full((2, 7), 0.01)),
+        ("set_haze", _HAZE),
+        ("read_motion", state, *motion, _THREE, no_noise),
+        ("restart", 0),
+        ("beams",),
+    )
+    pose, place = PoseReading(0.5, 0.5, 0.0, 1.0), Pose(0.0, 3.0, 0.1)
+    reading = RobotReading(pose, Twist(0.1), OdometryReading(pose, Twist()), np.ones(7, np.float32), True, (0.5,))
+    numbers = ("true_pose", "positions_m", "true_twist", "contact", "contact_angles_rad", "odometry_pose")
+    numbers += ("odometry_twist", "odometry_pose_covariance", "odometry_twist_variances", "ranges_m")
+    numbers += ("voice_level_db", "voice_heard", "local_best_m", "local_best_level_db", "sensors", "__len__")
+    yield state.of(
+        *(("place", robot_id, place) for robot_id in (0, 1)),
+        ("put_reading", 0, reading),
+        ("put_reading", 1, reading),
+        ("put_voice", 0, VoiceReading(1.0, True, (0.0, 3.0), 2.0)),
+        ("put_voice", 1, VoiceReading(1.0, True, (0.0, 3.0), 2.0)),
+        *((name,) for name in numbers),
+        ("readings",),
+        ("voices",),
+        ("ranges_of", 1),
+    )
+    yield new("state.States", 2, 3, 4).of(("next",))
     ear = new("sensing.VoiceSensor", (-1.0, 2.0), 0.5, _MAP, 2.0)
-    yield ear.of(("hear", np.array([[0.0, 3.0], [1.0, 4.0]])), ("hear", np.array([[0.1, 3.0], [1.0, 4.1]])))
+    yield ear.of(("hear", state), ("hear", state))
     totals = new("simulation.TeamTotals", 2)
     yield totals.of(("add_step", state, [False, True], True), ("totals",))
 

@@ -31,15 +31,15 @@ ODD = (
 TIME_LIMIT_S = 5.0
 MEMORY_LIMIT_MB = 1024
 # An infinite length means that there is no path, an infinite range no return (REP-117). hypot equals math.hypot, and
-# the pose of a removed robot is NaN. The states of a team have the numbers that they are given.
+# the pose of a removed robot is NaN. A state has the numbers that it is given.
 MAY_BE_INFINITE = {
     *("base.hypot", "distance_map", "value_at", "least_reachable", "cast", "read", "remove_robot"),
     *("lengths_from", "length_m"),
-    *("read_team", "world.TeamMotion", "sensing.OdometryState", "sensing.TeamState"),
+    "state.State",
 }
 INFINITE_IF_GIVEN = {"sensing.report", "sensing.dim"}
 """Calls that report what they are given where a laser has no return, also an infinite range (REP-117)."""
-AS_GIVEN = {"OdometryState", "TeamState"}
+AS_GIVEN = {"State"}
 """Inputs of other calls that have the numbers that they are given; what those calls return must be finite."""
 # What is wrong is named: the type, the value, or the index.
 EXPECTED = (ValueError, TypeError, IndexError)

@@ -21,7 +21,7 @@ FLOORS = (
     ("map_import",),
     ("scenario", "plan"),  # C++ calls it plan
     ("world", "propagation", "hazards"),
-    ("setup",),
+    ("setup", "state"),
     ("sensing", "network", "stage", "gazebo"),
     ("swarm",),
     ("interface",),

@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include "robotteamsim/network/link_bits.hpp"
-#include "robotteamsim/propagation/cells.hpp"
 
 namespace robotteamsim::network {
 
@@ -16,10 +15,5 @@ using HopCount = Eigen::Matrix<std::int32_t, Eigen::Dynamic, Eigen::Dynamic, Eig
 /// These are the numbers C of eq. (18-20), by breadth-first search from each robot over rows of bits.
 /// Throws std::invalid_argument if the matrix is not square, or not symmetric, or its diagonal is not zero.
 HopCount CountHops(const Eigen::Ref<const Adjacency>& adjacency);
-
-/// Returns the link matrix L of eq. (16) where no path exists and 0 elsewhere: C_break after eq. (21).
-/// Throws std::invalid_argument if the two have different shapes.
-propagation::CellValues BreakMatrix(const Eigen::Ref<const propagation::CellValues>& link,
-                                    const Eigen::Ref<const HopCount>& hops);
 
 }  // namespace robotteamsim::network

@@ -1,13 +1,17 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <utility>
+#include <vector>
 
 #include "robotteamsim/network/hop_count.hpp"
 #include "robotteamsim/network/link_bits.hpp"
 #include "robotteamsim/propagation/cells.hpp"
 #include "robotteamsim/propagation/face_set.hpp"
 #include "robotteamsim/propagation/radio.hpp"
+#include "robotteamsim/state/state.hpp"
 
 namespace robotteamsim::network {
 
@@ -20,7 +24,7 @@ struct LinkRule {
 };
 
 /// The radio links of a team, step by step. Hops and the Fiedler value are computed only if a link appears or
-/// disappears.
+/// disappears. An absent robot has no links, is on no path and does not count.
 class TeamLinks {
  public:
   /// Args: faces: of walls and doors; doors may change between steps.
@@ -28,34 +32,23 @@ class TeamLinks {
             const LinkRule& rule)
       : faces_(std::move(faces)), model_(model), rule_(rule) {}
 
-  /// Computes the links for these positions [m].
-  /// Args: rssi: where to write the signals between all pairs of robots [dBm], 0 on the diagonal;
-  ///       link: where to write L of eq. (16), 0 on the diagonal; for links by signal it is the same matrix.
-  /// Returns whether links, or which of them are endangered, have changed.
-  /// Throws std::invalid_argument, naming the robot, if a position is not finite.
-  bool Step(const Eigen::Ref<const propagation::Positions>& positions, Eigen::Ref<propagation::CellValues> rssi,
-            Eigen::Ref<propagation::CellValues> link);
-
-  const Adjacency& adjacency() const { return adjacency_; }
-  /// The links whose signal is below the limit.
-  const Adjacency& endangered() const { return endangered_; }
-  const HopCount& hops() const { return hops_; }
-  double fiedler_value() const { return fiedler_value_; }
+  /// Writes the links of a mission's robots where they are.
+  /// Throws std::invalid_argument if there is no such mission, or, naming the robot, if a position is not finite.
+  void Step(state::State* state, std::size_t mission);
 
  private:
-  struct Changes {
-    bool links = false;
-    bool endangered = false;
-  };
-  Changes FindLinks(const Eigen::Ref<const propagation::CellValues>& rssi,
-                    const Eigen::Ref<const propagation::CellValues>& link);
+  using Matrix = Eigen::Ref<propagation::CellValues>;
+  void FindLinks(const propagation::Positions& positions, bool has_new_team, Matrix rssi, Matrix link);
 
   std::shared_ptr<const propagation::FaceSet> faces_;
   propagation::RadioModel model_;
   LinkRule rule_;
+  // Of those who are present:
+  std::vector<int> present_;
   Adjacency adjacency_, endangered_;
   HopCount hops_;
   double fiedler_value_ = 0.0;
+  std::int64_t version_ = 0;
 };
 
 }  // namespace robotteamsim::network

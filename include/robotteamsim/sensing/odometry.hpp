@@ -1,7 +1,6 @@
 #pragma once
 
-#include <vector>
-
+#include "robotteamsim/state/state.hpp"
 #include "robotteamsim/world/drive.hpp"
 
 namespace robotteamsim::sensing {
@@ -12,23 +11,6 @@ struct OdometryModel {
   double alpha2 = 0.0;  ///< of a turn per distance [rad^2/m^2]
   double alpha3 = 0.0;  ///< of a distance per distance [m^2/m^2]
   double alpha4 = 0.0;  ///< of a distance per turn [m^2/rad^2]
-};
-
-/// The covariance of the error of a pose (x, y, yaw): its upper triangle, row by row.
-struct PoseCovariance {
-  double xx = 0.0;       ///< [m^2]
-  double xy = 0.0;       ///< [m^2]
-  double x_yaw = 0.0;    ///< [m rad]
-  double yy = 0.0;       ///< [m^2]
-  double y_yaw = 0.0;    ///< [m rad]
-  double yaw_yaw = 0.0;  ///< [rad^2]
-};
-
-/// The variances of the errors of a twist, which are independent of each other.
-struct TwistVariances {
-  double forward = 0.0;  ///< [m^2/s^2]
-  double left = 0.0;     ///< [m^2/s^2]; 0 unless the robot is omnidirectional
-  double turn = 0.0;     ///< [rad^2/s^2]
 };
 
 /// A robot's odometry: its true motion plus drift, in a frame `odom` that begins where the robot does.
@@ -73,9 +55,9 @@ class Odometry {
   const base::Twist& twist() const { return twist_; }
 
   /// The covariance of the estimated pose.
-  const PoseCovariance& covariance() const { return covariance_; }
+  const state::PoseCovariance& covariance() const { return covariance_; }
   /// The variances of the measured twist.
-  const TwistVariances& twist_variances() const { return twist_variances_; }
+  const state::TwistVariances& twist_variances() const { return twist_variances_; }
 
  private:
   void StepOmni(const base::Pose& motion, const base::Twist& twist, const Noise& noise);
@@ -85,8 +67,8 @@ class Odometry {
   bool omni_;
   base::Pose pose_;
   base::Twist twist_;
-  PoseCovariance covariance_;
-  TwistVariances twist_variances_;
+  state::PoseCovariance covariance_;
+  state::TwistVariances twist_variances_;
 };
 
 }  // namespace robotteamsim::sensing

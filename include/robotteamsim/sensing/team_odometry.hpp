@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "robotteamsim/base/table.hpp"
 #include "robotteamsim/sensing/odometry.hpp"
-#include "robotteamsim/sensing/team_state.hpp"
-#include "robotteamsim/world/team_motion.hpp"
+#include "robotteamsim/state/state.hpp"
 
 namespace robotteamsim::sensing {
 
@@ -21,15 +21,12 @@ class TeamOdometry {
   /// Restarts a robot's odometry at its origin.
   void Restart(int robot) { team_.at(robot) = first_.at(robot); }
 
-  /// Adds one step of all robots. Args: motions: in the frames of their beginnings; twists: mean velocities, in
-  /// base_link.
-  /// Throws std::invalid_argument if there is not one of each per robot.
-  OdometryState Step(const std::vector<base::Pose>& motions, const std::vector<base::Twist>& twists,
-                     const std::vector<Odometry::Noise>& noise);
-
-  /// Adds one step of all robots, and returns the team's state after it.
-  /// Throws std::invalid_argument if there is not one entry of each per robot.
-  TeamState Read(world::TeamMotion team, const std::vector<Odometry::Noise>& noise);
+  /// Adds one step of all robots, and writes their readings from a row of the state on.
+  /// Args: motions: in the frames of their beginnings; twists: mean velocities, in base_link; noise: three standard
+  /// normal numbers per robot, see `Odometry::Noise`.
+  /// Throws std::invalid_argument if there is not one row of each per robot.
+  void Step(const std::vector<base::Pose>& motions, const std::vector<base::Twist>& twists,
+            const base::Table<const double>& noise, state::State* state, std::size_t first_row);
 
  private:
   std::vector<Odometry> first_;

@@ -12,7 +12,6 @@
 #include "robotteamsim/world/nearby_edges.hpp"
 #include "robotteamsim/world/outline.hpp"
 #include "robotteamsim/world/solid.hpp"
-#include "robotteamsim/world/team_motion.hpp"
 
 class b2Body;
 class b2World;
@@ -84,8 +83,6 @@ class World {
   const std::vector<base::Pose>& motions() const { return motions_; }
   /// Whether each robot touched something (within 5 mm) in the last step.
   const std::vector<bool>& in_contact() const { return in_contact_; }
-  /// The last step of all robots.
-  TeamMotion team() const { return {poses_, twists_, motions_, {in_contact_.begin(), in_contact_.end()}}; }
   /// The directions of a robot's last contacts in the last step: angles in base_link, ascending in (-pi, pi], one per
   /// place; empty without contact.
   const std::vector<double>& contact_angles(int robot) const { return contact_angles_.at(robot); }

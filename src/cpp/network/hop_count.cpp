@@ -63,12 +63,4 @@ HopCount CountHops(const Eigen::Ref<const Adjacency>& adjacency) {
   return hops;
 }
 
-propagation::CellValues BreakMatrix(const Eigen::Ref<const propagation::CellValues>& link,
-                                    const Eigen::Ref<const HopCount>& hops) {
-  if (link.rows() != hops.rows() || link.cols() != hops.cols()) {
-    throw std::invalid_argument("links and hops must have the same shape");
-  }
-  return (hops.array() < 0).select(link, 0.0);
-}
-
 }  // namespace robotteamsim::network

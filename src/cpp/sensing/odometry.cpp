@@ -30,8 +30,8 @@ StraightMotion StraightMotionOf(const base::Pose& motion) {
 // Propagates a covariance over a turn, a distance in direction (cos, sin) and a second turn: G P G^T + V M V^T, with
 // the Jacobians G with respect to the previous pose and V with respect to the three errors. The error of the first turn
 // adds to the yaw error of the distance; that of the second turn comes after it.
-PoseCovariance Carried(PoseCovariance p, double first_variance, double distance, double distance_variance, double cos,
-                       double sin, double second_variance) {
+state::PoseCovariance Carried(state::PoseCovariance p, double first_variance, double distance, double distance_variance,
+                              double cos, double sin, double second_variance) {
   p.yaw_yaw += first_variance;
   const double x_by_yaw = -distance * sin, y_by_yaw = distance * cos;
   p.xx += x_by_yaw * (2.0 * p.x_yaw + x_by_yaw * p.yaw_yaw) + cos * cos * distance_variance;
@@ -44,7 +44,8 @@ PoseCovariance Carried(PoseCovariance p, double first_variance, double distance,
 }
 
 // The same for a motion (x, y) in `odom` with equal variances in all directions and a simultaneous turn.
-PoseCovariance CarriedOmni(PoseCovariance p, double x, double y, double way_variance, double turn_variance) {
+state::PoseCovariance CarriedOmni(state::PoseCovariance p, double x, double y, double way_variance,
+                                  double turn_variance) {
   p.xx += -y * (2.0 * p.x_yaw - y * p.yaw_yaw) + way_variance;
   p.xy += -y * p.y_yaw + x * (p.x_yaw - y * p.yaw_yaw);
   p.yy += x * (2.0 * p.y_yaw + x * p.yaw_yaw) + way_variance;

@@ -1,7 +1,6 @@
 #include "robotteamsim/sensing/team_odometry.hpp"
 
 #include <stdexcept>
-#include <utility>
 
 namespace robotteamsim::sensing {
 
@@ -11,34 +10,22 @@ TeamOdometry::TeamOdometry(const std::vector<OdometryModel>& models, double step
   team_ = first_;
 }
 
-OdometryState TeamOdometry::Step(const std::vector<base::Pose>& motions, const std::vector<base::Twist>& twists,
-                                 const std::vector<Odometry::Noise>& noise) {
+void TeamOdometry::Step(const std::vector<base::Pose>& motions, const std::vector<base::Twist>& twists,
+                        const base::Table<const double>& noise, state::State* state, std::size_t first_row) {
   const std::size_t robots = team_.size();
-  if (motions.size() != robots || twists.size() != robots || noise.size() != robots) {
+  if (motions.size() != robots || twists.size() != robots || !noise.HasShape(robots, 3)) {
     throw std::invalid_argument("motions, twists and noise must have one row of three numbers per robot");
   }
-  OdometryState state{std::vector<PoseReading>(robots), std::vector<base::Twist>(robots),
-                      std::vector<PoseCovariance>(robots), std::vector<TwistVariances>(robots)};
   for (std::size_t i = 0; i < robots; ++i) {
     Odometry& odometry = team_[i];
-    odometry.Step(motions[i], twists[i], noise[i]);
-    state.pose[i] = ReadingOf(odometry.pose());
-    state.twist[i] = odometry.twist();
-    state.pose_covariance[i] = odometry.covariance();
-    state.twist_variances[i] = odometry.twist_variances();
+    const double* const drawn = noise.Row(i);
+    odometry.Step(motions[i], twists[i], {drawn[0], drawn[1], drawn[2]});
+    const std::size_t row = first_row + i;
+    state->odometry_pose[row] = state::ReadingOf(odometry.pose());
+    state->odometry_twist[row] = odometry.twist();
+    state->odometry_pose_covariance[row] = odometry.covariance();
+    state->odometry_twist_variances[row] = odometry.twist_variances();
   }
-  return state;
-}
-
-TeamState TeamOdometry::Read(world::TeamMotion team, const std::vector<Odometry::Noise>& noise) {
-  TeamState state;
-  state.true_pose.reserve(team.poses.size());
-  for (const base::Pose& pose : team.poses) state.true_pose.push_back(ReadingOf(pose));
-  state.odometry = Step(team.motions, team.twists, noise);
-  state.true_twist = std::move(team.twists);
-  state.contact = std::move(team.in_contact);
-  Check(state);
-  return state;
 }
 
 }  // namespace robotteamsim::sensing

@@ -18,28 +18,29 @@ VoiceSensor::VoiceSensor(const plan::GridShape& grid, propagation::MapValues map
   if (!map_.allFinite()) throw std::invalid_argument("levels_db must be finite");
 }
 
-std::vector<VoiceReading> VoiceSensor::Hear(const std::vector<base::Point>& positions) {
-  last_.resize(positions.size());
-  std::vector<VoiceReading> heard;
-  heard.reserve(positions.size());
-  for (std::size_t i = 0; i < positions.size(); ++i) heard.push_back(HearAt(positions[i], &last_[i]));
-  return heard;
+void VoiceSensor::Hear(state::State* state, std::size_t mission) {
+  if (mission >= state->missions) throw std::invalid_argument("no such mission");
+  last_.resize(state->robots);
+  for (std::size_t i = 0; i < state->robots; ++i) HearAt(state->First(mission) + i, &last_[i], state);
 }
 
-VoiceReading VoiceSensor::HearAt(const base::Point& position, std::optional<propagation::Cell>* last) const {
-  VoiceReading reading;
-  reading.local_best = position;
-  if (std::isnan(position.x) && std::isnan(position.y)) return reading;
+void VoiceSensor::HearAt(std::size_t row, std::optional<propagation::Cell>* last, state::State* state) const {
+  const base::Point& position = state->positions[row];
+  state->voice_level_db[row] = 0.0;
+  state->voice_heard[row] = 0;
+  state->local_best[row] = position;
+  state->local_best_level_db[row] = 0.0;
+  if (std::isnan(position.x) && std::isnan(position.y)) return;
   base::Check(position, "position_m");
-  const double row = std::floor((position.y - grid_.origin.y) / grid_.resolution_m);
-  const double col = std::floor((position.x - grid_.origin.x) / grid_.resolution_m);
-  const bool is_inside = row >= 0.0 && row < grid_.rows && col >= 0.0 && col < grid_.cols;
-  reading.level_db = is_inside ? map_(static_cast<int>(row), static_cast<int>(col)) : 0.0F;
+  const double cell_row = std::floor((position.y - grid_.origin.y) / grid_.resolution_m);
+  const double cell_col = std::floor((position.x - grid_.origin.x) / grid_.resolution_m);
+  const bool is_inside = cell_row >= 0.0 && cell_row < grid_.rows && cell_col >= 0.0 && cell_col < grid_.cols;
+  if (is_inside) state->voice_level_db[row] = map_(static_cast<int>(cell_row), static_cast<int>(cell_col));
   *last = propagation::LoudestCell(grid_, map_, position, radius_m_, *last);
-  reading.heard = last->has_value();
-  reading.local_best = *last ? propagation::CellCenter(grid_, (*last)->row, (*last)->col) : position;
-  reading.local_best_level_db = *last ? (*last)->value : 0.0;
-  return reading;
+  if (!*last) return;
+  state->voice_heard[row] = 1;
+  state->local_best[row] = propagation::CellCenter(grid_, (*last)->row, (*last)->col);
+  state->local_best_level_db[row] = (*last)->value;
 }
 
 }  // namespace robotteamsim::sensing

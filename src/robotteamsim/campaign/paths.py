@@ -34,7 +34,7 @@ class PathLog(Observer):
         """Record the first step, and then one per period."""
         if (record.step_index - 1) % self._every == 0:
             last_m = self._positions_m[-1] if self._positions_m else self._starts_m
-            self._positions_m.append(np.where(record.present[:, None], record.readings.positions_m, last_m))
+            self._positions_m.append(np.where(record.present[:, None], record.state.positions_m, last_m))
 
     def encoded(self) -> bytes:
         """Return the paths, as `decode_paths` reads them."""

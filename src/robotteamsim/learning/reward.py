@@ -37,7 +37,7 @@ class Reward:
 
     def for_contacts(self, record: StepRecord) -> np.ndarray:
         """Return `PER_CONTACT_S` per second of contact for each agent, shape (n,)."""
-        return self.PER_CONTACT_S * self.setup.scenario.run.step_s * record.readings.state.contact[self.robot_ids]
+        return self.PER_CONTACT_S * self.setup.scenario.run.step_s * record.state.contact[self.robot_ids]
 
 
 class SearchReward(Reward):
@@ -82,7 +82,7 @@ class SearchReward(Reward):
         self._path = None
         if area is None:
             return 0.0
-        positions_m, is_there = record.readings.positions_m.tolist(), record.present.tolist()
+        positions_m, is_there = record.state.positions_m.tolist(), record.present.tolist()
         team = zip(self.robot_ids, self._maps, strict=True)
         lengths_m = [known.distance_m(area, tuple(positions_m[i])) for i, known in team if is_there[i]]
         length_m = min(lengths_m, default=UNREACHABLE_M)

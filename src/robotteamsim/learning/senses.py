@@ -15,7 +15,7 @@ from robotteamsim.learning.arrays import numbers_of
 from robotteamsim.learning.observe import Observe, Percepts, cos_sin
 from robotteamsim.mission import Sensed
 from robotteamsim.network.messages import Batch, batch_of
-from robotteamsim.sensing.readings import RobotReading, VoiceReading
+from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.setup import Setup
 
 
@@ -69,22 +69,19 @@ class Senses:
 
     def note_team(self, sensed: Sensed) -> None:
         """Note a step, see `note`."""
-        readings = [sensed.readings.robots[i] for i in self._ids] if self._memory.looks else ()
+        readings = [sensed.readings[i] for i in self._ids] if self._memory.looks else ()
         self.note(sensed.sim_time_ns, [sensed.inboxes[i] for i in self._ids], readings)
 
     def of_team(self, sensed: Sensed) -> Percepts:
         """Return what the agents of a team perceive; numbers of absent ones mean nothing, but are finite."""
-        state, ranges_m, voices = sensed.readings.state, sensed.readings.ranges_m, sensed.voices
-        poses = state.true_pose if self._map_T_odom is None else state.odometry.pose
+        state = sensed.state
+        poses = state.true_pose if self._map_T_odom is None else state.odometry_pose
         if not sensed.present.all():
             poses = np.where(sensed.present[:, None], poses, 0.0)
+        voices = np.column_stack((state.voice_heard, state.local_best_level_db, state.local_best_m))
+        ids = slice(None) if self._are_all else self._ids
         return self._percepts(
-            ranges_m if self._are_all else [ranges_m[i] for i in self._ids],
-            poses if self._are_all else poses[self._ids],
-            state.odometry.twist if self._are_all else state.odometry.twist[self._ids],
-            voices if self._are_all else [voices[i] for i in self._ids],
-            sensed.task,
-            sensed.sim_time_ns,
+            state.ranges_m[ids], poses[ids], state.odometry_twist[ids], voices[ids], sensed.task, sensed.sim_time_ns
         )
 
     def of_robot(self, observation: Observation, task: Task) -> Percepts:
@@ -92,15 +89,17 @@ class Senses:
         robot = observation.robot
         pose = robot.ground_truth if self._map_T_odom is None else robot.odometry.pose
         poses, twists = (np.array([msgspec.structs.astuple(record)]) for record in (pose, robot.odometry.twist))
-        ranges_m, voices = [robot.ranges_m], [observation.voice]
+        voice, ranges_m = observation.voice, np.full((1, self._observe.beams), np.inf, np.float32)
+        ranges_m[0, : len(robot.ranges_m)] = robot.ranges_m
+        voices = np.array([(voice.heard, voice.local_best_level_db, *voice.local_best_m)], float)
         return self._percepts(ranges_m, poses, twists, voices, task, observation.sim_time_ns)
 
     def _percepts(
         self,
-        ranges_m: Sequence[np.ndarray] | np.ndarray,
+        ranges_m: np.ndarray,
         poses: np.ndarray,
         twists: np.ndarray,
-        voices: Sequence[VoiceReading],
+        voices: np.ndarray,
         task: Task,
         time_ns: int,
     ) -> Percepts:
@@ -108,10 +107,10 @@ class Senses:
         heard = self._heard[self._of_others]
         heard[..., 3] = (time_ns - heard[..., 3]) * 1e-9
         percepts = Percepts(
-            ranges_m if isinstance(ranges_m, np.ndarray) else self._padded(ranges_m),
+            ranges_m,
             poses if self._map_T_odom is None else _composed(self._map_T_odom, poses),
             twists,
-            np.array([(voice.heard, voice.local_best_level_db, *voice.local_best_m) for voice in voices], float),
+            voices,
             np.array([(0.0, 0.0, 0.0) if area is None else (1.0, *area)]),
             heard,
             np.zeros((len(self._ids), 0)),
@@ -119,12 +118,6 @@ class Senses:
         shape = len(self._ids), self._observe.remembered
         name, remembered = type(self._memory).__name__, self._memory.after(percepts, time_ns * 1e-9)
         return percepts._replace(remembered=numbers_of(f"{name}.after", remembered, shape))
-
-    def _padded(self, ranges_m: Sequence[np.ndarray]) -> np.ndarray:
-        padded = np.full((len(ranges_m), self._observe.beams), np.inf, np.float32)
-        for row, measured_m in zip(padded, ranges_m, strict=True):
-            row[: len(measured_m)] = measured_m
-        return padded
 
 
 def _said_in(batch: Batch, said: int) -> tuple[list[int], np.ndarray]:

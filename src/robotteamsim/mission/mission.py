@@ -228,7 +228,7 @@ class Mission:
     def _judge_places(self, now: Sensed) -> None:
         num_victims = len(self._saved_on_reach)
         areas = self._order.can_be_explored
-        for place, robot_id in self._places.reached(now.readings.positions_m):
+        for place, robot_id in self._places.reached(now.state.positions_m):
             if place - num_victims in areas:
                 self._explore(place - num_victims, robot_id)
             elif place < num_victims and self._needs_robot(place, now):

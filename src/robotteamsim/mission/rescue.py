@@ -94,7 +94,7 @@ class Rescue:
         self._time_s = time_s
         if now.doors:
             self._sight.follow_doors(now.doors)
-        there_m = np.where(now.present[:, None], now.readings.positions_m, math.nan)
+        there_m = np.where(now.present[:, None], now.state.positions_m, math.nan)
         yield from self._located_by_voice(there_m, now, victims)
         yield from self._seen(there_m, now, victims)
         yield from self._not_found(decisions, victims)

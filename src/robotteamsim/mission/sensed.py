@@ -3,26 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 from types import MappingProxyType
 
 import msgspec
 import numpy as np
 
+from robotteamsim import _core
 from robotteamsim.hazards import HazardField, Ignited
 from robotteamsim.interface import Observation, Task
 from robotteamsim.network.messages import Message, NetworkState
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.base import Point
-from robotteamsim.sensing.readings import TeamReadings, VoiceReading
+from robotteamsim.sensing.readings import RobotReading, VoiceReading
 from robotteamsim.world.contract import Mishap
 from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.people import PersonState
 
 
-class Sensed(msgspec.Struct, kw_only=True, eq=False):
+class Sensed(msgspec.Struct, kw_only=True, eq=False, dict=True):
     """The part of a step that controllers and mission start from; sequences are in robot id order.
 
     step_index: 1 for the first step.     sim_time_ns: its stamp [ns].
+    state:      what moved and what was measured and heard, as named arrays, see `docs/python.md`.
     inboxes:    messages that arrived in this step, sent in the one before.
     task:       of the mission, as of the step before.
     voice_map:  the voice level over the floor [dB] in the first step and whenever it has changed, else None.
@@ -42,8 +45,7 @@ class Sensed(msgspec.Struct, kw_only=True, eq=False):
 
     step_index: int
     sim_time_ns: int
-    readings: TeamReadings
-    voices: Sequence[VoiceReading]
+    state: _core.state.State
     network: NetworkState
     inboxes: Sequence[Sequence[Message]]
     task: Task = Task()
@@ -63,6 +65,16 @@ class Sensed(msgspec.Struct, kw_only=True, eq=False):
     people: tuple[PersonState, ...] = ()
     people_version: int = 0
 
+    @cached_property
+    def readings(self) -> Sequence[RobotReading]:
+        """What each robot measures."""
+        return self.state.readings()
+
+    @cached_property
+    def voices(self) -> Sequence[VoiceReading]:
+        """What each robot hears."""
+        return self.state.voices()
+
     @property
     def hazards(self) -> HazardField | None:
         """Fire, smoke and temperature, in the steps in which they advance, else None."""
@@ -79,5 +91,5 @@ class Sensed(msgspec.Struct, kw_only=True, eq=False):
 
     def observations(self) -> list[Observation]:
         """Return what each member of the team perceives."""
-        team = zip(self.readings.robots, self.voices, strict=True)
+        team = zip(self.readings, self.voices, strict=True)
         return [Observation(i, self.sim_time_ns, reading, voice) for i, (reading, voice) in enumerate(team)]

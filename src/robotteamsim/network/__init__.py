@@ -1,7 +1,7 @@
 """The radio network of a team: links, hops, connectivity, delivery of messages."""
 
 from robotteamsim.network.delivery import loss_probability
-from robotteamsim.network.graph import break_matrix, fiedler_value, hop_count, newly_endangered, next_hop
+from robotteamsim.network.graph import fiedler_value, hop_count, newly_endangered, next_hop
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState, Refusal, Traffic
 from robotteamsim.network.network import Network
 
@@ -12,7 +12,6 @@ __all__ = [
     "NetworkState",
     "Refusal",
     "Traffic",
-    "break_matrix",
     "fiedler_value",
     "hop_count",
     "loss_probability",

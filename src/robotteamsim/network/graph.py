@@ -28,14 +28,6 @@ def next_hop(hops: np.ndarray, rssi_dbm: np.ndarray, holder: int, receiver: int)
     return int(candidates[np.argmax(rssi_dbm[holder, candidates])])
 
 
-def break_matrix(link: np.ndarray, hops: np.ndarray) -> np.ndarray:
-    """Return the link matrix for pairs without a path and 0 for all others: C_break after eq. (21) [dissertation].
-
-    Args: link: float64, shape (n, n), zero diagonal: L of eq. (16). hops: int32, shape (n, n), from `hop_count`.
-    """
-    return _core.network.break_matrix(link, hops)
-
-
 def fiedler_value(adjacency: np.ndarray) -> float:
     """Return the algebraic connectivity (Fiedler value) of an undirected graph.
 

@@ -1,10 +1,14 @@
 """Messages between robots, and the state of the network in one step."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator, Sequence
 from typing import overload
 
 import msgspec
 import numpy as np
+
+from robotteamsim import _core
 
 EVERYBODY = -1
 """Receiver of a broadcast, to all robots to which a path of links exists."""
@@ -108,7 +112,6 @@ class NetworkState(msgspec.Struct, frozen=True, eq=False):
     link:                float64, shape (n, n), L of eq. (16): distance [m] or rssi [dBm]; 0 on the diagonal.
     adjacency:           bool, shape (n, n), A of eq. (17).
     hop_count:           int32, shape (n, n), C of eq. (18-20); 0 on the diagonal, -1 unreachable.
-    break_matrix:        float64, shape (n, n), `link` for pairs without a path, else 0.
     fiedler_value:       algebraic connectivity, eq. (33); 0 exactly when the team is split.
     endangered:          bool, shape (n, n): links that exist but are below the endangered threshold.
     version:             grows with each change of the links, of their dangers, and of who is present.
@@ -122,11 +125,29 @@ class NetworkState(msgspec.Struct, frozen=True, eq=False):
     link: np.ndarray
     adjacency: np.ndarray
     hop_count: np.ndarray
-    break_matrix: np.ndarray
     fiedler_value: float
     endangered: np.ndarray
     version: int
     traffic: Traffic = NO_TRAFFIC
+
+    @classmethod
+    def of(cls, state: _core.state.State) -> NetworkState:
+        """Return the network of a mission's robots, without its traffic. Raises: ValueError: the state has no links."""
+        return cls(
+            state.rssi_dbm,
+            state.link,
+            state.adjacency,
+            state.hop_count,
+            state.fiedler_value,
+            state.endangered,
+            state.links_version,
+        )
+
+    @property
+    def break_matrix(self) -> np.ndarray:
+        """C_break after eq. (21): `link` for pairs without a path, else 0; float64, shape (n, n)."""
+        is_there = np.diagonal(self.hop_count) == 0
+        return np.where((self.hop_count < 0) & is_there & is_there[:, np.newaxis], self.link, 0.0)
 
     @property
     def num_endangered(self) -> int:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
 
+from robotteamsim import _core
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import PoseReading
 from robotteamsim.message_parts import robot_name
@@ -19,7 +20,7 @@ from robotteamsim.nodes.settings import Settings
 from robotteamsim.nodes.steps import REPORT_TIMEOUT_S
 from robotteamsim.nodes.tf_pose import TfPose
 from robotteamsim.nodes.transforms import Transforms
-from robotteamsim.sensing.readings import RobotReading, TeamReadings
+from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.sensing.robots import Sensors
 from robotteamsim.world.contract import AnyWorld
 
@@ -208,10 +209,10 @@ class SensorsElsewhere:
         self._robots = robots
         self._world = world
 
-    def read(self) -> TeamReadings:
+    def read(self) -> _core.state.State:
         """As for all sensors: the pose of an absent robot is NaN, wherever it lies in the other world."""
-        team = list(self._sensors.read())
+        state = self._sensors.read()
         for robot_id, reading in self._robots.readings().items():
             if self._world.present[robot_id]:
-                team[robot_id] = reading
-        return TeamReadings.of(team)
+                state.put_reading(robot_id, reading)
+        return state

@@ -2,9 +2,35 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from robotteamsim._core.sensing import OdometryState
+from robotteamsim import _core
+from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.sensing.readings import OdometryReading
+
+
+class TeamOdometry(NamedTuple):
+    """The odometry of a team at one time: arrays in the forms of `OdometryReading`, one row per robot."""
+
+    pose: np.ndarray
+    twist: np.ndarray
+    pose_covariance: np.ndarray
+    twist_variances: np.ndarray
+
+    @classmethod
+    def of(cls, state: _core.state.State) -> TeamOdometry:
+        """Return the odometry at the end of a step."""
+        rows = state.odometry_pose, state.odometry_twist
+        return cls(*rows, state.odometry_pose_covariance, state.odometry_twist_variances)
+
+    def readings(self) -> list[OdometryReading]:
+        """Return the odometry of each robot."""
+        return [
+            OdometryReading(PoseReading(*pose), Twist(*twist), tuple(covariance), tuple(variances))
+            for pose, twist, covariance, variances in zip(*(rows.tolist() for rows in self), strict=True)
+        ]
 
 
 class StepMotion:
@@ -12,8 +38,8 @@ class StepMotion:
 
     def __init__(self) -> None:
         """Start without a step."""
-        self._before: OdometryState | None = None
-        self._after: OdometryState | None = None
+        self._before: TeamOdometry | None = None
+        self._after: TeamOdometry | None = None
         self._arrivals: tuple[int, ...] = ()
         self._has_come = np.zeros(0, dtype=bool)
 
@@ -21,7 +47,7 @@ class StepMotion:
         """Forget the last step, because the next one does not continue it."""
         self._before = self._after = None
 
-    def add(self, odometry: OdometryState, arrivals: tuple[int, ...]) -> None:
+    def add(self, odometry: TeamOdometry, arrivals: tuple[int, ...]) -> None:
         """Take the odometry at the end of the next step.
 
         Args: arrivals: as `World.arrivals`; a robot that has just arrived stays at the end of its step.
@@ -35,7 +61,7 @@ class StepMotion:
         """Whether the step has a beginning: the first one has none."""
         return self._before is not None
 
-    def at(self, share: float) -> OdometryState:
+    def at(self, share: float) -> TeamOdometry:
         """Return the odometry after a share of the step, 0 .. 1: poses in between, all else as at its end."""
         assert self._before is not None
         assert self._after is not None
@@ -45,9 +71,4 @@ class StepMotion:
         after[np.sum(before[:, 2:] * after[:, 2:], axis=1) < 0.0, 2:] *= -1.0
         poses = (1.0 - share) * before + share * after
         poses[:, 2:] /= np.maximum(np.hypot(poses[:, 2], poses[:, 3]), 1e-12)[:, None]
-        return OdometryState(
-            pose=poses,
-            twist=self._after.twist,
-            pose_covariance=self._after.pose_covariance,
-            twist_variances=self._after.twist_variances,
-        )
+        return self._after._replace(pose=poses)

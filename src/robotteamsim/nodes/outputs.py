@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from robotteamsim._core.sensing import OdometryState
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision
 from robotteamsim.message_parts import Make
 from robotteamsim.mission import Sensed
 from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.status import MissionStatus
+from robotteamsim.nodes.motion import TeamOdometry
 from robotteamsim.nodes.node import Node, Output
 from robotteamsim.nodes.objects import object_markers
 from robotteamsim.nodes.settings import Settings
@@ -26,7 +26,7 @@ from robotteamsim.recording.topics.mission import MISSION_TOPICS
 from robotteamsim.recording.topics.radio import RADIO_MAP_TOPICS, VOICE_MAP_TOPICS
 from robotteamsim.recording.topics.robots import BODY_TOPICS, ODOM, TF
 from robotteamsim.recording.topics.world import DOORS, ROBOTS, WORLD_TOPICS
-from robotteamsim.sensing.readings import OdometryReading, TeamReadings
+from robotteamsim.sensing.readings import OdometryReading
 from robotteamsim.simulation import Simulation, StepRecord
 from robotteamsim.world.contract import AnyWorld
 
@@ -120,24 +120,24 @@ class TeamOutputs(RobotOutputs):
 
     def publish(self, step: Any, only: Topic | None = None) -> None:
         """Publish one step's readings of the present robots on topics with subscribers."""
-        readings: TeamReadings = step.readings
+        state = step.state
         super().publish(step, only)
         for i, sensor, outputs in self._sensors:
-            measured = readings.sensors.get(i, {})
+            measured = state.sensors.get(i, {})
             if sensor.name in measured and any(output.wanted for output in outputs.values()):
                 reading, step_s = measured[sensor.name], self._source.setup.scenario.run.step_s
                 for name, message in sensor.messages(self._make, step.sim_time_ns, i, reading, step_s).items():
                     outputs[name].publish(message)
         if self._localized:
-            self._origins = [robots.odometry_origin(reading) for reading in readings]
-        self._publish_tf(step.sim_time_ns, readings.state.odometry, step.present)
+            self._origins = [robots.odometry_origin(reading) for reading in step.readings]
+        self._publish_tf(step.sim_time_ns, TeamOdometry.of(state), step.present)
 
-    def publish_motion(self, time_ns: int, odometry: OdometryState, present: np.ndarray) -> None:
+    def publish_motion(self, time_ns: int, odometry: TeamOdometry, present: np.ndarray) -> None:
         """Publish odometry and tf of a time between two steps."""
         super().publish(Motion(time_ns, present, [_Moved(reading) for reading in odometry.readings()]), only=ODOM)
         self._publish_tf(time_ns, odometry, present)
 
-    def _publish_tf(self, time_ns: int, odometry: OdometryState, present: np.ndarray) -> None:
+    def _publish_tf(self, time_ns: int, odometry: TeamOdometry, present: np.ndarray) -> None:
         if self._tf.wanted:
             readings = odometry.readings()
             here = [robot_id for robot_id in self._here if present[robot_id]]

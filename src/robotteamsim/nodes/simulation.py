@@ -20,7 +20,7 @@ from robotteamsim.nodes.answers import CommandsByTopic, ControllersByTopic, Cont
 from robotteamsim.nodes.elsewhere import RobotsElsewhere, SensorsElsewhere
 from robotteamsim.nodes.gate import FairLock, Gate, Pacer
 from robotteamsim.nodes.inputs import Input
-from robotteamsim.nodes.motion import StepMotion
+from robotteamsim.nodes.motion import StepMotion, TeamOdometry
 from robotteamsim.nodes.node import Node, Output, ParameterError
 from robotteamsim.nodes.outputs import RadioMapOutputs, RecordOutputs, RobotOutputs, TeamOutputs, output_of
 from robotteamsim.nodes.recorded import recorded_topics
@@ -218,7 +218,7 @@ class SteppedSimulation:
         if self._motion is not None:
             # The step is made when it begins, so its motion is known at each tick.
             made = self._made
-            self._motion.add(made.readings.state.odometry, record.arrivals)
+            self._motion.add(TeamOdometry.of(made.state), record.arrivals)
             self._tick(time_ns - self._settings.step_ns, made)
             self._publish_sensed(made)
         self._record.publish(record)

@@ -27,7 +27,7 @@ class CoverageLog(Observer):
     def step(self, record: StepRecord) -> None:
         """Process one step."""
         if record.step_index % self._every == 0 and record.mission.state == "running":
-            for position_m in record.readings.positions_m[record.present].tolist():
+            for position_m in record.state.positions_m[record.present].tolist():
                 self._cover.look(tuple(position_m))
 
     @property

@@ -74,7 +74,7 @@ class IdlenessLog(Observer):
 
     def step(self, record: StepRecord) -> None:
         """Process one step; time does not pass while the mission waits or is paused."""
-        time_s, positions_m = record.mission.time_s, record.readings.positions_m
+        time_s, positions_m = record.mission.time_s, record.state.positions_m
         positions_m = positions_m[record.present]
         away_m = self._places_m[:, None, :] - positions_m[None, :, :]
         near = (np.hypot(away_m[..., 0], away_m[..., 1]) < self._reach_m).any(axis=1)

@@ -7,14 +7,14 @@ from typing import Any
 
 import numpy as np
 
-from robotteamsim._core.sensing import OdometryState
+from robotteamsim.nodes.motion import TeamOdometry
 from robotteamsim.nodes.node import Node
 from robotteamsim.nodes.outputs import ORIGIN, Motion, StepInputs, TeamOutputs
 from robotteamsim.nodes.settings import Settings
 from robotteamsim.recording.topics import Topic, robots
 from robotteamsim.recording.topics.robots import ODOM, SCAN, TRUTH
 from robotteamsim.ros.topics import serialized
-from robotteamsim.sensing.readings import RobotReading, TeamReadings
+from robotteamsim.sensing.readings import RobotReading
 
 _HEADER_BYTES = 12
 """Of number and stamp, with which a message with a header begins."""
@@ -56,13 +56,13 @@ class BulkTeamOutputs(TeamOutputs):
 
     def publish(self, step: Any, only: Topic | None = None) -> None:
         """As for all outputs of a team."""
-        readings: TeamReadings = step.readings
-        state = readings.state
-        self._numbers = {TRUTH: _odometry_rows(state.true_pose, state.true_twist), SCAN: readings.ranges_m}
-        self._numbers[ODOM] = _odometry_rows_of(state.odometry)
+        state = step.state
+        self._numbers = {TRUTH: _odometry_rows(state.true_pose, state.true_twist)}
+        self._numbers[SCAN] = [state.ranges_of(robot_id) for robot_id in range(len(state))]
+        self._numbers[ODOM] = _odometry_rows_of(TeamOdometry.of(state))
         super().publish(step, only)
 
-    def publish_motion(self, time_ns: int, odometry: OdometryState, present: np.ndarray) -> None:
+    def publish_motion(self, time_ns: int, odometry: TeamOdometry, present: np.ndarray) -> None:
         """As for all outputs of a team."""
         self._numbers[ODOM] = _odometry_rows_of(odometry)
         super().publish_motion(time_ns, odometry, present)
@@ -76,7 +76,7 @@ class BulkTeamOutputs(TeamOutputs):
             numbers = struct.pack("<I", len(numbers) // 4) + numbers + bytes(4)
         output.publish_bytes(_begin(step.sim_time_ns) + self._heads[topic][robot_id] + numbers)
 
-    def _publish_tf(self, time_ns: int, odometry: OdometryState, present: np.ndarray) -> None:
+    def _publish_tf(self, time_ns: int, odometry: TeamOdometry, present: np.ndarray) -> None:
         tf: Any = self._tf
         if not tf.wanted:
             return
@@ -122,7 +122,7 @@ def _odometry_rows(poses: np.ndarray, twists: np.ndarray) -> np.ndarray:
     return rows
 
 
-def _odometry_rows_of(odometry: OdometryState) -> np.ndarray:
+def _odometry_rows_of(odometry: TeamOdometry) -> np.ndarray:
     rows = _odometry_rows(odometry.pose, odometry.twist)
     rows["pose_covariance"] = robots.pose_covariances(odometry.pose_covariance)
     rows["twist_covariance"] = robots.twist_covariances(odometry.twist_variances)

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from robotteamsim._core.sensing import OdometryState
+from robotteamsim.nodes.motion import TeamOdometry
 from robotteamsim.nodes.node import Node
 from robotteamsim.nodes.outputs import ORIGIN, TeamOutputs
 from robotteamsim.nodes.settings import Settings
@@ -32,7 +32,7 @@ class Ros2TeamOutputs(TeamOutputs):
             output = node.output(settings.robot_topic(i, "tf_static"), robots.TF.type_name, latched=True)
             output.publish(self._make(robots.TF.type_name, transforms=fixed))
 
-    def _publish_tf(self, time_ns: int, odometry: OdometryState, present: np.ndarray) -> None:
+    def _publish_tf(self, time_ns: int, odometry: TeamOdometry, present: np.ndarray) -> None:
         super()._publish_tf(time_ns, odometry, present)
         readings: list[Any] | None = None
         for i, output in self._own_tf.items():

@@ -119,7 +119,7 @@ class _Carrier:
         rays = self.around.beams(beams)
         ranges_m = rays.scan([self.robot_id], _row(noise_m))
         if self.around.air is not None:
-            self.around.air.dim(rays, [self.robot_id], ranges_m)
+            rays.dim([self.robot_id], self.around.air.haze, ranges_m)
         return _unchangeable(ranges_m[0])
 
     def nearest_m(self, beams: BeamModel, noise_m: np.ndarray) -> float:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
 import msgspec
 import numpy as np
-from msgspec.structs import astuple
 
 from robotteamsim import _core
 from robotteamsim.geometry import Pose, PoseReading, Twist
@@ -74,65 +72,14 @@ class RobotReading(msgspec.Struct, frozen=True, eq=False):
         return self.ground_truth.pose
 
 
-class TeamReadings(msgspec.Struct, frozen=True, eq=False, dict=True):
-    """The readings of all robots in one step, in id order: as arrays, or one record per robot.
+def state_of(robots: Sequence[RobotReading], voices: Sequence[VoiceReading] = ()) -> _core.state.State:
+    """Return the state of a mission whose robots measure and hear this, wherever they do.
 
-    state:    poses, velocities, odometry and contacts of the team, as named arrays; `_core.sensing.TeamState`:
-
-              true_pose, true_twist: in the forms of `PoseReading` and `Twist`, float64, shapes (n, 4) and (n, 3); NaN
-                                     for an absent robot, whose other readings mean nothing.
-              odometry: its `pose`, `twist`, `pose_covariance` and `twist_variances` in the forms of `OdometryReading`,
-                        float64, shapes (n, 4), (n, 3), (n, 6) and (n, 3).
-              contact:  whether each robot touches something, bool, shape (n,).
-    ranges_m: float32 per robot, shape (beams,) [m].
-    contact_angles_rad: of the robots that touch something, by id.
-    sensors:  readings of the additional sensors that measured in this step, by robot and by their names.
+    Raises: ValueError: there are more voices than robots.
     """
-
-    state: _core.sensing.TeamState
-    ranges_m: Sequence[np.ndarray] | np.ndarray
-    contact_angles_rad: dict[int, tuple[float, ...]] = {}
-    sensors: dict[int, Mapping[str, Any]] = {}
-
-    @classmethod
-    def of(cls, robots: Sequence[RobotReading]) -> TeamReadings:
-        """Return the readings that consist of those of each robot."""
-        odometry = [robot.odometry for robot in robots]
-        state = _core.sensing.TeamState(
-            true_pose=_rows([astuple(robot.ground_truth) for robot in robots], 4),
-            true_twist=_rows([astuple(robot.twist) for robot in robots], 3),
-            odometry=_core.sensing.OdometryState(
-                pose=_rows([astuple(reading.pose) for reading in odometry], 4),
-                twist=_rows([astuple(reading.twist) for reading in odometry], 3),
-                pose_covariance=_rows([reading.pose_covariance for reading in odometry], 6),
-                twist_variances=_rows([reading.twist_variances for reading in odometry], 3),
-            ),
-            contact=np.array([robot.in_contact for robot in robots], dtype=bool),
-        )
-        angles_rad = {i: robot.contact_angles_rad for i, robot in enumerate(robots) if robot.contact_angles_rad}
-        sensors = {i: robot.sensors for i, robot in enumerate(robots) if robot.sensors}
-        return cls(state, [robot.ranges_m for robot in robots], angles_rad, sensors)
-
-    @property
-    def positions_m(self) -> np.ndarray:
-        """The true positions in `map`, C-contiguous, shape (n, 2) [m]."""
-        return self.state.positions_m
-
-    @cached_property
-    def robots(self) -> Sequence[RobotReading]:
-        """The readings of each robot. Raises: ValueError: the arrays have different lengths."""
-        return self.state.readings(self.ranges_m, self.contact_angles_rad, self.sensors)
-
-    def __len__(self) -> int:
-        return len(self.state)
-
-    def __getitem__(self, robot_id: int) -> RobotReading:
-        return self.robots[robot_id]
-
-    def __iter__(self) -> Iterator[RobotReading]:
-        return iter(self.robots)
-
-
-def _rows(records: Sequence[Sequence[float]], columns: int) -> np.ndarray:
-    """Return records as rows of an array, also if there are none."""
-    return np.array(records, dtype=np.float64).reshape(-1, columns)
+    state = _core.state.State(len(robots), max((len(robot.ranges_m) for robot in robots), default=0))
+    for robot_id, robot in enumerate(robots):
+        state.put_reading(robot_id, robot)
+    for robot_id, voice in enumerate(voices):
+        state.put_voice(robot_id, voice)
+    return state

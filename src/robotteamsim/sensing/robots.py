@@ -7,21 +7,26 @@ from typing import Protocol
 
 import numpy as np
 
+from robotteamsim import _core
 from robotteamsim.hazards import HazardSource
 from robotteamsim.rng import stream
 from robotteamsim.scenario.sections import PlacedRobot
-from robotteamsim.sensing.beams import Laser, SmokyAir
+from robotteamsim.scenario.sensors import Laser
+from robotteamsim.sensing.beams import SmokyAir, core_limits
 from robotteamsim.sensing.carried import CarriedSensors
-from robotteamsim.sensing.odometry import TeamOdometry
-from robotteamsim.sensing.readings import TeamReadings
+from robotteamsim.sensing.odometry import OdometryNoise
 from robotteamsim.world.contract import AnyWorld
+from robotteamsim.world.core_parts import core_fan
+from robotteamsim.world.world import World, fan_caster
+
+_NO_NOISE = np.empty((0, 0))
 
 
 class Sensors(Protocol):
     """The sensors of a team."""
 
-    def read(self) -> TeamReadings:
-        """Return the reading of every robot after the last step of the world, in id order; once after each step."""
+    def read(self) -> _core.state.State:
+        """Return what every robot measures after the last step of the world; once after each step."""
 
 
 class RobotSensors:
@@ -40,65 +45,73 @@ class RobotSensors:
         self._world = world
         self._robots = tuple(robots)
         self._seed = seed
-        models = dict.fromkeys(robot.laser for robot in self._robots)
-        self._lasers = [
-            (Laser(model, world), [robot_id for robot_id, robot in enumerate(self._robots) if robot.laser == model])
-            for model in models
-        ]
+        self._kinds: dict[Laser, list[int]] = {}
+        """The ids of the robots that have a laser of each kind."""
+        for robot_id, robot in enumerate(self._robots):
+            self._kinds.setdefault(robot.laser, []).append(robot_id)
+        self._casts = [(world.caster(laser.beam_model().fan), ids) for laser, ids in self._kinds.items()]
+        self._beams = max((laser.beams for laser in self._kinds), default=0)
+        self._noisy = [i for i, robot in enumerate(self._robots) if robot.laser.noise_m > 0.0]
+        self._states = _core.state.States(1, len(self._robots), self._beams)
         self._air = None if hazards is None else SmokyAir(hazards)
         self._carried = CarriedSensors(world, robots, seed, self._air)
         self.reset()
 
-    def read(self) -> TeamReadings:
-        """Return the reading of every robot after the last step of the world, in id order.
+    def read(self) -> _core.state.State:
+        """Return what every robot measures after the last step of the world.
 
         Odometry adds the motion of that step, so call this once after each step.
         """
-        if self._world.arrivals != self._arrivals:
+        world, core = self._world, self._core
+        if world.arrivals != self._arrivals:
             self._restart_arrived()
-        state = self._odometry.read_team(self._world.team())
-        kinds = zip(self._lasers, self._laser_streams, strict=True)
-        scans_m = [laser.scan(robot_ids, streams) for (laser, robot_ids), streams in kinds]
         if self._air is not None:
-            for (laser, robot_ids), scan_m in zip(self._lasers, scans_m, strict=True):
-                self._air.dim(laser.beams, robot_ids, scan_m)
-        for scan_m in scans_m:
-            scan_m.flags.writeable = False  # a controller that changed it would change the record
-        return TeamReadings(state, self._by_robot(scans_m), self._world.contact_angles_rad(), self._carried.read())
+            core.set_haze(self._air.haze)
+        state, noise = self._states.next().of(0), (self._odometry.next(), self._laser_noise_m())
+        if isinstance(world, World):
+            core.read(state, world.core, *noise)
+        else:
+            ranges_m = [cast(ids) for cast, ids in self._casts]
+            core.read_motion(state, *world.motion(), world.contact_angles_rad(), ranges_m, *noise)
+        state.sensors = self._carried.read()
+        return state
 
-    def _by_robot(self, scans_m: Sequence[np.ndarray]) -> Sequence[np.ndarray] | np.ndarray:
-        """Return the scans in the order of robots. Args: scans_m: per kind of laser, in the order of its robots."""
-        if len(scans_m) == 1:
-            return scans_m[0]
-        scan_of = {
-            robot_id: scan_m
-            for (_, robot_ids), scans in zip(self._lasers, scans_m, strict=True)
-            for robot_id, scan_m in zip(robot_ids, scans, strict=True)
-        }
-        return [scan_of[robot_id] for robot_id in range(len(self._robots))]
+    def _laser_noise_m(self) -> np.ndarray:
+        """Draw what is added to the ranges, shape (n, beams) [m]; empty if no laser has noise."""
+        if not self._noisy:
+            return _NO_NOISE
+        noise_m = np.zeros((len(self._robots), self._beams))
+        for robot_id in self._noisy:
+            laser = self._robots[robot_id].laser
+            noise_m[robot_id, : laser.beams] = self._generators[robot_id].normal(0.0, laser.noise_m, laser.beams)
+        return noise_m
 
     def reset(self) -> None:
         """Restart after `World.reset`: odometry at its origin, all random streams from their start."""
         self._arrivals = self._world.arrivals
         self._carried.reset()
-        self._laser_streams = [
-            [stream(self._seed, "laser", robot_id) for robot_id in robot_ids] for _, robot_ids in self._lasers
-        ]
-        self._odometry = TeamOdometry(
-            [robot.odometry for robot in self._robots],
+        self._generators = [stream(self._seed, "laser", robot_id) for robot_id in range(len(self._robots))]
+        self._odometry = OdometryNoise([stream(self._seed, "odometry", i) for i in range(len(self._robots))])
+        models = [robot.odometry for robot in self._robots]
+        self._core = _core.sensing.TeamSensors(
+            [self._core_lasers(laser, ids) for laser, ids in self._kinds.items()],
+            [(model.alpha1, model.alpha2, model.alpha3, model.alpha4) for model in models],
             self._world.step_ns * 1e-9,
-            [stream(self._seed, "odometry", robot_id) for robot_id in range(len(self._robots))],
             [robot.drive.kind == "omni" for robot in self._robots],
         )
+
+    def _core_lasers(self, laser: Laser, robot_ids: list[int]) -> _core.sensing.Lasers:
+        model = laser.beam_model()
+        caster = fan_caster(self._world.plan, model.fan) if isinstance(self._world, World) else None
+        return _core.sensing.Lasers(core_fan(model.fan), core_limits(model), robot_ids, caster)
 
     def _restart_arrived(self) -> None:
         arrivals = self._world.arrivals
         for robot_id, (before, now) in enumerate(zip(self._arrivals, arrivals, strict=True)):
             if before != now:
                 again = (now,) if now > 1 else ()
+                self._core.restart(robot_id)
                 self._odometry.restart(robot_id, stream(self._seed, "odometry", robot_id, *again))
-                for (_, robot_ids), streams in zip(self._lasers, self._laser_streams, strict=True):
-                    if robot_id in robot_ids:
-                        streams[robot_ids.index(robot_id)] = stream(self._seed, "laser", robot_id, *again)
+                self._generators[robot_id] = stream(self._seed, "laser", robot_id, *again)
                 self._carried.restart(robot_id, again)
         self._arrivals = arrivals

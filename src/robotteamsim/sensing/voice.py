@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Sequence
 
-import numpy as np
-
 from robotteamsim import _core
+from robotteamsim.geometry import Pose
 from robotteamsim.propagation import FieldMap, VoiceField, VoiceSource
 from robotteamsim.rng import stream
 from robotteamsim.scenario.floor_plan import FloorPlan
@@ -56,10 +55,13 @@ class VoiceSensor:
         equal ones, the one in the lowest row, then in the lowest column. Outside the map nothing is heard.
         Raises: ValueError: the position is not finite.
         """
-        return self.read_team(np.array([position_m], dtype=np.float64))[0]
+        state = _core.state.State(1)
+        state.place(0, Pose(*position_m, 0.0))
+        self.hear(state)
+        return state.voices()[0]
 
-    def read_team(self, positions_m: np.ndarray) -> tuple[VoiceReading, ...]:
-        """Return the reading of `read` for the position of each robot, shape (n, 2) [m].
+    def hear(self, state: _core.state.State) -> None:
+        """Write the reading of `read` of each robot into a state, in which the robots are where they are.
 
         An absent robot, whose position is NaN, hears nothing.
         """
@@ -68,7 +70,7 @@ class VoiceSensor:
             self._core = _core.sensing.VoiceSensor(
                 voice_map.origin_m, voice_map.resolution_m, voice_map.values, radius_m
             )
-        return tuple(self._core.hear(positions_m))
+        self._core.hear(state)
 
     def speaker(self, place_m: tuple[float, float]) -> str | None:
         """Return whose voice is the loudest at a place in `map` [m], by eq. (7) with walls; None if nobody calls.

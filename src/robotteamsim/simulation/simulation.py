@@ -89,15 +89,13 @@ class Simulation:
         hazards.step()
         moved = self.people.step(mission.status.victims, self._task.assistance, hazards.field)
         self._follow_doors()
-        readings = self.sensors.read()
-        positions_m = readings.positions_m
-        voices = self.hearing.step(positions_m, moved, self._silent)
-        network, inboxes = self.network.step(positions_m, [decision.outbox for decision in self._decisions])
+        state = self.sensors.read()
+        self.hearing.step(state, moved, self._silent)
+        network, inboxes = self.network.step(state, [decision.outbox for decision in self._decisions])
         return StepRecord(
             step_index=world.step_index,
             sim_time_ns=world.sim_time_ns,
-            readings=readings,
-            voices=voices,
+            state=state,
             network=network,
             inboxes=inboxes,
             task=self._task,

@@ -11,6 +11,7 @@ from typing import Protocol
 
 import numpy as np
 
+from robotteamsim import _core
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.hazards import HazardField, HazardSource, HeatStress, Ignited, walking_speed_share
@@ -22,7 +23,6 @@ from robotteamsim.propagation import FieldMap, RadioField
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.fire import BLOCK_M, REPLAN_NS, Block
 from robotteamsim.scenario.schedule import ScheduledEvent, in_order
-from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.sensing.voice import VoiceSensor
 from robotteamsim.setup import Setup
 from robotteamsim.simulation.firefighters import FirefighterHealth
@@ -254,21 +254,18 @@ class HearingStage:
         self.new_map: FieldMap | None = None
         """The voice map after the first step and after each in which it has changed, else None."""
 
-    def step(
-        self, positions_m: np.ndarray, moved: Mapping[str, Point], silent: Collection[str]
-    ) -> tuple[VoiceReading, ...]:
-        """Return what each robot hears, in id order.
+    def step(self, state: _core.state.State, moved: Mapping[str, Point], silent: Collection[str]) -> None:
+        """Write what each robot hears into a state, in which the robots are where they are.
 
-        Args: positions_m: true positions in `map`, shape (n, 2) [m]; NaN for absent robots.
-              moved:       new positions of victims, by name [m, map].
-              silent:      names of the victims who are silent as of the last step.
+        Args: moved:  new positions of victims, by name [m, map].
+              silent: names of the victims who are silent as of the last step.
         """
         for name, position_m in moved.items():
             self.sensor.move_victim(name, position_m)
         self.sensor.set_silenced(silent)
         self.new_map = self.sensor.map() if self.sensor.version != self._map_version else None
         self._map_version = self.sensor.version
-        return self.sensor.read_team(positions_m)
+        self.sensor.hear(state)
 
 
 class NetworkStage:
@@ -284,14 +281,13 @@ class NetworkStage:
         self._team_version = -1
 
     def step(
-        self, positions_m: np.ndarray, outboxes: Sequence[Sequence[Message]]
+        self, state: _core.state.State, outboxes: Sequence[Sequence[Message]]
     ) -> tuple[NetworkState, Sequence[Sequence[Message]]]:
-        """Return the network, and the messages that each robot receives, in id order.
+        """Write the links into a state; return the network, and the messages that each robot receives, in id order.
 
-        Args: positions_m: true positions in `map`, shape (n, 2) [m].
-              outboxes:    messages sent in the last step, one sequence per robot in id order.
+        Args: outboxes: messages sent in the last step, one sequence per robot in id order.
         """
         if self._world.team_version != self._team_version:
             self._team_version = self._world.team_version
             self._network.follow_team(self._world.present)
-        return self._network.step(positions_m, outboxes)
+        return self._network.step(state, outboxes)

@@ -42,11 +42,11 @@ class TeamTotals:
         self._core = _core.simulation.TeamTotals(num_robots)
         self._step_s = step_s
 
-    def update(self, state: _core.sensing.TeamState, excluded: Sequence[bool], running: bool) -> None:
+    def update(self, state: _core.state.State, excluded: Sequence[bool], running: bool) -> None:
         """Add a step. A stay counts only while the mission runs.
 
         Args:
-            state:    of the team, as in `TeamReadings`; an absent robot does not count.
+            state:    of the team, as in `Sensed`; an absent robot does not count.
             excluded: whether each robot is excluded.
             running:  whether the mission runs.
         Raises: ValueError: not one entry per robot.
@@ -98,7 +98,7 @@ class Trial:
             others = f"the simulation made {counted(record.step_index - 1 - self._num_steps, 'step')} elsewhere"
             raise ValueError(f"{others}, which its result would lack; expected all steps of a new Simulation")
         self._num_steps += 1
-        state, excluded = record.readings.state, [decision.excluded for decision in record.decisions]
+        state, excluded = record.state, [decision.excluded for decision in record.decisions]
         self._hash.update(record.sim_time_ns, state.true_pose)
         self._totals.update(state, excluded, record.mission.state == "running")
         for observer in self._observers:

@@ -12,7 +12,6 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from robotteamsim import _core
 from robotteamsim.errors import CameraError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.floor_plan import FloorPlan
@@ -49,7 +48,9 @@ class _Physics(Protocol):
         """Return a number that grows with each change of a door."""
 
     def step(self, twists: Sequence[Twist] | np.ndarray) -> None: ...
-    def team(self) -> _core.world.TeamMotion: ...
+    def twists(self) -> np.ndarray: ...
+    def motions(self) -> np.ndarray: ...
+    def in_contact(self) -> np.ndarray: ...
     def poses(self) -> np.ndarray: ...
     def contact_angles(self) -> dict[int, tuple[float, ...]]: ...
     def present(self) -> np.ndarray: ...
@@ -167,14 +168,14 @@ class AnyWorld(ABC):
         if self._have_leaves:
             self._update_doors()
 
-    def team(self) -> _core.world.TeamMotion:
-        """Return the last step of all robots as arrays in id order; see the methods with these names.
+    def motion(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """Return the last step of all robots as arrays in id order: `poses`, `twists`, `motions` and `in_contact`.
 
-        poses, motions: float64, shape (n, 3): x, y [m], yaw [rad].
-        twists:         float64, shape (n, 3): forward, left [m/s], counter-clockwise [rad/s].
-        in_contact:     bool, shape (n,).
+        Poses and motions are float64, shape (n, 3): x, y [m], yaw [rad]; twists float64, shape (n, 3): forward, left
+        [m/s], counter-clockwise [rad/s]; contacts bool, shape (n,).
         """
-        return self._physics.team()
+        physics = self._physics
+        return physics.poses(), physics.twists(), physics.motions(), physics.in_contact()
 
     def poses(self) -> list[Pose]:
         """Return `map_T_base_link` of every robot, projected onto the floor; NaN for absent robots."""
@@ -189,18 +190,18 @@ class AnyWorld(ABC):
 
         It is zero for a blocked robot, and has a sideways component for one that is pushed or slides along something.
         """
-        return [Twist(*row) for row in self.team().twists.tolist()]
+        return [Twist(*row) for row in self._physics.twists().tolist()]
 
     def motions(self) -> list[Pose]:
         """Return every robot's motion in the last step: its pose at the end in the frame of that at the beginning.
 
         Teleporting (`set_pose`, `reset_positions`) does not count as motion.
         """
-        return [Pose(*row) for row in self.team().motions.tolist()]
+        return [Pose(*row) for row in self._physics.motions().tolist()]
 
     def in_contact(self) -> list[bool]:
         """Return whether each robot touched something in the last step (came within 5 mm)."""
-        in_contact: list[bool] = self.team().in_contact.tolist()
+        in_contact: list[bool] = self._physics.in_contact().tolist()
         return in_contact
 
     def contact_angles_rad(self) -> dict[int, tuple[float, ...]]:

@@ -33,7 +33,7 @@ class World(AnyWorld):
 
     def caster(self, fan: Fan) -> Callable[[Sequence[int]], np.ndarray]:
         """See `AnyWorld.caster`."""
-        return functools.partial(_fan_caster(self.plan, fan).cast, self.core)
+        return functools.partial(fan_caster(self.plan, fan).cast, self.core)
 
     def _make_physics(self, run: Run) -> _core.world.World:
         still, leaves = core_solids(self.plan)
@@ -47,7 +47,8 @@ class World(AnyWorld):
 
 # Worlds on one plan share casters, because they store visible edges per cell.
 @functools.lru_cache(maxsize=64)
-def _fan_caster(plan: FloorPlan, fan: Fan) -> _core.world.FanCaster:
+def fan_caster(plan: FloorPlan, fan: Fan) -> _core.world.FanCaster:
+    """Return what casts these beams in worlds on a plan."""
     return _core.world.FanCaster(core_fan(fan), *core_solids(plan))
 
 

@@ -132,7 +132,7 @@ def test_lasers_see_as_far_in_a_run_without_smoke_as_without_a_fire(tmp_path):
     returns = []
     for more in ([], [f"fire={{fds: {folder}, soot: {{visibility_c: 8}}}}"]):
         simulation = Simulation(load("garage_sar", ["robots.laser.range_max_m=30", *more]))
-        ranges_m = [simulation.step() for _ in range(15)][-1].readings.ranges_m
+        ranges_m = [simulation.step() for _ in range(15)][-1].state.ranges_m
         returns.append((np.asarray(ranges_m) < 30.0).sum())
     assert returns[0] == returns[1] > 400
 

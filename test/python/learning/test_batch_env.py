@@ -52,8 +52,8 @@ def test_each_mission_has_the_bits_of_a_single_one(said):
             else:  # the batch begins again in this step
                 (vectors, _), ends = alone.reset(), ({}, {}, {})
         record, single = env.episodes[i].record, alone.record
-        found.update(record.sim_time_ns, record.readings.state.true_pose)
-        expected.update(single.sim_time_ns, single.readings.state.true_pose)
+        found.update(record.sim_time_ns, record.state.true_pose)
+        expected.update(single.sim_time_ns, single.state.true_pose)
         assert found.hexdigest() == expected.hexdigest()
 
 

@@ -88,7 +88,7 @@ def driven(path, seed):
     while record.mission.state != "ended":
         record = simulation.step()
     assert set(simulation.controllers.faults) == {""}
-    return record.sim_time_ns, record.readings.state.true_pose.tolist()
+    return record.sim_time_ns, record.state.true_pose.tolist()
 
 
 def test_file_decides_as_the_network_in_evaluation(net, policy, torch):
@@ -108,7 +108,7 @@ def test_file_drives_as_in_the_environment_and_always_alike(policy, torch):
     vectors, _ = env.reset(seed=11)
     while env.agents:
         vectors, *_ = env.step({agent: drives.choose(vectors[agent]) for agent in env.agents})
-    expected = env.record.sim_time_ns, env.record.readings.state.true_pose.tolist()
+    expected = env.record.sim_time_ns, env.record.state.true_pose.tolist()
     assert driven(policy, 11) == expected
     assert driven(policy, 12) != expected
     threads = torch.get_num_threads()

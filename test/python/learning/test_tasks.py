@@ -74,7 +74,7 @@ def recorded(settings, steps=400, seed=3, most_turn=0.6):
 def without_contacts(records, rewards, env):
     """Return the return of each agent without that for contacts."""
     ids = [int(agent.removeprefix("robot_")) for agent in env.possible_agents]
-    touched_s = sum(0.1 * record.readings.state.contact[ids] for record in records)
+    touched_s = sum(0.1 * record.state.contact[ids] for record in records)
     return rewards.sum(0) + 0.1 * touched_s
 
 
@@ -86,7 +86,7 @@ def counted_again(plan, records, radius_m, walls=None):
     for record in records:
         if record.step_index % 5 or record.mission.state != "running":
             continue
-        for x, y in record.readings.positions_m[record.present]:
+        for x, y in record.state.positions_m[record.present]:
             near = np.hypot(x_m - x, y_m - y) <= radius_m
             if walls is not None:
                 lines = shapely.linestrings([[(x, y), end] for end in zip(x_m[near], y_m[near], strict=True)])
@@ -125,7 +125,7 @@ def test_missions_of_other_seeds_start_elsewhere(name):
     starts = []
     for seed in (1, 2):
         env.reset(seed=seed)
-        starts.append(env.record.readings.positions_m.copy())
+        starts.append(env.record.state.positions_m.copy())
     assert (np.linalg.norm(starts[0] - starts[1], axis=1) > 0.1).all()
 
 
@@ -179,7 +179,7 @@ def test_idleness_is_the_loss_that_is_counted_by_hand(hall_scenario):
     for record in records:
         time_s = record.mission.time_s
         for vertex, place in enumerate(places):
-            if any(math.dist(place, at) < 2.0 for at in record.readings.positions_m.tolist()):
+            if any(math.dist(place, at) < 2.0 for at in record.state.positions_m.tolist()):
                 since_s[vertex] = time_s
                 visits.add(vertex)
         sum_s2 += 0.1 * sum(time_s - since for since in since_s) / 3.0

@@ -45,7 +45,7 @@ def driven_to(env, seed, choose):
     while env.agents:
         vectors, rewards, *_ = env.step({agent: choose(vectors[agent]) for agent in env.agents})
         total += sum(rewards.values())
-        found.update(env.record.sim_time_ns, env.record.readings.state.true_pose)
+        found.update(env.record.sim_time_ns, env.record.state.true_pose)
     return total, found.hexdigest()
 
 
@@ -188,7 +188,7 @@ def test_odometry_begins_where_the_seed_places_the_robot():
     env = parallel_env(load("garage_sar", settings))
     for seed in (3, 4):
         vectors, _ = env.reset(seed=seed)
-        x_m, y_m = env.record.readings.positions_m[0]
+        x_m, y_m = env.record.state.positions_m[0]
         expected = (2.0 * x_m / 60.0 - 1.0, 2.0 * y_m / 40.0 - 1.0)
         assert vectors["robot_0"][181:183].tolist() == pytest.approx(expected, abs=1e-6)
 
@@ -201,7 +201,7 @@ def test_reward_is_for_areas_victims_and_the_way_there():
     while env.record.mission.areas_explored == 0:
         _, rewards, *_ = env.step(dict.fromkeys(env.agents, ahead))
         won.append(rewards)
-    driven_m = env.record.readings.positions_m[:, 0].max() - 4.4
+    driven_m = env.record.state.positions_m[:, 0].max() - 4.4
     for agent in env.agents:
         assert sum(rewards[agent] for rewards in won[1:-1]) == pytest.approx(0.02 * driven_m, abs=0.02)
         assert won[-1][agent] == pytest.approx(1.0, abs=0.02)
@@ -221,7 +221,7 @@ def test_classes_are_replaced():
     for _ in range(4):
         _, rewards, *_ = env.step(dict.fromkeys(env.agents, ahead))
     assert set(rewards.values()) == {0.0}
-    assert env.record.readings.state.true_twist[0, 0] == pytest.approx(0.07)
+    assert env.record.state.true_twist[0, 0] == pytest.approx(0.07)
 
 
 def test_what_is_said_is_heard_over_the_network():
@@ -320,7 +320,7 @@ def test_own_discrete_actions_need_say_nothing():
     env = parallel_env(scenario(), act=Turns)
     env.reset(seed=1)
     env.step(dict.fromkeys(env.agents, 1))
-    assert env.record.readings.state.true_twist[0, 2] < 0.0
+    assert env.record.state.true_twist[0, 2] < 0.0
 
 
 def test_robots_of_other_kinds_have_the_same_spaces():
@@ -332,7 +332,7 @@ def test_robots_of_other_kinds_have_the_same_spaces():
     left = np.array((0.0, 1.0, 0.0), np.float32)
     for _ in range(3):
         env.step(dict.fromkeys(env.agents, left))
-    speeds_mps = env.record.readings.state.true_twist[:, 1]
+    speeds_mps = env.record.state.true_twist[:, 1]
     assert speeds_mps[1] > 0.3
     assert speeds_mps[[0, 2]].tolist() == [0.0, 0.0]
 
@@ -408,7 +408,7 @@ def test_actions_of_agents_that_left_are_ignored():
     others.reset(seed=7)
     while others.agents:
         others.step({agent: np.zeros(2, np.float32) for agent in others.agents})
-    assert env.record.readings.state.true_pose.tobytes() == others.record.readings.state.true_pose.tobytes()
+    assert env.record.state.true_pose.tobytes() == others.record.state.true_pose.tobytes()
 
 
 def test_step_after_the_end_is_empty():

@@ -11,7 +11,7 @@ from robotteamsim.interface import Decision
 from robotteamsim.mission import Event, Mission, Sensed
 from robotteamsim.network.messages import NetworkState
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings, VoiceReading
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading, state_of
 from robotteamsim.setup import resolve
 
 STEP_NS = 100_000_000
@@ -36,7 +36,6 @@ def network_of(
         link=zeros,
         adjacency=~absent,
         hop_count=np.ones((num_robots, num_robots), dtype=np.int32),
-        break_matrix=zeros,
         fiedler_value=float(num_robots),
         endangered=weak,
         version=version,
@@ -65,8 +64,10 @@ class Course:
         given = {
             "step_index": self.sim_time_ns // STEP_NS,
             "sim_time_ns": self.sim_time_ns,
-            "readings": TeamReadings.of([standing_at(place_m) for place_m in (list(positions) + [FAR_M] * 2)[:2]]),
-            "voices": (list(voices) + [SILENCE] * 2)[:2],
+            "state": state_of(
+                [standing_at(place_m) for place_m in (list(positions) + [FAR_M] * 2)[:2]],
+                (list(voices) + [SILENCE] * 2)[:2],
+            ),
             "network": network_of(2, endangered, lost, self.sim_time_ns),
             "inboxes": ((), ()),
             "present": np.array(present),

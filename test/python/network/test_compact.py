@@ -2,8 +2,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from placed import PlacedNetwork
 
-from robotteamsim.network import Network, NetworkState, newly_endangered
+from robotteamsim.network import NetworkState, newly_endangered
 from robotteamsim.network.compact import CompactLinks, LinksEncoder, hops_among, unpacked
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario import load
@@ -16,7 +17,7 @@ SENT = ("adjacency", "endangered", "hop_count")
 def networks() -> list[NetworkState]:
     """A team of which some leave and return, in a garage where links break around corners."""
     scenario = load("garage_sar")
-    network = Network(RadioField(scenario.plan, scenario.radio), scenario.network, NUM_ROBOTS)
+    network = PlacedNetwork(RadioField(scenario.plan, scenario.radio), scenario.network, NUM_ROBOTS)
     generator = np.random.default_rng(3)
     positions_m = generator.uniform((1.0, 1.0), (59.0, 39.0), (NUM_ROBOTS, 2))
     states = []
@@ -71,7 +72,7 @@ def test_step_without_a_change_has_no_weakened_links(networks):
 def test_links_of_a_thousand_robots_take_a_quarter_of_a_megabyte():
     n = 1000
     matrix = np.zeros((n, n))
-    network = NetworkState(matrix, matrix, matrix > 0, matrix.astype(np.int32), matrix, 0.0, matrix > 0, version=1)
+    network = NetworkState(matrix, matrix, matrix > 0, matrix.astype(np.int32), 0.0, matrix > 0, version=1)
     links = LinksEncoder().encode(network)
     assert links.present.nbytes + links.adjacency.nbytes + links.endangered.nbytes == 251_000
 

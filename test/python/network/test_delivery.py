@@ -5,6 +5,7 @@ from __future__ import annotations
 import networkx
 import numpy as np
 import pytest
+from placed import PlacedNetwork
 from scipy.stats import binomtest
 
 from robotteamsim import rng
@@ -21,7 +22,7 @@ ROW_M = np.array([[70.0 * i, 5.0] for i in range(5)])
 
 def _network(num_robots: int, seed: int = 1, **keys) -> Network:
     radio_field = RadioField(FloorPlan(name="field", bounds=Bounds(max=(900.0, 900.0))), Radio())
-    return Network(radio_field, NetworkSection(**keys), num_robots, seed=seed, step_ns=STEP_NS)
+    return PlacedNetwork(radio_field, NetworkSection(**keys), num_robots, seed=seed, step_ns=STEP_NS)
 
 
 def _distance_m(rssi_dbm: float) -> float:

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from recurrence import connectivity_matrix
 
-from robotteamsim.network import break_matrix, fiedler_value, hop_count
+from robotteamsim.network import fiedler_value, hop_count
 
 TABLE_4 = np.array(
     [
@@ -125,13 +125,6 @@ def test_fiedler_value_of_a_complete_graph_is_its_number_of_robots(n):
 def test_fiedler_value_is_exactly_zero_when_the_team_is_split():
     assert fiedler_value(SPLIT_4) == 0.0
     assert fiedler_value(np.zeros((5, 5), dtype=bool)) == 0.0
-
-
-def test_break_matrix_is_the_link_matrix_where_no_path_exists():
-    link = np.array([[0.0, -60, -97, -99], [-60, 0, -98, -95], [-97, -98, 0, -70], [-99, -95, -70, 0]])
-    expected = np.array([[0.0, 0, -97, -99], [0, 0, -98, -95], [-97, -98, 0, 0], [-99, -95, 0, 0]])
-    assert np.array_equal(break_matrix(link, hop_count(SPLIT_4)), expected)
-    assert not break_matrix(link, hop_count(_complete(4))).any()
 
 
 @pytest.mark.parametrize(

@@ -5,6 +5,7 @@ import math
 
 import numpy as np
 import pytest
+from placed import PlacedNetwork
 from recurrence import connectivity_matrix
 
 from robotteamsim import rng
@@ -22,7 +23,7 @@ _SILENT = [(), (), ()]
 
 def _network(num_robots: int = 3, **keys) -> Network:
     radio_field = RadioField(FloorPlan(name="field", bounds=Bounds(max=(200.0, 10.0))), Radio())
-    return Network(radio_field, NetworkSection(**keys), num_robots)
+    return PlacedNetwork(radio_field, NetworkSection(**keys), num_robots)
 
 
 def test_links_hops_and_breaks_of_three_robots_in_a_row():
@@ -51,12 +52,13 @@ def test_link_is_endangered_between_the_two_thresholds():
     assert state.num_endangered == 2
 
 
-def test_endangered_links_are_the_same_object_until_one_comes_or_goes():
+def test_version_of_the_links_stays_until_one_comes_or_goes():
     network = _network()
     weak = np.array([[0.0, 5.0], [20.0, 5.0], [50.0, 5.0]])
     first, moved, nearer = (network.step(weak - shift, _SILENT)[0] for shift in ([0, 0], [0.001, 0], [0, 0]))
-    assert first.endangered is moved.endangered is nearer.endangered
+    assert first.version == moved.version == nearer.version
     gone, _ = network.step(weak * [0.1, 1.0], _SILENT)
+    assert gone.version > first.version
     assert not gone.endangered.any()
     assert first.endangered.any()
 
@@ -151,7 +153,7 @@ def test_closed_door_can_cut_a_link():
         doors=(Door(name="gate", start=(5.0, 4.0), end=(5.0, 5.0), kind="fireproof"),),
     )
     radio_field = RadioField(plan, Radio())
-    network = Network(radio_field, NetworkSection(endangered_below_dbm=-60.0, lost_below_dbm=-70.0), 2)
+    network = PlacedNetwork(radio_field, NetworkSection(endangered_below_dbm=-60.0, lost_below_dbm=-70.0), 2)
     positions_m = np.array([[2.0, 4.5], [8.0, 4.5]])
     assert network.step(positions_m, [(), ()])[0].fiedler_value == pytest.approx(2.0)
     radio_field.set_door("gate", True)
@@ -167,9 +169,9 @@ def test_single_robot_is_a_network():
 @pytest.mark.parametrize(
     ("positions_m", "outboxes", "message"),
     [
-        (_IN_A_ROW[:2], _SILENT, r"^positions_m must have shape \(3, 2\), got \(2, 2\)$"),
+        (_IN_A_ROW[:2], _SILENT, r"^the state must have 3 robots, got 2$"),
         (_IN_A_ROW, [(), ()], r"^outboxes must have one sequence per robot: 3, got 2$"),
-        (_IN_A_ROW * math.nan, _SILENT, r"^position of robot 0 must be finite"),
+        (_IN_A_ROW + math.inf, _SILENT, r"^position of robot 0 must be finite"),
         (_IN_A_ROW, [(Message(1, 2, ""),), (), ()], r"^outbox of robot 0 contains a message from sender 1$"),
         (_IN_A_ROW, [(Message(0, 3, ""),), (), ()], r"^outbox of robot 0: receiver 3 does not exist; expected 0..2"),
     ],
@@ -198,6 +200,7 @@ def test_broadcasts_arrive_as_if_each_were_asked_about_alone(width_m):
 @pytest.mark.parametrize("link", ["signal", "distance"])
 def test_links_of_wandering_robots_are_those_of_the_definitions_in_every_step(link):
     network, generator, hops_seen = _network(8, link=link), rng.stream(3, "wander", link), []
+    versions: list[int] = []
     positions_m = generator.uniform((20.0, 1.0), (180.0, 9.0), (8, 2))
     section, others = NetworkSection(link=link), ~np.eye(8, dtype=bool)
     for _ in range(60):
@@ -213,11 +216,14 @@ def test_links_of_wandering_robots_are_those_of_the_definitions_in_every_step(li
         assert np.array_equal(state.break_matrix, np.where(hops < 0, state.link, 0.0))
         laplacian = np.diag(state.adjacency.sum(axis=0)) - state.adjacency
         assert state.fiedler_value == pytest.approx(np.linalg.eigvalsh(laplacian)[1], abs=1e-9)
+        versions.append(state.version)
         hops_seen.append(state.hop_count)
         positions_m = np.clip(positions_m + generator.normal(0.0, 1.5, (8, 2)), 0.5, (199.5, 9.5))
-    kept = [before is now for before, now in itertools.pairwise(hops_seen)]
+    kept = [before == now for before, now in itertools.pairwise(versions)]
     assert any(kept)
     assert not all(kept)
+    pairs = zip(itertools.pairwise(hops_seen), kept, strict=True)
+    assert all(np.array_equal(before, now) for (before, now), is_kept in pairs if is_kept)
     assert not hops_seen[-1].flags.writeable
 
 

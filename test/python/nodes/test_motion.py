@@ -4,16 +4,15 @@ import math
 
 import numpy as np
 import pytest
-from robotteamsim._core.sensing import OdometryState
 
-from robotteamsim.nodes.motion import StepMotion
+from robotteamsim.nodes.motion import StepMotion, TeamOdometry
 
 
-def _odometry(*yaws_rad: float, x_m: float = 0.0, sign: float = 1.0) -> OdometryState:
+def _odometry(*yaws_rad: float, x_m: float = 0.0, sign: float = 1.0) -> TeamOdometry:
     """Return the odometry of robots with these headings. Args: sign: of the quaternions."""
     n = len(yaws_rad)
     pose = [(x_m, 0.0, sign * math.sin(0.5 * yaw_rad), sign * math.cos(0.5 * yaw_rad)) for yaw_rad in yaws_rad]
-    return OdometryState(
+    return TeamOdometry(
         pose=np.array(pose),
         twist=np.zeros((n, 3)),
         pose_covariance=np.zeros((n, 6)),

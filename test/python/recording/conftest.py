@@ -14,7 +14,7 @@ from robotteamsim.mission.status import MissionStatus
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings, VoiceReading
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading, state_of
 from robotteamsim.setup import resolve
 from robotteamsim.simulation import Result, RobotTotals, StepRecord
 
@@ -51,8 +51,10 @@ class Trial:
             present=np.ones(2, dtype=bool),
             step_index=index,
             sim_time_ns=index * STEP_NS,
-            readings=TeamReadings.of([self.reading(robot_id, time_s) for robot_id in range(2)]),
-            voices=(VoiceReading(21.5, True, (3.5, 4.5), 24.0), VoiceReading(0.0, False, (3.0, 6.0), 0.0)),
+            state=state_of(
+                [self.reading(robot_id, time_s) for robot_id in range(2)],
+                [VoiceReading(21.5, True, (3.5, 4.5), 24.0), VoiceReading(0.0, False, (3.0, 6.0), 0.0)],
+            ),
             network=self.network(),
             inboxes=((), (message,)),
             decisions=(
@@ -94,7 +96,6 @@ class Trial:
             link=rssi_dbm,
             adjacency=off_diagonal,
             hop_count=off_diagonal.astype(np.int32),
-            break_matrix=np.zeros((2, 2)),
             fiedler_value=2.0,
             endangered=off_diagonal,
             version=1,

@@ -26,7 +26,7 @@ class Places(Observer):
         self.places = []
 
     def step(self, record):
-        self.places.append(record.readings.positions_m.copy())
+        self.places.append(record.state.positions_m.copy())
 
 
 def test_floor_within_the_radius_of_a_robot_is_covered(hall_scenario):

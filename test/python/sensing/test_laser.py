@@ -6,13 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 import shapely
+from lasers import LaserBeams
 
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario import Bounds, FloorPlan, Wall, load
 from robotteamsim.scenario.plan import obstacles
 from robotteamsim.scenario.sections import Laser as LaserModel
 from robotteamsim.scenario.sections import PlacedRobot, Run
-from robotteamsim.sensing.beams import Laser
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
 
@@ -55,7 +55,7 @@ def test_ranges_in_the_garage_are_those_of_exact_intersections(scattered_robots,
     world = World(plan, scattered_robots(plan, 25, generator, laser=model), Run())
     world.set_door("stair_door", stair_door_closed)
     closed = {name: door.closed for name, door in world.door_states().items()}
-    laser, solid = Laser(model, world), obstacles(plan, closed)
+    laser, solid = LaserBeams(model, world), obstacles(plan, closed)
     returns = 0
     for robot_id, pose in enumerate(world.poses()):
         scene = Scene(solid, np.delete(world.positions_m(), robot_id, axis=0), 0.2)
@@ -74,7 +74,7 @@ def test_ranges_between_robots_equal_the_hand_calculation():
     # Face to face, 3 m apart: 3 m less a laser 0.1 m ahead of the middle and a radius of 0.2 m.
     robots = [PlacedRobot(start_pose=(1.0, 5.0, 0.0)), PlacedRobot(start_pose=(4.0, 5.0, math.pi))]
     world = World(WALL_AHEAD, robots, Run())
-    laser, generator = Laser(LaserModel(), world), np.random.default_rng(1)
+    laser, generator = LaserBeams(LaserModel(), world), np.random.default_rng(1)
     first, second = laser.scan([0, 1], [generator, generator])
     assert first[90] == second[90] == np.float32(2.7)
     np.testing.assert_allclose(first[87:94], second[87:94][::-1], atol=1e-5)
@@ -84,7 +84,7 @@ def test_ranges_between_robots_equal_the_hand_calculation():
 
 def test_wall_ahead_returns_its_distance_over_the_cosine_until_range_max():
     world = World(WALL_AHEAD, [PlacedRobot(start_pose=(3.3, 10.0, 0.0))], Run())
-    ranges_m = Laser(LaserModel(), world).scan([0], [np.random.default_rng(1)])[0]
+    ranges_m = LaserBeams(LaserModel(), world).scan([0], [np.random.default_rng(1)])[0]
     assert ranges_m[90] == np.float32(2.5)
     assert ranges_m[[30, 150]] == pytest.approx(5.0)  # 60 degrees
     assert ranges_m[135] == pytest.approx(2.5 * math.sqrt(2.0))
@@ -94,7 +94,7 @@ def test_wall_ahead_returns_its_distance_over_the_cosine_until_range_max():
 
 def test_moved_robot_senses_its_new_place():
     world = World(WALL_AHEAD, [PlacedRobot(start_pose=(3.3, 10.0, 0.0))], Run())
-    laser, generator = Laser(LaserModel(), world), np.random.default_rng(1)
+    laser, generator = LaserBeams(LaserModel(), world), np.random.default_rng(1)
     laser.scan([0], [generator])
     world.set_pose(0, Pose(4.3, 10.0, 0.0))
     assert laser.scan([0], [generator])[0, 90] == np.float32(1.5)
@@ -103,9 +103,9 @@ def test_moved_robot_senses_its_new_place():
 def test_scan_draws_one_number_per_beam_and_none_without_noise():
     world = World(WALL_AHEAD, [PlacedRobot(start_pose=(3.3, 10.0, 0.0))], Run())
     generator, expected = np.random.default_rng(3), np.random.default_rng(3)
-    Laser(LaserModel(), world).scan([0], [generator])
+    LaserBeams(LaserModel(), world).scan([0], [generator])
     assert generator.bit_generator.state == expected.bit_generator.state
-    Laser(LaserModel(beams=7, noise_m=0.1), world).scan([0], [generator])
+    LaserBeams(LaserModel(beams=7, noise_m=0.1), world).scan([0], [generator])
     expected.normal(size=7)
     assert generator.bit_generator.state == expected.bit_generator.state
 
@@ -129,17 +129,17 @@ def test_noise_of_a_laser_is_its_own_and_does_not_depend_on_other_robots():
 def test_no_return_and_too_near_read_as_in_the_model():
     world = World(WALL_AHEAD, [PlacedRobot(start_pose=(5.7, 5.0, 0.0))], Run())
     view = {"beams": 2, "angle_min_rad": 0.0, "angle_max_rad": math.pi, "range_min_m": 0.15}
-    as_stage = Laser(LaserModel(**view), world).scan([0], ())[0]
+    as_stage = LaserBeams(LaserModel(**view), world).scan([0], ())[0]
     assert as_stage.dtype == np.float32
     np.testing.assert_array_equal(as_stage, np.float32([0.15, 5.0]))
-    as_rep_117 = Laser(LaserModel(**view, no_return="inf"), world).scan([0], ())[0]
+    as_rep_117 = LaserBeams(LaserModel(**view, no_return="inf"), world).scan([0], ())[0]
     assert as_rep_117.tolist() == [-math.inf, math.inf]
 
 
 def test_noise_has_its_standard_deviation_and_touches_only_returns():
     world = World(WALL_AHEAD, [PlacedRobot(start_pose=(3.9, 5.0, 0.0))], Run())
     model = LaserModel(beams=2, angle_min_rad=0.0, angle_max_rad=math.pi, forward_m=0.0, noise_m=0.05)
-    laser, generator = Laser(model, world), np.random.default_rng(1)
+    laser, generator = LaserBeams(model, world), np.random.default_rng(1)
     scans = np.concatenate([laser.scan([0], [generator]) for _ in range(4000)])
     assert scans[:, 0].mean() == pytest.approx(2.0, abs=0.003)
     assert scans[:, 0].std() == pytest.approx(0.05, rel=0.05)

@@ -2,11 +2,13 @@ import math
 
 import numpy as np
 import pytest
-from robotteamsim._core.sensing import OdometryState
+from robotteamsim._core.sensing import Lasers, RangeLimits, TeamSensors
+from robotteamsim._core.state import State
+from robotteamsim._core.world import Fan
 
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.scenario.sections import Odometry as OdometryModel
-from robotteamsim.sensing.odometry import TeamOdometry
+from robotteamsim.sensing.odometry import OdometryNoise
 from robotteamsim.sensing.readings import OdometryReading
 
 STEP_S = 0.1
@@ -25,22 +27,39 @@ def arc(speed_mps: float, turn_radps: float) -> tuple[Pose, Twist]:
     return way, Twist(speed_mps, 0.0, turn_radps)
 
 
-def drive(
-    ways: list[tuple[Pose, Twist]], model: OdometryModel, robots: int = 1, *, omni: bool = False
-) -> OdometryState:
+class Team:
+    """The odometry of robots that move as they are told."""
+
+    def __init__(self, model: OdometryModel, generators: list[np.random.Generator], *, omni: bool = False) -> None:
+        robots, alphas = len(generators), (model.alpha1, model.alpha2, model.alpha3, model.alpha4)
+        fan = Fan(beams=1, angle_min_rad=0.0, angle_max_rad=0.0, forward_m=0.0, left_m=0.0, range_max_m=1.0)
+        limits = RangeLimits(range_min_m=0.0, range_max_m=1.0, too_near_m=0.0, no_return_m=1.0)
+        lasers = [Lasers(fan, limits, range(robots))]
+        self._sensors = TeamSensors(lasers, [alphas] * robots, STEP_S, [omni] * robots)
+        self._noise, self._robots = OdometryNoise(generators), robots
+
+    def step(self, motion: Pose, twist: Twist) -> State:
+        """Let all robots make the same way."""
+        state, poses, still = State(self._robots, 1), np.zeros((self._robots, 3)), np.zeros(self._robots, bool)
+        motions = np.tile([motion.x_m, motion.y_m, motion.yaw_rad], (self._robots, 1))
+        twists = np.tile([twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps], (self._robots, 1))
+        ranges_m = np.ones((self._robots, 1))
+        moved = poses, twists, motions, still, {}, [ranges_m]
+        self._sensors.read_motion(state, *moved, self._noise.next(), np.empty((0, 0)))
+        return state
+
+
+def drive(ways: list[tuple[Pose, Twist]], model: OdometryModel, robots: int = 1, *, omni: bool = False) -> State:
     """Return the last readings of robots that made the same ways."""
-    generators = [np.random.default_rng([5, seed]) for seed in range(robots)]
-    team = TeamOdometry([model] * robots, STEP_S, generators, [omni] * robots)
+    team = Team(model, [np.random.default_rng([5, seed]) for seed in range(robots)], omni=omni)
     for motion, twist in ways:
-        motions = np.tile([motion.x_m, motion.y_m, motion.yaw_rad], (robots, 1))
-        twists = np.tile([twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps], (robots, 1))
-        readings = team.step(motions, twists)
-    return readings
+        state = team.step(motion, twist)
+    return state
 
 
-def pose_of(readings: OdometryState) -> tuple[float, float, float]:
+def pose_of(readings: State) -> tuple[float, float, float]:
     """Return the pose of the first robot."""
-    pose = readings.readings()[0].pose.pose
+    pose = readings[0].odometry.pose.pose
     return pose.x_m, pose.y_m, pose.yaw_rad
 
 
@@ -53,7 +72,7 @@ def test_odometry_without_noise_is_the_true_path(speed_mps, steps):
         true = true @ motion
     readings = drive([(motion, twist)] * steps, EXACT)
     assert pose_of(readings) == pytest.approx((true.x_m, true.y_m, true.yaw_rad), abs=1e-9)
-    assert readings.readings()[0].twist == twist
+    assert readings[0].odometry.twist == twist
 
 
 def test_odometry_without_noise_follows_a_robot_that_slides_sideways():
@@ -65,12 +84,6 @@ def test_odometry_of_a_robot_at_rest_does_not_move():
     assert pose_of(drive([(Pose(0.0, 0.0, 0.0), Twist())] * 500, MODEL)) == (0.0, 0.0, 0.0)
 
 
-def test_motions_of_another_number_of_robots_are_rejected():
-    odometry = TeamOdometry([MODEL] * 2, STEP_S, [np.random.default_rng(seed) for seed in range(2)])
-    with pytest.raises(ValueError, match="one row of three numbers per robot"):
-        odometry.step(np.zeros((1, 3)), np.zeros((1, 3)))
-
-
 @pytest.mark.parametrize(
     ("speed_mps", "turn_radps"),
     [(0.5, 0.0), (0.0, 1.0), (0.6, 1.2), (-0.6, 1.2)],
@@ -79,7 +92,7 @@ def test_motions_of_another_number_of_robots_are_rejected():
 def test_drift_of_a_step_has_the_variances_of_the_formula(speed_mps, turn_radps):
     # An arc is a turn by half its angle, its chord, and the other half; a turn on the spot is a single turn.
     samples, model, (motion, twist) = 5000, SMALL, arc(speed_mps, turn_radps)
-    ends = [reading.pose.pose for reading in drive([(motion, twist)], model, robots=samples).readings()]
+    ends = [reading.odometry.pose.pose for reading in drive([(motion, twist)], model, robots=samples)]
     chord_m, turns_rad = math.hypot(motion.x_m, motion.y_m), (0.5 * motion.yaw_rad,) * 2 if speed_mps else (0.1,)
     of_turns_rad2 = sum(model.alpha1 * turn_rad**2 + model.alpha2 * chord_m**2 for turn_rad in turns_rad)
     of_length_m2 = model.alpha3 * chord_m**2 + model.alpha4 * sum(turn_rad**2 for turn_rad in turns_rad)
@@ -106,32 +119,33 @@ def test_turn_on_the_spot_adds_noise_once_for_any_sign_of_zero(x_m, y_m, omni):
     turn = (Pose(x_m, y_m, 0.05), Twist(0.0, 0.0, 0.5))
     usual = (Pose(0.0, 0.0, 0.05), Twist(0.0, 0.0, 0.5))
     readings = drive([turn] * 100, MODEL, robots=3, omni=omni)
-    assert [row[YAW_YAW] for row in readings.pose_covariance] == pytest.approx([0.01] * 3, rel=1e-12)
-    assert readings.readings() == drive([usual] * 100, MODEL, robots=3, omni=omni).readings()
+    assert [row[YAW_YAW] for row in readings.odometry_pose_covariance] == pytest.approx([0.01] * 3, rel=1e-12)
+    usually = drive([usual] * 100, MODEL, robots=3, omni=omni)
+    assert [reading.odometry for reading in readings] == [reading.odometry for reading in usually]
 
 
 @pytest.mark.parametrize(("x_m", "y_m"), [(1e-5, 1e-5), (-1e-5, 1e-5), (7e-6, -1e-5)])
 def test_turn_on_the_spot_is_charged_once_however_the_wheels_slip(x_m, y_m):
     readings = drive([(Pose(x_m, y_m, 0.05), Twist(0.0, 0.0, 0.5))] * 100, MODEL)
-    assert readings.pose_covariance[0, YAW_YAW] == pytest.approx(0.01, rel=1e-4)
+    assert readings.odometry_pose_covariance[0, YAW_YAW] == pytest.approx(0.01, rel=1e-4)
 
 
 def test_drift_has_no_bias_over_a_long_straight_path():
     model = OdometryModel(alpha1=0.0, alpha2=0.0, alpha3=0.02, alpha4=0.0)
-    ends_m = drive([arc(0.5, 0.0)] * 100, model, robots=400).pose[:, 0]
+    ends_m = drive([arc(0.5, 0.0)] * 100, model, robots=400).odometry_pose[:, 0]
     spread_m = math.sqrt(100 * 0.02) * 0.05
     assert ends_m.mean() == pytest.approx(5.0, abs=4 * spread_m / math.sqrt(400))
     assert ends_m.std() == pytest.approx(spread_m, rel=0.15)
 
 
 def test_robot_that_is_pushed_aside_turns_no_more_than_its_body():
-    _, _, qz, qw = drive([(Pose(0.0, 0.03, 0.0), Twist(0.0, 0.3, 0.0))], MODEL, robots=2000).pose.T
+    _, _, qz, qw = drive([(Pose(0.0, 0.03, 0.0), Twist(0.0, 0.3, 0.0))], MODEL, robots=2000).odometry_pose.T
     assert np.var(2.0 * np.arctan2(qz, qw)) == pytest.approx(2 * 0.01 * 0.03**2, rel=0.15)
 
 
 def test_twist_carries_the_noise_of_the_pose():
     motion, twist = arc(0.5, 0.0)
-    (reading,) = drive([(motion, twist)], MODEL).readings()
+    reading = drive([(motion, twist)], MODEL)[0].odometry
     pose = reading.pose.pose
     assert reading.twist.linear_x_mps == pytest.approx(math.hypot(pose.x_m, pose.y_m) / STEP_S)
     assert reading.twist.angular_z_radps == pytest.approx(pose.yaw_rad / STEP_S)
@@ -174,8 +188,8 @@ def test_covariance_of_an_omnidirectional_robot_is_the_scatter_of_its_drifts(way
     check_scatter(drive(ways, SLOW_DRIFT, robots=8000, omni=True), ways)
 
 
-def check_scatter(readings: OdometryState, ways: list[tuple[Pose, Twist]]) -> None:
-    x_m, y_m, qz, qw = readings.pose.T
+def check_scatter(readings: State, ways: list[tuple[Pose, Twist]]) -> None:
+    x_m, y_m, qz, qw = readings.odometry_pose.T
     yaws_rad = 2.0 * np.arctan2(qz, qw)
     true = Pose(0.0, 0.0, 0.0)
     for motion, _ in ways:
@@ -183,7 +197,7 @@ def check_scatter(readings: OdometryState, ways: list[tuple[Pose, Twist]]) -> No
     errors = np.column_stack([x_m - true.x_m, y_m - true.y_m, np.angle(np.exp(1j * (yaws_rad - true.yaw_rad)))])
     scatter = errors.T @ errors / len(errors)
     published = np.zeros((3, 3))
-    published[np.triu_indices(3)] = readings.pose_covariance.mean(axis=0)
+    published[np.triu_indices(3)] = readings.odometry_pose_covariance.mean(axis=0)
     published += np.triu(published, 1).T
     # The entries of a covariance of 8000 samples are known to 1.6 %; the second order leaves some more.
     sigma = np.sqrt(np.diag(scatter))
@@ -198,24 +212,21 @@ def test_covariance_of_one_straight_path_equals_the_hand_calculation():
     lever_m = step_m * np.arange(60, 0, -1)  # of the first turn of each step, to the end
     yy = q * np.sum(lever_m**2) + q * np.sum((lever_m - step_m) ** 2)
     y_yaw = q * np.sum(lever_m) + q * np.sum(lever_m - step_m)
-    covariance = drive(STRAIGHT, exact_distance).pose_covariance[0]
+    covariance = drive(STRAIGHT, exact_distance).odometry_pose_covariance[0]
     assert covariance[3:] == pytest.approx([yy, y_yaw, 120 * q], rel=1e-3)
     assert np.abs(covariance[:3]).max() < 1e-3 * yy
     along = OdometryModel(alpha1=0.0, alpha2=0.0, alpha3=0.01, alpha4=0.0)
-    covariance = drive(STRAIGHT, along).pose_covariance[0]
+    covariance = drive(STRAIGHT, along).odometry_pose_covariance[0]
     assert covariance == pytest.approx([60 * 0.01 * step_m**2, 0, 0, 0, 0, 0], rel=1e-9, abs=1e-15)
 
 
 def test_covariance_is_symmetric_positive_and_never_shrinks_in_yaw():
-    team = TeamOdometry([MODEL], STEP_S, [np.random.default_rng(9)])
+    team = Team(MODEL, [np.random.default_rng(9)])
     generator = np.random.default_rng(10)
     yaw_variance = 0.0
     for _ in range(500):
         motion, twist = arc(generator.uniform(-0.7, 0.7), generator.uniform(-2.0, 2.0))
-        published = team.step(
-            np.array([[motion.x_m, motion.y_m, motion.yaw_rad]]),
-            np.array([[twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps]]),
-        ).pose_covariance[0]
+        published = team.step(motion, twist).odometry_pose_covariance[0]
         covariance = np.zeros((3, 3))
         covariance[np.triu_indices(3)] = published
         eigenvalues = np.linalg.eigvalsh(covariance, UPLO="U")
@@ -227,16 +238,16 @@ def test_covariance_is_symmetric_positive_and_never_shrinks_in_yaw():
 def test_twist_variances_are_the_scatter_of_the_twist():
     motion, twist = arc(0.5, 0.7)
     readings = drive([(motion, twist)], MODEL, robots=8000)
-    assert np.unique(readings.twist_variances, axis=0).shape == (1, 3)
-    of_forward, of_left, of_turn = readings.twist_variances[0]
-    assert readings.twist.var(axis=0) == pytest.approx([of_forward, 0.0, of_turn], rel=0.08, abs=0.0)
+    assert np.unique(readings.odometry_twist_variances, axis=0).shape == (1, 3)
+    of_forward, of_left, of_turn = readings.odometry_twist_variances[0]
+    assert readings.odometry_twist.var(axis=0) == pytest.approx([of_forward, 0.0, of_turn], rel=0.08, abs=0.0)
     assert of_left == 0.0
 
 
 def test_exact_odometry_and_a_robot_at_rest_have_zero_covariance():
     for state in (drive(STRAIGHT + TURN, EXACT), drive([(Pose(0.0, 0.0, 0.0), Twist())] * 50, MODEL)):
-        assert not state.pose_covariance.any()
-        assert not state.twist_variances.any()
+        assert not state.odometry_pose_covariance.any()
+        assert not state.odometry_twist_variances.any()
 
 
 def test_omnidirectional_robot_errs_to_the_side_as_along_its_path():
@@ -244,20 +255,22 @@ def test_omnidirectional_robot_errs_to_the_side_as_along_its_path():
     motion, twist = Pose(0.0, 0.06, 0.1), Twist(0.03, 0.6, 1.0)
     readings = drive([(motion, twist)], MODEL, robots=8000, omni=True)
     way_m2, turn_rad2 = 0.02 * 0.06**2 + 0.03 * 0.1**2, 0.04 * 0.1**2 + 0.01 * 0.06**2
-    assert readings.pose_covariance[0] == pytest.approx([way_m2, 0.0, 0.0, way_m2, 0.0, turn_rad2], rel=1e-9, abs=1e-15)
-    errors = readings.pose[:, :2] - (0.0, 0.06)
+    assert readings.odometry_pose_covariance[0] == pytest.approx(
+        [way_m2, 0.0, 0.0, way_m2, 0.0, turn_rad2], rel=1e-9, abs=1e-15
+    )
+    errors = readings.odometry_pose[:, :2] - (0.0, 0.06)
     assert np.cov(errors.T) == pytest.approx(np.diag([way_m2, way_m2]), abs=0.05 * way_m2)
     assert errors.mean(axis=0) == pytest.approx([0.0, 0.0], abs=4.0 * math.sqrt(way_m2 / 8000))
-    assert readings.twist_variances[0] == pytest.approx(np.array([way_m2, way_m2, turn_rad2]) / STEP_S**2)
-    assert readings.twist.var(axis=0) == pytest.approx(readings.twist_variances[0], rel=0.08)
-    assert readings.twist.mean(axis=0) == pytest.approx([0.03, 0.6, 1.0], abs=0.01)
+    assert readings.odometry_twist_variances[0] == pytest.approx(np.array([way_m2, way_m2, turn_rad2]) / STEP_S**2)
+    assert readings.odometry_twist.var(axis=0) == pytest.approx(readings.odometry_twist_variances[0], rel=0.08)
+    assert readings.odometry_twist.mean(axis=0) == pytest.approx([0.03, 0.6, 1.0], abs=0.01)
 
 
 def test_omnidirectional_odometry_without_noise_is_the_true_path_and_stops_with_the_robot():
     true = Pose(0.0, 0.0, 0.0)
     for motion, _ in SLANTED:
         true = true @ motion
-    x_m, y_m, qz, qw = drive(SLANTED, EXACT, omni=True).pose[0]
+    x_m, y_m, qz, qw = drive(SLANTED, EXACT, omni=True).odometry_pose[0]
     assert (x_m, y_m, 2.0 * math.atan2(qz, qw)) == pytest.approx((true.x_m, true.y_m, true.yaw_rad), abs=1e-9)
     still = drive([(Pose(0.0, 0.0, 0.0), Twist())] * 50, MODEL, omni=True)
-    assert still.readings() == [OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())]
+    assert [reading.odometry for reading in still] == [OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())]

@@ -1,70 +1,101 @@
-"""Readings of a team as arrays and one by one."""
+"""The state of a team as arrays and as a record of each robot."""
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
-from robotteamsim._core.sensing import OdometryState, TeamState
+from robotteamsim._core.state import State, States
 
-from robotteamsim.geometry import PoseReading, Twist
-from robotteamsim.sensing.readings import TeamReadings
+from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading, state_of
 
 
-def team(n: int = 2) -> TeamState:
-    """Return a state in which no two numbers are equal."""
-
-    def numbers(first: float, columns: int) -> np.ndarray:
-        return first + np.arange(float(n * columns)).reshape(n, columns)
-
-    odometry = OdometryState(
-        pose=numbers(200.0, 4),
-        twist=numbers(300.0, 3),
-        pose_covariance=numbers(400.0, 6),
-        twist_variances=numbers(500.0, 3),
+def reading(robot_id: int, beams: int = 3) -> RobotReading:
+    """Return a record in which no two numbers are equal."""
+    number = iter(range(100 * robot_id, 100 * robot_id + 100)).__next__
+    pose, twist = PoseReading(*(float(number()) for _ in range(4))), Twist(*(float(number()) for _ in range(3)))
+    odometry = OdometryReading(
+        PoseReading(*(float(number()) for _ in range(4))),
+        Twist(*(float(number()) for _ in range(3))),
+        tuple(float(number()) for _ in range(6)),
+        tuple(float(number()) for _ in range(3)),
     )
-    contact = np.arange(n) % 2 == 1
-    return TeamState(true_pose=numbers(0.0, 4), true_twist=numbers(100.0, 3), odometry=odometry, contact=contact)
+    ranges_m = np.arange(beams, dtype=np.float32) + robot_id
+    touches = robot_id == 1
+    return RobotReading(
+        pose, twist, odometry, ranges_m, touches, (0.5,) if touches else (), {"fix": 3} if touches else {}
+    )
 
 
-def test_record_of_a_robot_has_the_rows_of_the_arrays():
-    readings = TeamReadings(team(), np.zeros((2, 3), np.float32), {1: (0.5,)})
-    reading = readings[1]
-    assert reading.ground_truth == PoseReading(4.0, 5.0, 6.0, 7.0)
-    assert reading.twist == Twist(103.0, 104.0, 105.0)
-    assert reading.odometry.pose == PoseReading(204.0, 205.0, 206.0, 207.0)
-    assert reading.odometry.twist == Twist(303.0, 304.0, 305.0)
-    assert reading.odometry.pose_covariance == (406.0, 407.0, 408.0, 409.0, 410.0, 411.0)
-    assert reading.odometry.twist_variances == (503.0, 504.0, 505.0)
-    assert reading.ranges_m.shape == (3,)
-    assert (reading.in_contact, reading.contact_angles_rad, reading.sensors) == (True, (0.5,), {})
-    assert (readings[0].in_contact, readings[0].contact_angles_rad) == (False, ())
-    assert len(list(readings)) == 2
+def test_records_of_robots_are_those_of_which_the_arrays_were_made():
+    state = state_of([reading(0), reading(1)])
+    again = state.readings()
+    assert len(again) == len(state) == 2
+    for robot_id, record in enumerate(again):
+        expected = reading(robot_id)
+        for name in ("ground_truth", "twist", "odometry", "in_contact", "contact_angles_rad", "sensors"):
+            assert getattr(record, name) == getattr(expected, name), name
+        assert record.ranges_m.tolist() == expected.ranges_m.tolist()
+    assert state.contact_angles_rad == {1: (0.5,)}
+    assert state.true_pose[1].tolist() == [100.0, 101.0, 102.0, 103.0]
+    assert state.positions_m[1].tolist() == [100.0, 101.0]
+    assert state.odometry_pose_covariance[0].tolist() == [14.0, 15.0, 16.0, 17.0, 18.0, 19.0]
 
 
-def test_arrays_made_of_records_are_the_arrays_of_which_the_records_were_made():
-    readings = TeamReadings(team(), np.zeros((2, 3), np.float32), {1: (0.5,)})
-    again = TeamReadings.of(readings)
-    assert np.array_equal(again.state.true_pose, readings.state.true_pose)
-    assert np.array_equal(again.state.true_twist, readings.state.true_twist)
-    assert np.array_equal(again.state.contact, readings.state.contact)
-    for name in ("pose", "twist", "pose_covariance", "twist_variances"):
-        assert np.array_equal(getattr(again.state.odometry, name), getattr(readings.state.odometry, name))
-    assert again.contact_angles_rad == readings.contact_angles_rad
+def test_robots_with_different_lasers_have_their_own_beams():
+    state = state_of([reading(0, beams=2), reading(1, beams=4)])
+    assert state.ranges_m.tolist() == [[0.0, 1.0, math.inf, math.inf], [1.0, 2.0, 3.0, 4.0]]
+    assert [record.ranges_m.tolist() for record in state] == [[0.0, 1.0], [1.0, 2.0, 3.0, 4.0]]
+
+
+def test_what_robots_hear_is_what_was_put_there():
+    voices = [VoiceReading(21.5, True, (3.5, 4.5), 24.0), VoiceReading(0.0, False, (3.0, 6.0), 0.0)]
+    state = state_of([reading(0), reading(1)], voices)
+    assert state.voices() == voices
+    assert state.voice_heard.tolist() == [True, False]
 
 
 def test_arrays_of_a_state_outlive_it_and_cannot_be_changed():
-    pose = team().odometry.pose
-    assert pose[1].tolist() == [204.0, 205.0, 206.0, 207.0]
+    pose = state_of([reading(0)]).odometry_pose
+    assert pose[0].tolist() == [7.0, 8.0, 9.0, 10.0]
     with pytest.raises(ValueError, match="read-only"):
         pose[0] = 0.0
 
 
-def test_arrays_without_a_row_per_robot_are_rejected():
-    readings = TeamReadings(team(1), np.zeros((2, 3), np.float32))
-    with pytest.raises(ValueError, match="one item per robot"):
-        list(readings)
-    state = team()
-    with pytest.raises(ValueError, match="one row per robot"):
-        TeamState(
-            true_pose=state.true_pose, true_twist=state.true_twist[:1], odometry=state.odometry, contact=state.contact
-        )
+def test_states_of_several_missions_have_an_axis_for_them():
+    state = States(3, 2, 4).next()
+    assert state.true_pose.shape == (3, 2, 4)
+    assert state.ranges_m.shape == (3, 2, 4)
+    state.of(1).place(1, Pose(2.0, 3.0, 0.0))
+    assert state.positions_m[1, 1].tolist() == [2.0, 3.0]
+    assert np.isnan(state.positions_m[[0, 2]]).all()
+    with pytest.raises(IndexError, match="no such mission"):
+        state.of(3)
+    with pytest.raises(ValueError, match="one mission"):
+        state[0]
+
+
+def test_memory_of_a_state_is_used_again_only_after_nobody_holds_it():
+    states = States(1, 2, 3)
+    held = states.next()
+    place = held.of(0).true_pose.ctypes.data
+    assert states.next().of(0).true_pose.ctypes.data != place
+    row = held.of(0).ranges_of(1)
+    del held
+    assert states.next().of(0).true_pose.ctypes.data != place
+    del row
+    assert states.next().of(0).true_pose.ctypes.data == place
+
+
+def test_robots_and_links_that_are_not_there_are_refused():
+    state = State(2)
+    with pytest.raises(IndexError, match="no such robot"):
+        state[2]
+    with pytest.raises(ValueError, match="no links"):
+        _ = state.adjacency
+    with pytest.raises(ValueError, match="more beams"):
+        state.put_reading(0, reading(0))
+    with pytest.raises(ValueError, match="a mission"):
+        States(0, 2, 3)

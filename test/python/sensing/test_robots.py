@@ -2,13 +2,13 @@ import math
 
 import numpy as np
 import pytest
+from lasers import LaserBeams
 
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.rng import stream
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
 from robotteamsim.scenario.sections import Laser, Odometry, PlacedRobot, Run
 from robotteamsim.scenario.sensors import MountedLaser
-from robotteamsim.sensing.beams import Laser as LaserSensor
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
@@ -124,7 +124,7 @@ def test_lasers_of_several_kinds_scan_each_as_by_itself_in_the_order_of_robots()
     for _ in range(3):
         world.step([Twist(0.5)] * 4)
         scans = [reading.ranges_m for reading in sensors.read()]
-        alone = [LaserSensor(robot.laser, world).scan([i], [noise[i]])[0] for i, robot in enumerate(robots)]
+        alone = [LaserBeams(robot.laser, world).scan([i], [noise[i]])[0] for i, robot in enumerate(robots)]
         assert [len(scan) for scan in scans] == [7, 181, 7, 181]
         assert all(np.array_equal(scan, expected) for scan, expected in zip(scans, alone, strict=True))
 

@@ -115,8 +115,8 @@ def test_wrong_names_and_values_are_rejected(plan):
         sensor.set_silenced(["eve"])
     with pytest.raises(ValueError, match=r"^unknown door 'back'; known: gate$"):
         sensor.set_door("back", True)
-    with pytest.raises(ValueError, match=r"^position_m must be finite, got \(nan, 1\)$"):
-        sensor.read((math.nan, 1.0))
+    with pytest.raises(ValueError, match=r"^position_m must be finite, got \(inf, 1\)$"):
+        sensor.read((math.inf, 1.0))
     with pytest.raises(ValueError, match=r"^position of victim 'ann' must be finite, got \(1.0, inf\)$"):
         sensor.set_victim("ann", (1.0, math.inf))
     with pytest.raises(ValueError, match="noise_db must be finite"):

@@ -35,7 +35,7 @@ def test_robot_that_fails_is_out_of_everything_and_the_others_go_on():
     before, after = records[49], records[50]
     assert (before.present.tolist(), after.present.tolist()) == ([True] * 3, [True, False, True])
     assert kinds(records) == ["robot_removed"]
-    assert np.isnan(after.readings.state.true_pose[1]).all()
+    assert np.isnan(after.state.true_pose[1]).all()
     assert not after.voices[1].heard
     assert (after.inboxes[1], after.decisions[1].outbox) == ((), ())
     assert after.network.hop_count[1].tolist() == [-1, -1, -1]
@@ -55,7 +55,7 @@ def test_schedule_and_calls_at_the_same_step_are_the_same_to_the_bit():
     records = steps(called, 30)
     again = steps(garage(FAILS), 80)[50:]
     for one, other in zip(records, again, strict=True):
-        assert np.array_equal(one.readings.state.true_pose, other.readings.state.true_pose, equal_nan=True)
+        assert np.array_equal(one.state.true_pose, other.state.true_pose, equal_nan=True)
     assert scheduled.trajectory_hash == garage(FAILS, LIMIT).run().trajectory_hash
     assert scheduled.trajectory_hash != garage(LIMIT).run().trajectory_hash
 

@@ -40,7 +40,7 @@ def test_scheduled_changes_equal_calls_after_the_same_steps():
             CALLS[steps](called)
         one, other = scheduled.step(), called.step()
         assert told(one) == told(other)
-        assert np.array_equal(one.readings.state.true_pose, other.readings.state.true_pose)
+        assert np.array_equal(one.state.true_pose, other.state.true_pose)
         assert (one.voices, one.mission, one.victims, one.noise_db) == (
             other.voices,
             other.mission,

@@ -13,7 +13,7 @@ from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.interface import Decision, Task
 from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
 from robotteamsim.scenario import sections
-from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings, VoiceReading
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading, state_of
 from robotteamsim.simulation import Simulation, TrajectoryHash, simulation
 from robotteamsim.world.doors import DoorStates
 
@@ -85,7 +85,8 @@ class FakeSensors:
         pose = PoseReading(3.0 + self.parts.step_index, 5.0, 0.0, 1.0)
         still = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
         ranges_m = np.ones(3, np.float32)
-        return TeamReadings.of([RobotReading(pose, Twist(0.5), still, ranges_m, in_contact=False)] * 2)
+        robots = [RobotReading(pose, Twist(0.5), still, ranges_m, in_contact=False)] * 2
+        return state_of(robots, [VoiceReading(0.0, False, (3.0, 5.0), 0.0)] * 2)
 
 
 class FakeVoices:
@@ -100,20 +101,19 @@ class FakeHearing:
     sensor = FakeVoices()
     new_map: None = None
 
-    def step(self, positions_m, moved, silent):
+    def step(self, state, moved, silent):
         assert not moved
         self.parts.calls.append(("hearing", tuple(silent)))
-        return (VoiceReading(0.0, False, (3.0, 5.0), 0.0),) * 2
 
 
 @dataclasses.dataclass
 class FakeNetwork:
     parts: FakeParts
 
-    def step(self, positions_m, outboxes):
+    def step(self, state, outboxes):
         self.parts.calls.append(("network", [[m.payload for m in outbox] for outbox in outboxes]))
         none = np.zeros((2, 2))
-        network = NetworkState(none, none, none > 0, none.astype(np.int32), none, 0.0, none > 0, version=1)
+        network = NetworkState(none, none, none > 0, none.astype(np.int32), 0.0, none > 0, version=1)
         return network, [tuple(m for outbox in outboxes for m in outbox if m.sender != i) for i in range(2)]
 
 

@@ -1,8 +1,12 @@
 from __future__ import annotations
 
+from types import MappingProxyType
+
 import numpy as np
 import pytest
+from robotteamsim._core.state import State
 
+from robotteamsim.geometry import Pose
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.scenario.floor_plan import Door
 from robotteamsim.scenario.sections import Run
@@ -23,8 +27,17 @@ def hearing(hall_scenario) -> HearingStage:
     return HearingStage(resolve(hall_scenario()))
 
 
-def heard(hearing, positions=(NEAR_ANN, FAR_AWAY), silent=()):
-    return hearing.step(np.array(positions), {}, silent)
+def standing_at(positions_m) -> State:
+    state = State(len(positions_m))
+    for robot_id, (x_m, y_m) in enumerate(positions_m):
+        state.place(robot_id, Pose(x_m, y_m, 0.0))
+    return state
+
+
+def heard(hearing, positions=(NEAR_ANN, FAR_AWAY), silent=(), moved=MappingProxyType({})):
+    state = standing_at(positions)
+    hearing.step(state, moved, silent)
+    return state.voices()
 
 
 def test_robot_near_a_victim_hears_her_loudest_where_she_is(hearing):
@@ -53,7 +66,7 @@ def test_message_arrives_over_a_link(hall_scenario):
     setup = resolve(hall_scenario())
     message = Message(0, EVERYBODY, "hello")
     stage = NetworkStage(setup, world_of(setup))
-    network, inboxes = stage.step(np.array((NEAR_ANN, FAR_AWAY)), ((message,), ()))
+    network, inboxes = stage.step(standing_at((NEAR_ANN, FAR_AWAY)), ((message,), ()))
     assert network.adjacency[0, 1]
     assert list(map(tuple, inboxes)) == [(), (message,)]
 
@@ -75,7 +88,7 @@ def test_moved_victim_calls_from_her_new_place(hearing):
 
 def test_victim_who_walks_is_heard_where_they_are(hearing):
     before = heard(hearing)
-    after = hearing.step(np.array((NEAR_ANN, FAR_AWAY)), {"ann": (2.0, 8.5)}, ())
+    after = heard(hearing, moved={"ann": (2.0, 8.5)})
     assert after[1].level_db > before[1].level_db
 
 
@@ -95,7 +108,7 @@ def test_door_is_closed_for_radio_and_voices(hall_scenario):
     apart = ((7.0, 4.0), (13.0, 4.0))
 
     def rssi_dbm() -> float:
-        return float(network.step(np.array(apart), ((), ()))[0].rssi_dbm[0, 1])
+        return float(network.step(standing_at(apart), ((), ()))[0].rssi_dbm[0, 1])
 
     open_voices, open_dbm = heard(hearing, apart), rssi_dbm()
     hearing.sensor.set_door("gate", True)
@@ -108,10 +121,10 @@ def test_door_that_slides_is_one_fact_for_world_radio_voices_and_mission(hall_sc
     scenario = hall_scenario()
     door = Door(name="gate", start=(10.0, 0.2), end=(10.0, 9.8), kind="fireproof", motion="slide", time_s=1.0)
     simulation = Simulation(scenario.model_copy(update={"plan": scenario.plan.model_copy(update={"doors": (door,)})}))
-    apart = np.array([(7.0, 4.0), (13.0, 4.0)])
+    apart = ((7.0, 4.0), (13.0, 4.0))
 
     def rssi_dbm() -> float:
-        network, _ = simulation.network.step(apart, [(), ()])
+        network, _ = simulation.network.step(standing_at(apart), [(), ()])
         return float(network.rssi_dbm[0, 1])
 
     while_open_dbm, told = rssi_dbm(), []

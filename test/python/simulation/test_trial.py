@@ -9,7 +9,7 @@ import pytest
 
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.rng import stream
-from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings
+from robotteamsim.sensing.readings import OdometryReading, RobotReading, state_of
 from robotteamsim.simulation.trial import TeamTotals, TrajectoryHash
 
 POSE = (1.5, -2.25, 0.6, 0.8)
@@ -22,7 +22,7 @@ def update(figures, positions_m, in_contact, excluded, running):
         RobotReading(PoseReading(x_m, y_m, 0.0, 1.0), Twist(), STILL, np.zeros(0, np.float32), touches)
         for (x_m, y_m), touches in zip(positions_m, in_contact, strict=True)
     ]
-    figures.update(TeamReadings.of(robots).state, excluded, running)
+    figures.update(state_of(robots), excluded, running)
 
 
 def walk_along_x(figures, xs_m, running=True):

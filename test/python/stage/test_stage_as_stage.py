@@ -133,7 +133,7 @@ def test_laser_beside_the_axis_has_its_offset_and_sees_from_there(world_of):
     found = world_of(ROOM + text)
     laser = _robot(found).laser
     assert (laser.forward_m, laser.left_m, found.notes) == (0.1, 0.3, ())
-    ranges_m = Simulation(resolve(found.scenario)).sense().readings.ranges_m[0]
+    ranges_m = Simulation(resolve(found.scenario)).sense().state.ranges_m[0]
     assert (ranges_m[0], ranges_m[-1]) == pytest.approx((2.3 - 0.01, 8.0 - 2.3 - 0.01), abs=1e-4)
 
 
@@ -142,7 +142,7 @@ def test_only_sample_of_a_sensor_is_straight_ahead(world_of):
     ray = "ranger( sensor( range [ 0 9 ] samples 1 fov 30 ) )"
     box = "model( size [ 0.2 0.6 1 ] pose [ 4 1.3 0 0 ] )"
     found = world_of(ROOM + f"position( pose [ 2 2 0 0 ] size [ 0.4 0.4 0.2 ] {ray} )" + box)
-    assert Simulation(resolve(found.scenario)).sense().readings.ranges_m[0].tolist() == pytest.approx([7.99], abs=1e-4)
+    assert Simulation(resolve(found.scenario)).sense().state.ranges_m[0].tolist() == pytest.approx([7.99], abs=1e-4)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """Robots that leave and come while the world runs."""
 
+import numpy as np
 from two_rooms import two_rooms
 
 from robotteamsim.geometry import Pose, Twist
@@ -7,7 +8,7 @@ from robotteamsim.scenario import load
 from robotteamsim.scenario.schedule import ScheduledEvent
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors import Laser as LaserModel
-from robotteamsim.sensing.beams import Laser
+from robotteamsim.sensing.beams import Beams
 from robotteamsim.setup import resolve
 from robotteamsim.simulation.stages import ScheduleStage
 from robotteamsim.world import World
@@ -32,12 +33,13 @@ def bits(world: World) -> bytes:
 
 def test_no_beam_meets_a_robot_that_is_not_there_and_it_sees_nothing_itself():
     world = world_of(*STARTS)
-    laser = Laser(LaserModel(beams=3, angle_min_rad=-1.5, angle_max_rad=1.5, range_max_m=3.0), world)
-    assert laser.scan([0], [])[0, 1] < 1.0
+    laser = LaserModel(beams=3, angle_min_rad=-1.5, angle_max_rad=1.5, range_max_m=3.0)
+    beams, no_noise = Beams(world, laser.beam_model()), np.empty((0, 0))
+    assert beams.scan([0], no_noise)[0, 1] < 1.0
     world.remove_robot(1)
-    assert laser.scan([0, 1], [])[:, 1].tolist() == [3.0, 3.0]
+    assert beams.scan([0, 1], no_noise)[:, 1].tolist() == [3.0, 3.0]
     world.spawn_robot(1, Pose(4.0, 2.0, 0.0))
-    assert 1.5 < laser.scan([0], [])[0, 1] < 2.0
+    assert 1.5 < beams.scan([0], no_noise)[0, 1] < 2.0
 
 
 def test_leaf_of_a_door_waits_for_no_robot_that_is_gone():

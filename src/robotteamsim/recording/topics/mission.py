@@ -256,7 +256,7 @@ SENSOR_WORLD = Topic(
     "robotteamsim/SensorWorld",
     When.STEP,
     lambda source, record: (
-        *(record.mission, source.setup, record.present, record.readings.positions_m),
+        *(record.mission, source.setup, record.present, record.state.positions_m),
         *(record.decisions, record.victims),
     ),
     sensor_world,

@@ -23,7 +23,7 @@ from robotteamsim.recording.topics.base import (
 )
 from robotteamsim.scenario.sections import Laser, Robot
 from robotteamsim.scenario.sensors.base import Frame
-from robotteamsim.sensing.readings import OdometryReading, RobotReading, TeamReadings
+from robotteamsim.sensing.readings import OdometryReading, RobotReading
 from robotteamsim.simulation import StepRecord
 
 # Indices of the nine covariances of x, y and yaw among the 36 of (x, y, z, roll, pitch, yaw), and the element of the
@@ -97,12 +97,6 @@ def read_odometry(message: Any) -> OdometryReading:
 def scan(make: Make, time_ns: int, robot_id: int, laser: Laser, ranges_m: np.ndarray, step_s: float = 0.0) -> Any:
     """sensor_msgs/LaserScan, of `base_scan`. Args: step_s: time between two scans [s]; 0: unknown."""
     return laser.scan(make, header(make, time_ns, robot_frame(robot_id, "base_laser_link")), ranges_m, step_s)
-
-
-def _ranges_m(readings: TeamReadings | Sequence[RobotReading], robot_id: int) -> np.ndarray:
-    """Return the scan of a robot; of a team not the array that a controller has, which could change its shape."""
-    ranges_m = readings.ranges_m[robot_id] if isinstance(readings, TeamReadings) else readings[robot_id].ranges_m
-    return ranges_m.reshape(-1)
 
 
 def read_ranges_m(message: Any, beams: int) -> np.ndarray:
@@ -238,7 +232,7 @@ SCAN = Topic(
     lambda source, step, i: (
         i,
         source.setup.robots[i].laser,
-        _ranges_m(step.readings, i),
+        step.readings[i].ranges_m.reshape(-1),  # not the array that a controller has, which could change its shape
         source.setup.scenario.run.step_s,
     ),
     scan,

@@ -100,12 +100,17 @@ class Engine:
         rows[self._present] = self._bodies.poses()[: self._num_present]
         return rows
 
-    def team(self) -> _core.world.TeamMotion:
-        """Return the last step of the robots."""
-        in_contact = np.isin(np.arange(len(self._robots)), list(self._touches))
-        return _core.world.TeamMotion(
-            poses=self.poses(), twists=self._twists, motions=self._motions, in_contact=in_contact
-        )
+    def twists(self) -> np.ndarray:
+        """Return the mean velocities of the robots in the last step."""
+        return self._twists
+
+    def motions(self) -> np.ndarray:
+        """Return the motions of the robots in the last step."""
+        return self._motions
+
+    def in_contact(self) -> np.ndarray:
+        """Return whether each robot touched something in the last step."""
+        return np.isin(np.arange(len(self._robots)), list(self._touches))
 
     def contact_angles(self) -> dict[int, tuple[float, ...]]:
         """Return the directions of the last contacts in the last step."""

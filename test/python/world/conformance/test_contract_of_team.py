@@ -159,13 +159,13 @@ def course(world, robots):
             world.spawn_robot(2, Pose(9.0, 4.0, 0.5))
             world.move_object("box", Pose(4.0, 4.0, 0.0))
         world.step([Twist(0.5, 0.0, 0.1), Twist(-0.4, 0.0, math.sin(step)), Twist(0.3, 0.0, 0.5), FORWARD])
-        readings = sensors.read()
+        state = sensors.read()
         poses = [(pose.x_m, pose.y_m, pose.yaw_rad) for pose in world.objects().values()]
-        state, odometry = readings.state, readings.state.odometry
-        of_odometry = odometry.pose, odometry.twist, odometry.pose_covariance, odometry.twist_variances
+        of_odometry = state.odometry_pose, state.odometry_twist
+        of_odometry += state.odometry_pose_covariance, state.odometry_twist_variances
         for part in (state.true_pose, state.true_twist, state.contact, *of_odometry, np.array(poses)):
             rows.append(part.tobytes())
-        rows += [scan.tobytes() for scan in readings.ranges_m] + [repr(readings.contact_angles_rad)]
+        rows += [state.ranges_m.tobytes(), repr(state.contact_angles_rad)]
     return rows
 
 
@@ -203,7 +203,7 @@ def test_lasers_see_walls_objects_and_robots(world_of, readings_of):
     robots += (PlacedRobot(start_pose=(4.0, 3.25, 0.0), laser=BEAM),)
     world = world_of(*robots, objects=(BOX.model_copy(update={"pose": (3.0, 2.0, 0.0)}),))
     readings = readings_of(world, robots)
-    assert [reading.ranges_m[1] for reading in readings[:3]] == pytest.approx([4.45, 1.3, 2.3], abs=0.01)
+    assert [reading.ranges_m[1] for reading in list(readings)[:3]] == pytest.approx([4.45, 1.3, 2.3], abs=0.01)
     assert readings[0].ranges_m.dtype == np.float32
     assert readings[3].ranges_m[1] == pytest.approx(7.8, abs=0.01)  # through the open gate to the east wall
 

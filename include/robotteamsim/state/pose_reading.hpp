@@ -2,7 +2,7 @@
 
 #include "robotteamsim/world/drive.hpp"
 
-namespace robotteamsim::sensing {
+namespace robotteamsim::state {
 
 /// A pose as in ROS messages: position [m] and the unit quaternion (0, 0, qz, qw).
 struct PoseReading {
@@ -18,4 +18,4 @@ PoseReading ReadingOf(const base::Pose& pose);
 /// Returns the pose of a reading, its yaw in (-pi, pi].
 base::Pose PoseOf(const PoseReading& reading);
 
-}  // namespace robotteamsim::sensing
+}  // namespace robotteamsim::state

@@ -1,8 +1,8 @@
-#include "robotteamsim/sensing/pose_reading.hpp"
+#include "robotteamsim/state/pose_reading.hpp"
 
 #include <cmath>
 
-namespace robotteamsim::sensing {
+namespace robotteamsim::state {
 
 PoseReading ReadingOf(const base::Pose& pose) {
   if (std::isnan(pose.x)) return {pose.x, pose.x, pose.x, pose.x};
@@ -13,4 +13,4 @@ base::Pose PoseOf(const PoseReading& reading) {
   return {reading.x, reading.y, base::NormaliseAngle(2.0 * std::atan2(reading.qz, reading.qw))};
 }
 
-}  // namespace robotteamsim::sensing
+}  // namespace robotteamsim::state

@@ -1,0 +1,259 @@
+// _core.state: the numbers of missions after a step, as arrays and as records of each robot.
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <initializer_list>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+#include "arrays.hpp"
+#include "bindings.hpp"
+#include "casters.hpp"
+#include "mission_state.hpp"
+#include "robotteamsim/state/states.hpp"
+
+namespace robotteamsim::bindings {
+namespace {
+
+using state::State, state::States;
+
+template <typename Value>
+using View = nb::ndarray<const Value, nb::numpy, nb::c_contig, nb::device::cpu>;
+
+/// A view of numbers that have this shape in each mission; with a leading axis unless the state is of one mission.
+template <typename Value>
+View<Value> ViewOf(const MissionState& of, const void* numbers, std::initializer_list<std::size_t> shape) {
+  std::vector<std::size_t> extents(shape);
+  const auto* first = static_cast<const Value*>(numbers);
+  if (of.is_of_one()) {
+    std::size_t size = of.mission();
+    for (const std::size_t extent : shape) size *= extent;
+    first += size;
+  } else {
+    extents.insert(extents.begin(), of.state().missions);
+  }
+  return View<Value>(first, extents.size(), extents.data());
+}
+
+/// Binds an array of records of `count` numbers per robot.
+template <std::size_t count, typename Record>
+void BindRows(nb::class_<MissionState>* bound, const char* name, std::vector<Record> State::*rows) {
+  static_assert(sizeof(Record) == count * sizeof(double));
+  bound->def_prop_ro(name, [rows](const MissionState& of) {
+    return ViewOf<double>(of, (of.state().*rows).data(), {of.state().robots, count});
+  });
+}
+
+/// Binds an array of a number per robot. Args: Value: in Python.
+template <typename Value, typename Stored>
+void BindNumbers(nb::class_<MissionState>* bound, const char* name, std::vector<Stored> State::*numbers) {
+  static_assert(sizeof(Value) == sizeof(Stored));
+  bound->def_prop_ro(name, [numbers](const MissionState& of) {
+    return ViewOf<Value>(of, (of.state().*numbers).data(), {of.state().robots});
+  });
+}
+
+/// Returns matrices. Throws std::invalid_argument if no links were written.
+template <typename Stored>
+const std::vector<Stored>& Written(const State& state, const std::vector<Stored>& cells) {
+  if (cells.size() != state.Matrix(state.missions)) throw std::invalid_argument("this state has no links");
+  return cells;
+}
+
+/// Binds a matrix of each mission.
+template <typename Value, typename Stored>
+void BindMatrix(nb::class_<MissionState>* bound, const char* name, std::vector<Stored> State::*cells) {
+  static_assert(sizeof(Value) == sizeof(Stored));
+  bound->def_prop_ro(name, [cells](const MissionState& of) {
+    const State& state = of.state();
+    return ViewOf<Value>(of, Written(state, state.*cells).data(), {state.robots, state.robots});
+  });
+}
+
+// An object of a module, such as a class, kept for as long as the interpreter runs.
+nb::handle PythonObject(const char* module, const char* name) {
+  return nb::object(nb::module_::import_(module).attr(name)).release();
+}
+
+nb::object RecordOf(const state::PoseReading& pose) {
+  static const nb::handle record = PythonObject("robotteamsim.geometry", "PoseReading");
+  return record(pose.x, pose.y, pose.qz, pose.qw);
+}
+
+nb::object OdometryReading(const State& state, std::size_t row) {
+  static const nb::handle record = PythonObject("robotteamsim.sensing.readings", "OdometryReading");
+  const auto& [xx, xy, x_yaw, yy, y_yaw, yaw_yaw] = state.odometry_pose_covariance[row];
+  const auto& [forward, left, turn] = state.odometry_twist_variances[row];
+  return record(RecordOf(state.odometry_pose[row]), state.odometry_twist[row],
+                nb::make_tuple(xx, xy, x_yaw, yy, y_yaw, yaw_yaw), nb::make_tuple(forward, left, turn));
+}
+
+// The scan of a robot, of which the state keeps the memory.
+nb::object RangesOf(nb::handle self, std::size_t robot) {
+  const auto& of = nb::cast<const MissionState&>(self);
+  const std::size_t row = of.Row(robot), extent = of.state().beams_of[row];
+  return nb::cast(View<float>(&of.state().ranges_m[row * of.state().beams], 1, &extent, self));
+}
+
+nb::object ReadingOf(nb::handle self, std::size_t robot) {
+  static const nb::handle record = PythonObject("robotteamsim.sensing.readings", "RobotReading");
+  static const nb::handle nothing_sensed = PythonObject("robotteamsim.sensing.readings", "NOTHING_SENSED");
+  const auto& of = nb::cast<const MissionState&>(self);
+  const State& state = of.state();
+  const std::size_t row = of.Row(robot);
+  return record(RecordOf(state.true_pose[row]), state.true_twist[row], OdometryReading(state, row),
+                RangesOf(self, robot), state.contact[row] != 0, nb::tuple(nb::cast(state.contact_angles[row])),
+                of.sensors.get(nb::int_(robot), nothing_sensed));
+}
+
+nb::list Readings(nb::handle self) {
+  const auto& of = nb::cast<const MissionState&>(self);
+  of.mission();
+  nb::list readings;
+  for (std::size_t i = 0; i < of.state().robots; ++i) readings.append(ReadingOf(self, i));
+  return readings;
+}
+
+// The angles of contact of the robots that touch something, by id.
+nb::typed<nb::dict, int, nb::typed<nb::tuple, double, nb::ellipsis>> TouchedAngles(const MissionState& of) {
+  nb::dict angles;
+  const State& state = of.state();
+  for (std::size_t i = 0, row = of.state().First(of.mission()); i < state.robots; ++i, ++row) {
+    if (!state.contact_angles[row].empty()) angles[nb::int_(i)] = nb::tuple(nb::cast(state.contact_angles[row]));
+  }
+  return nb::borrow<nb::typed<nb::dict, int, nb::typed<nb::tuple, double, nb::ellipsis>>>(angles);
+}
+
+nb::list Voices(const MissionState& of) {
+  static const nb::handle record = PythonObject("robotteamsim.sensing.readings", "VoiceReading");
+  const State& state = of.state();
+  nb::list voices;
+  const std::size_t first = state.First(of.mission());
+  for (std::size_t row = first; row < first + state.robots; ++row) {
+    voices.append(record(state.voice_level_db[row], state.voice_heard[row] != 0, state.local_best[row],
+                         state.local_best_level_db[row]));
+  }
+  return voices;
+}
+
+template <typename Record, std::size_t count>
+Record NumbersOf(nb::handle record, const std::array<const char*, count>& names) {
+  static_assert(sizeof(Record) == count * sizeof(double));
+  std::array<double, count> numbers;
+  for (std::size_t i = 0; i < count; ++i) numbers[i] = nb::cast<double>(record.attr(names[i]));
+  Record made;
+  std::memcpy(&made, numbers.data(), sizeof made);
+  return made;
+}
+
+template <typename Record>
+Record NumbersOf(nb::handle tuple) {
+  constexpr std::size_t count = sizeof(Record) / sizeof(double);
+  const auto numbers = nb::cast<std::array<double, count>>(tuple);
+  Record made;
+  std::memcpy(&made, numbers.data(), sizeof made);
+  return made;
+}
+
+constexpr std::array<const char*, 4> kPose{"x_m", "y_m", "qz", "qw"};
+
+// Writes what a robot measures, wherever it does.
+void PutReading(MissionState& of, std::size_t robot, nb::handle reading) {
+  State& state = *of.written();
+  const std::size_t row = of.Row(robot);
+  const nb::object odometry = reading.attr("odometry");
+  const auto ranges_m = nb::cast<Array<const float, -1>>(reading.attr("ranges_m"));
+  if (ranges_m.size() > state.beams) throw std::invalid_argument("ranges_m: more beams than the state has room for");
+  state.true_pose[row] = NumbersOf<state::PoseReading>(reading.attr("ground_truth"), kPose);
+  state.positions[row] = {state.true_pose[row].x, state.true_pose[row].y};
+  state.true_twist[row] = nb::cast<base::Twist>(reading.attr("twist"));
+  state.odometry_pose[row] = NumbersOf<state::PoseReading>(odometry.attr("pose"), kPose);
+  state.odometry_twist[row] = nb::cast<base::Twist>(odometry.attr("twist"));
+  state.odometry_pose_covariance[row] = NumbersOf<state::PoseCovariance>(odometry.attr("pose_covariance"));
+  state.odometry_twist_variances[row] = NumbersOf<state::TwistVariances>(odometry.attr("twist_variances"));
+  float* const ranges = &state.ranges_m[row * state.beams];
+  std::fill(std::copy(ranges_m.data(), ranges_m.data() + ranges_m.size(), ranges), ranges + state.beams,
+            std::numeric_limits<float>::infinity());
+  state.beams_of[row] = ranges_m.size();
+  state.contact[row] = PyObject_IsTrue(nb::object(reading.attr("in_contact")).ptr()) == 1 ? 1 : 0;
+  state.contact_angles[row] = nb::cast<std::vector<double>>(reading.attr("contact_angles_rad"));
+  const nb::object sensors = reading.attr("sensors");
+  if (nb::len(sensors) > 0) of.sensors[nb::int_(robot)] = sensors;
+}
+
+// Writes what a robot hears.
+void PutVoice(MissionState& of, std::size_t robot, nb::handle voice) {
+  State& state = *of.written();
+  const std::size_t row = of.Row(robot);
+  state.voice_level_db[row] = nb::cast<double>(voice.attr("level_db"));
+  state.voice_heard[row] = nb::cast<bool>(voice.attr("heard")) ? 1 : 0;
+  state.local_best[row] = nb::cast<base::Point>(voice.attr("local_best_m"));
+  state.local_best_level_db[row] = nb::cast<double>(voice.attr("local_best_level_db"));
+}
+
+}  // namespace
+
+void BindState(nb::module_&& m) {
+  nb::class_<MissionState> bound(m, "State");
+  bound
+      .def(
+          "__init__",
+          [](MissionState* self, std::size_t robots, std::size_t beams) {
+            new (self) MissionState(std::make_shared<State>(1, robots, beams), 0);
+          },
+          "robots"_a, "beams"_a = 0)
+      .def(
+          "of", [](const MissionState& all, std::size_t mission) { return MissionState(all.shared(), mission); },
+          "mission"_a)
+      .def("__len__", [](const MissionState& of) { return of.state().robots; })
+      .def("__getitem__", &ReadingOf, "robot_id"_a,
+           nb::sig("def __getitem__(self, robot_id: int) -> robotteamsim.sensing.readings.RobotReading"))
+      .def("readings", &Readings, nb::sig("def readings(self) -> list[robotteamsim.sensing.readings.RobotReading]"))
+      .def("voices", &Voices, nb::sig("def voices(self) -> list[robotteamsim.sensing.readings.VoiceReading]"))
+      .def("ranges_of", &RangesOf, "robot_id"_a, nb::sig("def ranges_of(self, robot_id: int) -> numpy.ndarray"))
+      .def(
+          "place",
+          [](MissionState& of, std::size_t robot, const base::Pose& pose) { of.written()->Place(of.Row(robot), pose); },
+          "robot_id"_a, "pose"_a)
+      .def("put_reading", &PutReading, "robot_id"_a, "reading"_a)
+      .def("put_voice", &PutVoice, "robot_id"_a, "voice"_a)
+      .def_rw("sensors", &MissionState::sensors)
+      .def_prop_ro("fiedler_value", [](const MissionState& of) { return of.state().fiedler_value[of.mission()]; })
+      .def_prop_ro("links_version", [](const MissionState& of) { return of.state().links_version[of.mission()]; })
+      .def_prop_ro("contact_angles_rad", &TouchedAngles)
+      .def_prop_ro("ranges_m",
+                   [](const MissionState& of) {
+                     return ViewOf<float>(of, of.state().ranges_m.data(), {of.state().robots, of.state().beams});
+                   })
+      .def_prop_ro("link", [](const MissionState& of) {
+        const State& state = of.state();
+        const std::vector<double>& link = state.link.empty() ? state.rssi_dbm : state.link;
+        return ViewOf<double>(of, Written(state, link).data(), {state.robots, state.robots});
+      });
+  BindRows<4>(&bound, "true_pose", &State::true_pose);
+  BindRows<2>(&bound, "positions_m", &State::positions);
+  BindRows<3>(&bound, "true_twist", &State::true_twist);
+  BindRows<4>(&bound, "odometry_pose", &State::odometry_pose);
+  BindRows<3>(&bound, "odometry_twist", &State::odometry_twist);
+  BindRows<6>(&bound, "odometry_pose_covariance", &State::odometry_pose_covariance);
+  BindRows<3>(&bound, "odometry_twist_variances", &State::odometry_twist_variances);
+  BindRows<2>(&bound, "local_best_m", &State::local_best);
+  BindNumbers<bool>(&bound, "contact", &State::contact);
+  BindNumbers<double>(&bound, "voice_level_db", &State::voice_level_db);
+  BindNumbers<bool>(&bound, "voice_heard", &State::voice_heard);
+  BindNumbers<double>(&bound, "local_best_level_db", &State::local_best_level_db);
+  BindMatrix<double>(&bound, "rssi_dbm", &State::rssi_dbm);
+  BindMatrix<bool>(&bound, "adjacency", &State::adjacency);
+  BindMatrix<bool>(&bound, "endangered", &State::endangered);
+  BindMatrix<std::int32_t>(&bound, "hop_count", &State::hop_count);
+  nb::class_<States>(m, "States")
+      .def(nb::init<std::size_t, std::size_t, std::size_t>(), "missions"_a, "robots"_a, "beams"_a)
+      .def("next", [](States& states) { return MissionState(states.Next(), std::nullopt); });
+}
+
+}  // namespace robotteamsim::bindings
