@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import msgspec
 
@@ -76,6 +77,8 @@ class Mission:
         """What has happened since the last step."""
         self._is_task_new = False
         """Whether the task has changed in this step without an event."""
+        self._quiet: tuple[Any, ...] | None = None
+        """What was judged last, if nothing came of it; None: everything is judged in any case."""
         self.task = Task()
         """The current task of the team."""
         self.status = self._make_status()
@@ -149,6 +152,11 @@ class Mission:
         if self._team_was_running:
             self._elapsed_ns += now.sim_time_ns - self._last_step_ns
         self._last_step_ns = now.sim_time_ns
+        if self._quiet is not None and self._is_quiet(now, decisions):
+            self._judge_voices(now)  # robots that move hear new places all the time
+            if not self._news:
+                self.status = msgspec.structs.replace(self.status, time_s=self._elapsed_ns / 1e9)
+                return ()
         for change in self._world.changes(now):
             self._add(change)
             if isinstance(change, events.DoorChanged):  # the voice map changes, and with it who is heard where
@@ -167,13 +175,32 @@ class Mission:
         if self._state == "running":
             self._judge(now, decisions)
         self._team_was_running = self._state == "running"
-        if not (self._news or self._is_task_new):  # nothing but the time has changed
+        is_quiet = not (self._news or self._is_task_new)
+        self._quiet = self._judged(now, decisions) if is_quiet and self._team_was_running else None
+        if is_quiet:  # nothing but the time has changed
             self.status = msgspec.structs.replace(self.status, time_s=self._elapsed_ns / 1e9)
             return ()
         self._is_task_new = False
         self.status = self._make_status()
         news, self._news = self._news, []
         return tuple(Event(self._elapsed_ns / 1e9, what, what.words(self._member)) for what in news)
+
+    def _is_quiet(self, now: Sensed, decisions: Sequence[Decision]) -> bool:
+        """Whether nothing can come of a step but new voices: nothing came of the last one, and nothing has happened."""
+        if self._news or self._is_task_new or now.moved or now.smoke_is_new or now.network.traffic.refused:
+            return False
+        if self._elapsed_ns >= self._time_limit_ns or self._rescue is not None or self._base.undelivered:
+            return False
+        for decision in decisions:
+            if decision.outbox:
+                return False
+        return self._judged(now, decisions) == self._quiet and not self._places.reached(now.state.positions_m)
+
+    def _judged(self, now: Sensed, decisions: Sequence[Decision]) -> tuple[Any, ...]:
+        """Return what is judged in a step, without what `_is_quiet` looks at itself."""
+        statuses = [(decision.excluded, decision.swarm, decision.fault, decision.done) for decision in decisions]
+        doors, people = now.doors.version, now.people_version
+        return now.team_version, doors, now.network.version, now.ignited, now.burnt_doors, people, statuses
 
     def _judge(self, now: Sensed, decisions: Sequence[Decision]) -> None:
         self._judge_voices(now)

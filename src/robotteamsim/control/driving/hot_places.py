@@ -42,7 +42,7 @@ class HotPlaces:
 
     def look(self, robot: RobotReading) -> None:
         """Note the hot places in a robot's reading, if it has a thermal camera."""
-        for reading in robot.sensors.values():
+        for reading in robot.sensors.values() if robot.sensors else ():
             if isinstance(reading, HeatReading):
                 hottest: dict[Block, int] = {}
                 for place, temperature_c in zip(reading.hot_m, reading.hot_c, strict=True):
