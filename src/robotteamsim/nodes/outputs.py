@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from robotteamsim import _core
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision
 from robotteamsim.message_parts import Make
@@ -45,11 +46,12 @@ class Decided(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """The odometry of a time between two steps."""
+    """What robots sense at a time without a step, such as between two."""
 
     sim_time_ns: int
     present: np.ndarray
     readings: Sequence[Any] = ()
+    state: _core.state.State | None = None
 
 
 class _Moved(NamedTuple):

@@ -14,7 +14,7 @@ from robotteamsim.nodes.settings import Settings
 from robotteamsim.recording.topics import Topic, robots
 from robotteamsim.recording.topics.robots import ODOM, SCAN, TRUTH
 from robotteamsim.ros.topics import serialized
-from robotteamsim.sensing.readings import RobotReading
+from robotteamsim.sensing.readings import RobotReading, state_of
 
 _HEADER_BYTES = 12
 """Of number and stamp, with which a message with a header begins."""
@@ -42,7 +42,8 @@ class BulkTeamOutputs(TeamOutputs):
         super().__init__(node, settings, localized=localized)
         models = self._models
         still = RobotReading(ORIGIN.pose, ORIGIN.twist, ORIGIN, np.zeros(0, np.float32), in_contact=False)
-        begin = Motion(0, np.zeros(len(models), bool), [still] * len(models))
+        team = [still] * len(models)
+        begin = Motion(0, np.zeros(len(models), bool), team, state_of(team))
         self._heads = {
             topic: {i: _tail(self._messages(topic, begin, i)[0], size) for i in self._here}
             for topic, size in _BULK.items()

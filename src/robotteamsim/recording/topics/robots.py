@@ -232,7 +232,7 @@ SCAN = Topic(
     lambda source, step, i: (
         i,
         source.setup.robots[i].laser,
-        step.readings[i].ranges_m.reshape(-1),  # not the array that a controller has, which could change its shape
+        step.state.ranges_of(i),  # not the array that a controller has, which could change its shape
         source.setup.scenario.run.step_s,
     ),
     scan,
