@@ -28,12 +28,6 @@ Ranges Reported(const RangeLimits& limits, const Rows& ranges_m, const Rows& noi
   return reported_m;
 }
 
-using Noise = Array<const double, -1, -1>;
-
-TeamSensors::Noise NoiseOf(const Noise& odometry, const Noise& ranges_m) {
-  return {TableOf(odometry), TableOf(ranges_m)};
-}
-
 TeamOdometry OdometryOf(const std::vector<std::array<double, 4>>& alphas, double step_s,
                         const std::vector<bool>& omni) {
   std::vector<sensing::OdometryModel> models;
@@ -61,31 +55,36 @@ void BindTeam(nb::module_& m) {
           "lasers"_a, "alphas"_a, "step_s"_a, "omni"_a)
       .def_prop_ro("beams", &TeamSensors::beams)
       .def("set_haze", &TeamSensors::SetHaze, "haze"_a.none())
-      .def("restart", &TeamSensors::Restart, "robot_id"_a)
+      .def(
+          "add_noise", [](TeamSensors& sensors, const Rows& noise) { sensors.AddNoise(TableOf(noise)); }, "noise"_a)
+      .def_prop_ro("noise_left", &TeamSensors::noise_left)
+      .def(
+          "set_range_noise", [](TeamSensors& sensors, const Rows& noise_m) { sensors.SetRangeNoise(TableOf(noise_m)); },
+          "noise_m"_a)
+      .def(
+          "restart", [](TeamSensors& sensors, int robot, const Rows& noise) { sensors.Restart(robot, TableOf(noise)); },
+          "robot_id"_a, "noise"_a)
       .def(
           "read",
-          [](TeamSensors& sensors, MissionState& state, const world::World& world, const Noise& odometry_noise,
-             const Noise& noise_m) {
-            sensors.Read(world, NoiseOf(odometry_noise, noise_m), state.written(), state.mission());
+          [](TeamSensors& sensors, MissionState& state, const world::World& world) {
+            sensors.Read(world, state.written(), state.mission());
           },
-          "state"_a, "world"_a, "odometry_noise"_a, "noise_m"_a)
+          "state"_a, "world"_a)
       .def(
           "read_motion",
           [](TeamSensors& sensors, MissionState& state, const Triples& poses, const Triples& twists,
              const Triples& motions, const Array<const bool, -1>& in_contact,
-             const std::map<int, std::vector<double>>& contact_angles, const std::vector<Noise>& ranges_m,
-             const Noise& odometry_noise, const Noise& noise_m) {
+             const std::map<int, std::vector<double>>& contact_angles, const std::vector<Rows>& ranges_m) {
             sensing::Motion motion{RecordsOf<base::Pose>(poses), RecordsOf<base::Twist>(twists),
                                    RecordsOf<base::Pose>(motions), ValuesOf<bool>(in_contact),
                                    std::vector<std::vector<double>>(in_contact.size())};
             for (const auto& [robot, angles] : contact_angles) motion.contact_angles.at(robot) = angles;
             std::vector<base::Table<const double>> tables;
             tables.reserve(ranges_m.size());
-            for (const Noise& table : ranges_m) tables.push_back(TableOf(table));
-            sensors.Read(motion, tables, NoiseOf(odometry_noise, noise_m), state.written(), state.mission());
+            for (const Rows& table : ranges_m) tables.push_back(TableOf(table));
+            sensors.Read(motion, tables, state.written(), state.mission());
           },
-          "state"_a, "poses"_a, "twists"_a, "motions"_a, "in_contact"_a, "contact_angles_rad"_a, "ranges_m"_a,
-          "odometry_noise"_a, "noise_m"_a);
+          "state"_a, "poses"_a, "twists"_a, "motions"_a, "in_contact"_a, "contact_angles_rad"_a, "ranges_m"_a);
 }
 
 void BindVoiceSensor(nb::module_& m) {

@@ -186,6 +186,27 @@ void PutReading(MissionState& of, std::size_t robot, nb::handle reading) {
   if (nb::len(sensors) > 0) of.sensors[nb::int_(robot)] = sensors;
 }
 
+using Cells = Array<const double, -1, -1>;
+using Flags = Array<const bool, -1, -1>;
+
+// Writes the links of a mission, wherever they come from.
+void PutLinks(MissionState& of, const Cells& rssi_dbm, const Flags& adjacency, const Flags& endangered,
+              const Array<const std::int32_t, -1, -1>& hop_count, double fiedler_value, std::int64_t version) {
+  State& state = *of.written();
+  const std::size_t cells = state.Matrix(of.mission()), robots = state.robots;
+  const auto fits = [robots](const auto& matrix) { return matrix.shape(0) == robots && matrix.shape(1) == robots; };
+  if (!fits(rssi_dbm) || !fits(adjacency) || !fits(endangered) || !fits(hop_count)) {
+    throw std::invalid_argument("links must have one row and one column per robot");
+  }
+  state.NeedLinks(false);
+  std::copy_n(rssi_dbm.data(), robots * robots, &state.rssi_dbm[cells]);
+  std::copy_n(adjacency.data(), robots * robots, &state.adjacency[cells]);
+  std::copy_n(endangered.data(), robots * robots, &state.endangered[cells]);
+  std::copy_n(hop_count.data(), robots * robots, &state.hop_count[cells]);
+  state.fiedler_value[of.mission()] = fiedler_value;
+  state.links_version[of.mission()] = version;
+}
+
 // Writes what a robot hears.
 void PutVoice(MissionState& of, std::size_t robot, nb::handle voice) {
   State& state = *of.written();
@@ -221,6 +242,8 @@ void BindState(nb::module_&& m) {
           [](MissionState& of, std::size_t robot, const base::Pose& pose) { of.written()->Place(of.Row(robot), pose); },
           "robot_id"_a, "pose"_a)
       .def("put_reading", &PutReading, "robot_id"_a, "reading"_a)
+      .def("put_links", &PutLinks, "rssi_dbm"_a, "adjacency"_a, "endangered"_a, "hop_count"_a, "fiedler_value"_a,
+           "version"_a)
       .def("put_voice", &PutVoice, "robot_id"_a, "voice"_a)
       .def_rw("sensors", &MissionState::sensors)
       .def_prop_ro("fiedler_value", [](const MissionState& of) { return of.state().fiedler_value[of.mission()]; })
@@ -235,6 +258,8 @@ void BindState(nb::module_&& m) {
         const std::vector<double>& link = state.link.empty() ? state.rssi_dbm : state.link;
         return ViewOf<double>(of, Written(state, link).data(), {state.robots, state.robots});
       });
+  bound.def_prop_ro("happened",
+                    [](const MissionState& of) { return ViewOf<std::uint8_t>(of, of.state().happened.data(), {}); });
   BindRows<4>(&bound, "true_pose", &State::true_pose);
   BindRows<2>(&bound, "positions_m", &State::positions);
   BindRows<3>(&bound, "true_twist", &State::true_twist);
@@ -251,6 +276,11 @@ void BindState(nb::module_&& m) {
   BindMatrix<bool>(&bound, "adjacency", &State::adjacency);
   BindMatrix<bool>(&bound, "endangered", &State::endangered);
   BindMatrix<std::int32_t>(&bound, "hop_count", &State::hop_count);
+  m.attr("PLACE_REACHED") = nb::int_(static_cast<int>(state::kPlaceReached));
+  m.attr("LINKS_CHANGED") = nb::int_(static_cast<int>(state::kLinksChanged));
+  m.attr("VOICE_CHANGED") = nb::int_(static_cast<int>(state::kVoiceChanged));
+  m.attr("CONTACT") = nb::int_(static_cast<int>(state::kContact));
+  m.attr("DOOR_MOVED") = nb::int_(static_cast<int>(state::kDoorMoved));
   nb::class_<States>(m, "States")
       .def(nb::init<std::size_t, std::size_t, std::size_t>(), "missions"_a, "robots"_a, "beams"_a)
       .def("next", [](States& states) { return MissionState(states.Next(), std::nullopt); });

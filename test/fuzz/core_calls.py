@@ -279,7 +279,9 @@ def _signals() -> Iterator[Call]:
     )
     team = new("state.State", 3).of(*(("place", i, Pose(*place, 0.0)) for i, place in enumerate(_TEAM.tolist())))
     yield links.of(("step", team))
-    yield team.of(("of", 0), ("fiedler_value",), ("links_version",))
+    some = np.full((3, 3), -60.0), np.ones((3, 3), np.bool_), np.zeros((3, 3), np.bool_), np.ones((3, 3), np.int32)
+    matrices = ("rssi_dbm", "link", "adjacency", "endangered", "hop_count", "fiedler_value", "links_version")
+    yield team.of(("put_links", *some, 2.0, 1), *((name,) for name in matrices), ("of", 0))
 
 
 def _box(x: float, y: float, side: float) -> list[tuple[float, float]]:
@@ -361,21 +363,44 @@ def _sensors() -> Iterator[Call]:
     yield new("sensing.report", _LIMITS, measured_m, np.full((2, 3), 0.01))
     carried = new("sensing.Lasers", _FAN, _LIMITS, [0, 1], _CASTER)
     sensors = new("sensing.TeamSensors", [carried], [(0.01, 0.01, 0.02, 0.01)] * 2, 0.1, [False, True])
-    state, no_noise = new("state.State", 2, 7), np.empty((0, 0))
+    state = new("state.State", 2, 7)
     contact, ranges_m = np.array([True, False]), np.full((2, 7), 2.0)
     motion = (_THREE, _THREE, _THREE, contact, {0: [0.5]}, [ranges_m])
     yield sensors.of(
-        ("read", state, _WORLD, _THREE, np.full((2, 7), 0.01)),
+        ("add_noise", np.full((3, 6), 0.1)),
+        ("set_range_noise", np.full((2, 7), 0.01)),
+        ("read", state, _WORLD),
         ("set_haze", _HAZE),
-        ("read_motion", state, *motion, _THREE, no_noise),
-        ("restart", 0),
+        ("read_motion", state, *motion),
+        ("restart", 0, np.full((1, 3), 0.1)),
         ("beams",),
+        ("noise_left",),
     )
+    ear = new("sensing.VoiceSensor", (-1.0, 2.0), 0.5, _MAP, 2.0)
+    yield ear.of(("hear", state), ("hear", state))
+    places = new("base.Places", [(0.0, 3.0)], [1.0])
+    radio = {"by_distance": False, "lost_below_dbm": -94.0, "max_distance_m": 25.0, "endangered_below_dbm": -80.0}
+    noisy = sensors.of(("add_noise", np.full((3, 6), 0.1)))
+    team = (_WORLD, noisy, new("network.TeamLinks", _FACES, _RADIO, **radio), ear, places)
+    batch = new("simulation.Batch", 2, 2, 7, 1)
+    yield batch.of(("put", 1, *team), ("move", np.full((2, 2, 3), 0.1), [1]), ("sense", [1]))
+
+
+def _states() -> Iterator[Call]:
+    state = new("state.State", 2, 7)
     pose, place = PoseReading(0.5, 0.5, 0.0, 1.0), Pose(0.0, 3.0, 0.1)
     reading = RobotReading(pose, Twist(0.1), OdometryReading(pose, Twist()), np.ones(7, np.float32), True, (0.5,))
     numbers = ("true_pose", "positions_m", "true_twist", "contact", "contact_angles_rad", "odometry_pose")
     numbers += ("odometry_twist", "odometry_pose_covariance", "odometry_twist_variances", "ranges_m")
-    numbers += ("voice_level_db", "voice_heard", "local_best_m", "local_best_level_db", "sensors", "__len__")
+    numbers += (
+        "happened",
+        "voice_level_db",
+        "voice_heard",
+        "local_best_m",
+        "local_best_level_db",
+        "sensors",
+        "__len__",
+    )
     yield state.of(
         *(("place", robot_id, place) for robot_id in (0, 1)),
         ("put_reading", 0, reading),
@@ -388,8 +413,6 @@ def _sensors() -> Iterator[Call]:
         ("ranges_of", 1),
     )
     yield new("state.States", 2, 3, 4).of(("next",))
-    ear = new("sensing.VoiceSensor", (-1.0, 2.0), 0.5, _MAP, 2.0)
-    yield ear.of(("hear", state), ("hear", state))
     totals = new("simulation.TeamTotals", 2)
     yield totals.of(("add_step", state, [False, True], True), ("totals",))
 
@@ -427,4 +450,4 @@ def _hazards() -> Iterator[Call]:
 
 def calls() -> tuple[Call, ...]:
     """Return the valid calls of all submodules."""
-    return (*_plan(), *_control(), *_search(), *_signals(), *_world(), *_sensors(), *_hazards())
+    return (*_plan(), *_control(), *_search(), *_signals(), *_world(), *_sensors(), *_states(), *_hazards())

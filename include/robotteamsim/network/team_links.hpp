@@ -32,6 +32,9 @@ class TeamLinks {
             const LinkRule& rule)
       : faces_(std::move(faces)), model_(model), rule_(rule) {}
 
+  /// Whether `State::link` is another matrix than `rssi_dbm`.
+  bool is_by_distance() const { return rule_.by_distance; }
+
   /// Writes the links of a mission's robots where they are.
   /// Throws std::invalid_argument if there is no such mission, or, naming the robot, if a position is not finite.
   void Step(state::State* state, std::size_t mission);

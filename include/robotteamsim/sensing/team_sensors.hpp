@@ -34,13 +34,6 @@ struct Motion {
 /// What the bodies of a team measure: odometry, lasers and contacts.
 class TeamSensors {
  public:
-  /// The random numbers of a step: those of `TeamOdometry::Step`, and what is added to the ranges, one row per robot
-  /// and one column per beam of the state [m]; empty if no laser has noise.
-  struct Noise {
-    base::Table<const double> odometry;
-    base::Table<const double> ranges_m;
-  };
-
   /// Throws std::invalid_argument if a robot does not exist, or has no laser or several.
   TeamSensors(std::vector<Lasers> lasers, TeamOdometry odometry);
 
@@ -50,26 +43,39 @@ class TeamSensors {
 
   /// Lets smoke hide the returns of lasers from now on; null: the air is clear.
   void SetHaze(std::shared_ptr<const hazards::Haze> haze) { haze_ = std::move(haze); }
-  /// Restarts the odometry of a robot that has arrived.
-  void Restart(int robot) { odometry_.Restart(robot); }
+  /// Adds the random numbers of the odometry for further steps. Args: noise: standard normal numbers, a row per step of
+  /// three per robot, see `Odometry::Noise`. Throws std::invalid_argument if it has another shape.
+  void AddNoise(const base::Table<const double>& noise);
+  /// The number of steps for which there are random numbers.
+  std::size_t noise_left() const { return steps_left_; }
+  /// Sets what is added to the ranges from now on [m]: one row per robot and one column per beam of the laser that has
+  /// most; empty: nothing. Throws std::invalid_argument if it has another shape.
+  void SetRangeNoise(const base::Table<const double>& noise_m);
+  /// Restarts the odometry of a robot that has arrived. Args: noise: replaces its random numbers that are left, a row
+  /// of three per step. Throws std::invalid_argument if there is not one row per step.
+  void Restart(int robot, const base::Table<const double>& noise);
 
   /// Writes what the bodies measure after a step of the world they live in, into the rows of a mission; once per step.
-  /// Throws std::invalid_argument if shapes differ.
-  void Read(const world::World& world, const Noise& noise, state::State* state, std::size_t mission);
+  /// Throws std::invalid_argument if shapes differ, or no random numbers are left.
+  void Read(const world::World& world, state::State* state, std::size_t mission);
   /// The same in a world of another kind. Args: ranges_m: true ranges, one table per kind of lasers with a row for each
   /// of its robots.
-  void Read(const Motion& motion, const std::vector<base::Table<const double>>& ranges_m, const Noise& noise,
-            state::State* state, std::size_t mission);
+  void Read(const Motion& motion, const std::vector<base::Table<const double>>& ranges_m, state::State* state,
+            std::size_t mission);
 
  private:
-  void CheckShape(const Noise& noise, const state::State& state, std::size_t mission) const;
+  void CheckShape(const state::State& state, std::size_t mission) const;
+  base::Table<const double> NextNoise();
   void Report(const Lasers& lasers, std::size_t index, const double* ranges_m, const base::Pose& pose,
-              const Noise& noise, state::State* state, std::size_t first_row) const;
+              state::State* state, std::size_t first_row) const;
 
   std::vector<Lasers> lasers_;
   TeamOdometry odometry_;
   std::size_t beams_ = 0;
   std::shared_ptr<const hazards::Haze> haze_;
+  std::vector<double> noise_;  // of the odometry; the steps that are left are at its end
+  std::size_t steps_left_ = 0;
+  std::vector<double> noise_m_;  // of the ranges
 };
 
 }  // namespace robotteamsim::sensing

@@ -27,6 +27,15 @@ struct TwistVariances {
   double turn = 0.0;     ///< [rad^2/s^2]
 };
 
+/// What has happened in a step of a mission, as bits of `State::happened`.
+enum Happening : std::uint8_t {
+  kPlaceReached = 1,  ///< a robot is at one of the places that its mission watches
+  kLinksChanged = 2,  ///< a link has come, gone, or become weak or strong, or somebody has come or gone
+  kVoiceChanged = 4,  ///< the loudest cell near a robot is another one than in the step before
+  kContact = 8,       ///< a robot touches something
+  kDoorMoved = 16,    ///< the state of a door has changed
+};
+
 /// The numbers of N missions after a step: what moved, what was measured, who hears whom. Each array has a row per
 /// robot of the first mission, then per robot of the second one, and so on; matrices have a row and a column per robot
 /// of a mission. Worlds, sensors, voices and links each write their part; whoever reads does not know who wrote.
@@ -64,6 +73,8 @@ struct State {
   std::vector<std::int32_t> hop_count;      ///< C of eq. (18-20); -1 without a path, and for an absent robot
   std::vector<double> fiedler_value;        ///< eq. (33), one per mission
   std::vector<std::int64_t> links_version;  ///< one per mission: grows with each change of links, and of who is present
+
+  std::vector<std::uint8_t> happened;  ///< bits of `Happening`, one per mission; only a batch writes them
 
   /// The place of a mission's first robot in the arrays of robots.
   std::size_t First(std::size_t mission) const { return mission * robots; }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -17,6 +18,10 @@ class b2Body;
 class b2World;
 
 namespace robotteamsim::world {
+
+/// The pose of an absent robot.
+constexpr base::Pose kNowhere{std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN(),
+                              std::numeric_limits<double>::quiet_NaN()};
 
 /// A robot: round, or a convex polygon that turns about base_link.
 struct Robot {

@@ -22,19 +22,46 @@ TeamSensors::TeamSensors(std::vector<Lasers> lasers, TeamOdometry odometry)
   }
 }
 
-void TeamSensors::CheckShape(const Noise& noise, const state::State& state, std::size_t mission) const {
+void TeamSensors::AddNoise(const base::Table<const double>& noise) {
+  if (noise.cols != 3 * robots()) throw std::invalid_argument("noise must have a row of three numbers per robot");
+  const std::size_t used = noise_.size() - steps_left_ * noise.cols;
+  noise_.erase(noise_.begin(), noise_.begin() + static_cast<std::ptrdiff_t>(used));
+  noise_.insert(noise_.end(), noise.data, noise.data + noise.rows * noise.cols);
+  steps_left_ += noise.rows;
+}
+
+void TeamSensors::SetRangeNoise(const base::Table<const double>& noise_m) {
+  if (!noise_m.IsEmpty() && !noise_m.HasShape(robots(), beams_)) {
+    throw std::invalid_argument("the noise of ranges must have one row per robot and one column per beam");
+  }
+  noise_m_.assign(noise_m.data, noise_m.data + noise_m.rows * noise_m.cols);
+}
+
+void TeamSensors::Restart(int robot, const base::Table<const double>& noise) {
+  if (!noise.HasShape(steps_left_, 3)) throw std::invalid_argument("noise must have a row of three numbers per step");
+  odometry_.Restart(robot);
+  const std::size_t cols = 3 * robots();
+  double* row = noise_.data() + noise_.size() - steps_left_ * cols + 3 * static_cast<std::size_t>(robot);
+  for (std::size_t step = 0; step < steps_left_; ++step, row += cols) std::copy_n(noise.Row(step), 3, row);
+}
+
+base::Table<const double> TeamSensors::NextNoise() {
+  if (steps_left_ == 0) throw std::invalid_argument("no random numbers are left");
+  const double* const row = noise_.data() + noise_.size() - steps_left_ * 3 * robots();
+  --steps_left_;
+  return {row, robots(), 3};
+}
+
+void TeamSensors::CheckShape(const state::State& state, std::size_t mission) const {
   if (mission >= state.missions || robots() > state.robots || beams_ > state.beams) {
     throw std::invalid_argument("the state must have room for the mission, its robots and their beams");
   }
-  if (!noise.ranges_m.IsEmpty() && !noise.ranges_m.HasShape(robots(), state.beams)) {
-    throw std::invalid_argument("the noise of ranges must have one row per robot and one column per beam");
-  }
 }
 
-void TeamSensors::Read(const world::World& world, const Noise& noise, state::State* state, std::size_t mission) {
-  CheckShape(noise, *state, mission);
+void TeamSensors::Read(const world::World& world, state::State* state, std::size_t mission) {
+  CheckShape(*state, mission);
   const std::size_t first = state->First(mission);
-  odometry_.Step(world.motions(), world.twists(), noise.odometry, state, first);
+  odometry_.Step(world.motions(), world.twists(), NextNoise(), state, first);
   for (std::size_t i = 0; i < robots(); ++i) {
     state->Place(first + i, world.poses()[i]);
     state->true_twist[first + i] = world.twists()[i];
@@ -45,20 +72,20 @@ void TeamSensors::Read(const world::World& world, const Noise& noise, state::Sta
     if (kind.caster == nullptr) throw std::invalid_argument("these lasers are in another world");
     for (const int robot : kind.robots) {
       const std::vector<double> ranges_m = kind.caster->Cast(world, robot);
-      Report(kind, robot, ranges_m.data(), world.poses()[robot], noise, state, first);
+      Report(kind, robot, ranges_m.data(), world.poses()[robot], state, first);
     }
   }
 }
 
-void TeamSensors::Read(const Motion& motion, const std::vector<base::Table<const double>>& ranges_m, const Noise& noise,
+void TeamSensors::Read(const Motion& motion, const std::vector<base::Table<const double>>& ranges_m,
                        state::State* state, std::size_t mission) {
-  CheckShape(noise, *state, mission);
+  CheckShape(*state, mission);
   if (motion.poses.size() != robots() || motion.in_contact.size() != robots() ||
       motion.contact_angles.size() != robots() || ranges_m.size() != lasers_.size()) {
     throw std::invalid_argument("there must be one row per robot, and one table of ranges per kind of laser");
   }
   const std::size_t first = state->First(mission);
-  odometry_.Step(motion.motions, motion.twists, noise.odometry, state, first);
+  odometry_.Step(motion.motions, motion.twists, NextNoise(), state, first);
   for (std::size_t i = 0; i < robots(); ++i) {
     state->Place(first + i, motion.poses[i]);
     state->true_twist[first + i] = motion.twists[i];
@@ -72,18 +99,18 @@ void TeamSensors::Read(const Motion& motion, const std::vector<base::Table<const
     }
     for (std::size_t i = 0; i < lasers.robots.size(); ++i) {
       const int robot = lasers.robots[i];
-      Report(lasers, robot, ranges_m[kind].Row(i), motion.poses[robot], noise, state, first);
+      Report(lasers, robot, ranges_m[kind].Row(i), motion.poses[robot], state, first);
     }
   }
 }
 
 void TeamSensors::Report(const Lasers& lasers, std::size_t index, const double* ranges_m, const base::Pose& pose,
-                         const Noise& noise, state::State* state, std::size_t first_row) const {
+                         state::State* state, std::size_t first_row) const {
   const auto beams = static_cast<std::size_t>(lasers.fan.beams);
   float* const row = &state->ranges_m[(first_row + index) * state->beams];
   const base::Table<float> reported{row, 1, beams};
   base::Table<const double> added;
-  if (!noise.ranges_m.IsEmpty()) added = {noise.ranges_m.Row(index), 1, beams};
+  if (!noise_m_.empty()) added = {&noise_m_[index * beams_], 1, beams};
   sensing::Report(lasers.limits, {ranges_m, 1, beams}, added, reported);
   if (haze_ != nullptr) Dim(lasers.fan, {pose}, *haze_, lasers.limits.no_return_m, reported);
   std::fill(row + beams, row + state->beams, std::numeric_limits<float>::infinity());

@@ -36,6 +36,7 @@ State::State(std::size_t of_missions, std::size_t of_robots, std::size_t of_beam
   local_best_level_db.resize(rows);
   fiedler_value.resize(missions);
   links_version.assign(missions, -1);
+  happened.resize(missions);
 }
 
 void State::NeedLinks(bool with_link) {

@@ -39,10 +39,6 @@ bool IsTouching(const b2Body* body) {
   return false;
 }
 
-// The pose of an absent robot.
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr base::Pose kNowhere{kNaN, kNaN, kNaN};
-
 void CheckRobot(const Robot& robot) {
   for (const double value : {robot.radius_m, robot.mass_kg}) {
     if (!base::IsPositive(value)) throw std::invalid_argument("sizes and limits of a robot must be > 0");

@@ -27,6 +27,10 @@ class Commands(NamedTuple):
     twists: np.ndarray
     say: np.ndarray
 
+    def of(self, mission: int) -> Commands:
+        """Return those of one of several missions."""
+        return Commands(self.twists[mission], self.say[mission])
+
     def decisions(self, robot_ids: Sequence[int], positions_m: np.ndarray) -> list[Decision]:
         """Return the decisions of the agents, whose messages have their positions in `map` as they know them [m]."""
         team = zip(robot_ids, self.twists.tolist(), self.say.tolist(), positions_m.tolist(), strict=True)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -13,23 +14,10 @@ from robotteamsim.learning.act import Commands
 from robotteamsim.learning.arrays import array_of, shown
 from robotteamsim.learning.episode import LARGEST_SEED, AnyScenario, Episode, Rules, vectors_of
 from robotteamsim.learning.errors import LearningError
-from robotteamsim.learning.observe import Percepts
+from robotteamsim.learning.together import BatchStep, Together
 
-
-class BatchStep(NamedTuple):
-    """What a step of many missions has led to. The arrays are always the same ones, which the next step changes.
-
-    observations: float32, shape (num_envs, robots, size); 0 for absent robots.
-    rewards:      float32, shape (num_envs, robots).
-    terminated, truncated: bool, shape (num_envs, robots), as of `TeamEnv`.
-    is_over:      bool, shape (num_envs,): whose next step begins another mission.
-    """
-
-    observations: np.ndarray
-    rewards: np.ndarray
-    terminated: np.ndarray
-    truncated: np.ndarray
-    is_over: np.ndarray
+MOST_MISSIONS = 10_000
+"""Each takes more than a megabyte."""
 
 
 class BatchEnv:
@@ -40,15 +28,22 @@ class BatchEnv:
     Mission i has the same bits as a `TeamEnv` of its scenario with the batch's seed + i.
     """
 
-    def __init__(self, scenario: AnyScenario | Sequence[AnyScenario], num_envs: int, **rules: Any) -> None:
+    def __init__(
+        self, scenario: AnyScenario | Sequence[AnyScenario], num_envs: int, *, threads: int = 1, **rules: Any
+    ) -> None:
         """Make the missions; `reset` begins them.
 
         Args:   scenario: one, or several: mission i is of number i modulo their number.
+                threads: that move missions and let them measure, 0: one per core; the results are the same.
                 rules: those of `parallel_env`; there is room for the teammates of the largest team unless given.
         Raises: RobotTeamSimError: as `parallel_env`, or the scenarios have different spaces.
         """
-        if not isinstance(num_envs, int | np.integer) or isinstance(num_envs, bool) or num_envs < 1:
-            raise LearningError(f"num_envs: {num_envs!r}; expected a whole number of at least 1")
+        cores = os.cpu_count() or 1
+        for key, value, least, most in (("num_envs", num_envs, 1, MOST_MISSIONS), ("threads", threads, 0, cores)):
+            is_whole = isinstance(value, int | np.integer) and not isinstance(value, bool)
+            if not is_whole or not least <= value <= most:
+                of = ", the cores of this machine" if key == "threads" else ""
+                raise LearningError(f"{key}: {value!r:.60}; expected a whole number from {least} to {most}{of}")
         scenarios = list(scenario) if isinstance(scenario, Sequence) and not isinstance(scenario, str) else [scenario]
         if not 1 <= len(scenarios) <= num_envs:
             raise LearningError(
@@ -70,6 +65,7 @@ class BatchEnv:
         """How many robots a mission has room for."""
         more = (Episode(firsts[i % len(firsts)].scenario, made) for i in range(len(firsts), self.num_envs))
         self.episodes = [*firsts, *more]
+        self._together = Together(self.episodes, self.num_robots, threads)
         self._same = [slice(k, None, len(firsts)) for k in range(len(firsts))]
         """The missions of each scenario, which are perceived together."""
         shape = self.num_envs, self.num_robots
@@ -80,6 +76,11 @@ class BatchEnv:
             np.zeros(shape, bool),
             np.zeros(self.num_envs, bool),
         )
+
+    @property
+    def stepped_together(self) -> np.ndarray:
+        """Which missions are stepped together, in arrays: those in which nothing acts but robots; shape (num_envs,)."""
+        return self._together.are_plain
 
     @property
     def present(self) -> np.ndarray:
@@ -111,6 +112,7 @@ class BatchEnv:
             raise LearningError(f"seed: {seed!r}; expected a whole number from 0 to {largest}")
         for i, episode in enumerate(self.episodes):
             episode.begin(None if seed is None else int(seed) + i)
+            self._together.begin(i)
         for array in self._step[1:]:
             array[:] = 0
         self._perceive()
@@ -127,8 +129,9 @@ class BatchEnv:
         if chosen.shape != (self.num_envs,) or chosen.dtype != bool:
             found = f"which: {shown(chosen)}, shape {chosen.shape}"
             raise LearningError(f"{found}; expected bool, shape ({self.num_envs},)")
-        for i in np.flatnonzero(chosen):
+        for i in np.flatnonzero(chosen).tolist():
             self.episodes[i].begin()
+            self._together.begin(i)
             for array in self._step[1:]:
                 array[i] = 0
         self._perceive()
@@ -149,24 +152,23 @@ class BatchEnv:
         commands = self._commands(np.where(acting, given, self.act.rest))
         for array in step[1:]:
             array[:] = 0
-        for i, episode in enumerate(self.episodes):
-            if is_over[i]:
-                episode.begin()
-                continue
-            rows, outcome = len(episode.robot_ids), episode.step(commands[i])
-            step.rewards[i, :rows], step.terminated[i, :rows] = outcome.rewards, outcome.terminated
-            step.truncated[i, :rows], step.is_over[i] = outcome.truncated, outcome.is_over
+        for i in np.flatnonzero(is_over).tolist():
+            self.episodes[i].begin()
+            self._together.begin(i)
+        self._together.step(np.flatnonzero(~is_over).tolist(), commands, step)
         self._perceive()
         return step
 
-    def _commands(self, actions: np.ndarray) -> list[Commands]:
-        """Return the commands of each mission. Raises: LearningError: an action is not of the space."""
-        commands: list[Commands] = [Commands(*2 * (np.empty(0),))] * self.num_envs
+    def _commands(self, actions: np.ndarray) -> Commands:
+        """Return the commands of all missions. Raises: LearningError: an action is not of the space."""
+        shape = self.num_envs, self.num_robots
+        commands = Commands(np.zeros((*shape, 3)), np.zeros((*shape, self.act.said)))
         for same in self._same:
             first = self.episodes[same][0]
             of_these = actions[same, : len(first.robot_ids)]
             try:
-                commands[same] = map(Commands._make, zip(*first.act.commands(of_these), strict=True))
+                for array, part in zip(commands, first.act.commands(of_these), strict=True):
+                    array[same, : part.shape[1]] = part
             except LearningError:
                 # Name the mission.
                 for i, of_one in zip(range(self.num_envs)[same], of_these, strict=True):
@@ -180,7 +182,6 @@ class BatchEnv:
     def _perceive(self) -> None:
         """Write the observations of all missions."""
         for same in self._same:
-            episodes = self.episodes[same]
-            percepts = Percepts.stacked([episode.percepts for episode in episodes])
-            present = np.stack([episode.present for episode in episodes])
-            self._step.observations[same, : present.shape[1]] = vectors_of(episodes[0].observe, percepts, present)
+            first, present = self.episodes[same][0], np.stack([episode.present for episode in self.episodes[same]])
+            percepts = self._together.percepts.of(same, len(first.robot_ids))
+            self._step.observations[same, : present.shape[1]] = vectors_of(first.observe, percepts, present)

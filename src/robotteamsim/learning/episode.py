@@ -14,16 +14,21 @@ from robotteamsim.learning.act import Act, Commands
 from robotteamsim.learning.arrays import array_of, numbers_of, shown
 from robotteamsim.learning.driven import DrivenControllers
 from robotteamsim.learning.errors import LearningError
-from robotteamsim.learning.observe import LARGEST_PART, MOST_TEAMMATES, Observe, Percepts, in_bounds
+from robotteamsim.learning.observe import LARGEST_PART, MOST_TEAMMATES, Memory, Observe, Percepts, in_bounds
 from robotteamsim.learning.reward import Reward, SearchReward
 from robotteamsim.learning.senses import Senses
 from robotteamsim.mission.status import END_TEXTS, OUT_OF_DANGER
+from robotteamsim.network.delivery import is_instant
 from robotteamsim.rng import stream
 from robotteamsim.scenario import Scenario, load
+from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.setup import check_headless, resolve
 from robotteamsim.simulation import Simulation, StepRecord
 
 LARGEST_SEED = 2**53
+
+LONGEST_MESSAGE, LONGEST_NUMBER = 80, 26
+"""Bytes of a message that says no numbers, and of each of its numbers, at most."""
 
 AnyScenario = str | os.PathLike[str] | Scenario
 """A file, a shipped name, or a scenario."""
@@ -147,20 +152,22 @@ class Episode:
         run_seed = int(self._rng.integers(LARGEST_SEED) if seed is None else seed)
         run = self.scenario.run.model_copy(update={"seed": run_seed})
         self.setup = setup = resolve(self.scenario.model_copy(update={"run": run}))
-        self._senses = Senses(setup, self.observe)
+        self.senses = Senses(setup, self.observe)
         self._controllers = DrivenControllers(setup)
         self._reward = self.rules.reward(setup, self.robot_ids)
         simulation = Simulation(setup, controllers=self._controllers)
         simulation.mission.start()
         self._sense(simulation)
-        self._cycles, self._early = 0, np.zeros(len(self.robot_ids))
-        while not self._sensed.task.running:
-            self.record = record = simulation.decide(self._sensed)
+        self._cycles, self.earned = 0, np.zeros(len(self.robot_ids))
+        """How many steps the agents have made; and their rewards since the last one."""
+        while not self.sensed.task.running:
+            self.record = record = simulation.decide(self.sensed)
             if record.mission.state == "ended":
                 raise LearningError(f"the mission ends before it begins: {END_TEXTS[record.mission.end]}")
-            self._early += self._rewards(record)
+            self.earned += self._rewards(record)
             self._sense(simulation)
-        self._simulation, self.percepts = simulation, self._senses.of_team(self._sensed)
+        self._was_present = self.present
+        self._simulation, self.percepts = simulation, self.senses.of_team(self.sensed)
         if self.watch is not None and self.record is not None:
             self.watch(simulation, self.record)
 
@@ -168,23 +175,62 @@ class Episode:
         """Let the agents act. Raises: LearningError: no mission has begun."""
         simulation = self.check_begun()
         self._controllers.command(commands.decisions(self.robot_ids, self.percepts.poses[:, :2]))
-        was_present, rewards = self.present, self._early
-        self._early = np.zeros(len(self.robot_ids))
         for _ in range(self.rules.every):
-            self.record = record = simulation.decide(self._sensed)
-            rewards = rewards + self._rewards(record)
+            record = simulation.decide(self.sensed)
+            self.note(record)
             if self.watch is not None:
                 self.watch(simulation, record)
             self._sense(simulation)
-            if record.mission.state == "ended":
+            if not self.is_running:
                 break
-        self.percepts = self._senses.of_team(self._sensed)
-        self._cycles += 1
-        has_ended = record.mission.state == "ended" and record.mission.end != "time_limit"
-        is_cut = record.mission.end == "time_limit" or self._cycles == self.rules.max_cycles
+        self.percepts = self.senses.of_team(self.sensed)
+        return self.outcome()
+
+    def note(self, record: StepRecord) -> None:
+        """Note a step of the simulation that is complete."""
+        self.record = record
+        self.earned = self.earned + self._rewards(record)
+
+    @property
+    def is_running(self) -> bool:
+        """Whether the mission had not ended after the last step."""
+        return self.record is None or self.record.mission.state != "ended"
+
+    def outcome(self) -> Outcome:
+        """Return what the agents' last step has led to."""
+        was_present, earned = self._was_present, self.earned
+        self._was_present, self.earned = self.present, np.zeros(len(self.robot_ids))
+        has_ended, is_cut = self.count_cycle()
         terminated = was_present & (has_ended | ~self.present)
         is_over = has_ended or is_cut or not self.present.any()
-        return Outcome(rewards * was_present, terminated, was_present & is_cut & ~terminated, is_over)
+        return Outcome(earned * was_present, terminated, was_present & is_cut & ~terminated, is_over)
+
+    def count_cycle(self) -> tuple[bool, bool]:
+        """Note that the agents have made a step; return whether the mission has ended, and whether its time is over."""
+        assert self.record is not None
+        mission = self.record.mission
+        self._cycles += 1
+        is_late = mission.end == "time_limit"
+        return mission.state == "ended" and not is_late, is_late or self._cycles == self.rules.max_cycles
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether nothing but robots that obey acts in the mission, and no message is lost: see `Together`."""
+        scenario, simulation = self.setup.scenario, self.check_begun()
+        network, mission, robots = scenario.network, scenario.mission, self.setup.robots
+        others = scenario.fire is not None or scenario.schedule or scenario.base is not None or mission.exits
+        walk = scenario.moves_people or any(victim.path for victim in mission.victims)
+        doors = any(door.motion != "instant" for door in scenario.plan.doors)
+        carried = any(robot.sensors or robot.laser.noise_m > 0.0 for robot in robots)
+        return (
+            scenario.run.world == "box2d"
+            and self.robot_ids == list(range(len(robots)))
+            and not (others or walk or doors or carried or mission.saved_by == "firefighter")
+            and is_instant(network, len(robots), scenario.run.step_ns)
+            and network.max_message_bytes >= LONGEST_MESSAGE + LONGEST_NUMBER * self.rules.said
+            and type(self.senses.memory) is Memory
+            and isinstance(simulation.sensors, RobotSensors)
+        )
 
     def end(self) -> None:
         """Forget the mission."""
@@ -229,12 +275,12 @@ class Episode:
         return self._simulation
 
     def _sense(self, simulation: Simulation) -> None:
-        self._sensed = simulation.sense()
-        self.present = self._sensed.present[self.robot_ids]
-        self._senses.note_team(self._sensed)
+        self.sensed = simulation.sense()
+        self.present = self.sensed.present[self.robot_ids]
+        self.senses.note_team(self.sensed)
 
     def _rewards(self, record: StepRecord) -> np.ndarray:
-        return numbers_of("rewards", self._reward.of_step(record), (len(self.robot_ids),))
+        return numbers_of("rewards", self._reward.of_step(record), self.present.shape)
 
 
 def vectors_of(observe: Observe, percepts: Percepts, present: np.ndarray) -> np.ndarray:

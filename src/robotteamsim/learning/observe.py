@@ -65,10 +65,9 @@ class Percepts(NamedTuple):
     heard: np.ndarray
     remembered: np.ndarray
 
-    @classmethod
-    def stacked(cls, missions: Sequence[Percepts]) -> Percepts:
-        """Return those of several missions, with an axis of missions in front."""
-        return cls(*(np.stack(parts) for parts in zip(*missions, strict=True)))
+    def of(self, missions: slice, agents: int) -> Percepts:
+        """Return those of the first agents of some of several missions."""
+        return Percepts(*(part[missions, :agents] for part in self))
 
 
 def cos_sin(poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

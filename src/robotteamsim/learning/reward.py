@@ -25,6 +25,7 @@ class Reward:
     def __init__(self, setup: Setup, robot_ids: Sequence[int]) -> None:
         """Args: robot_ids: of the agents."""
         self.setup, self.robot_ids = setup, list(robot_ids)
+        self._per_contact = self.PER_CONTACT_S * setup.scenario.run.step_s
 
     @classmethod
     def lack_of(cls, scenario: Scenario) -> str:
@@ -37,7 +38,8 @@ class Reward:
 
     def for_contacts(self, record: StepRecord) -> np.ndarray:
         """Return `PER_CONTACT_S` per second of contact for each agent, shape (n,)."""
-        return self.PER_CONTACT_S * self.setup.scenario.run.step_s * record.state.contact[self.robot_ids]
+        contact = record.state.contact.tolist()
+        return self._per_contact * np.array([contact[i] for i in self.robot_ids])
 
 
 class SearchReward(Reward):

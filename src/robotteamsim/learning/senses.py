@@ -41,13 +41,13 @@ class Senses:
         self._are_all = self._ids == list(range(len(setup.robots)))
         by_odometry = setup.scenario.control.localisation == "odometry"
         starts = [PoseReading.from_pose(Pose(*setup.robots[i].start_pose)) for i in self._ids]
-        self._map_T_odom = np.array([msgspec.structs.astuple(start) for start in starts]) if by_odometry else None
-        self._memory = observe.remembers(setup, self._ids)
+        self.map_T_odom = np.array([msgspec.structs.astuple(start) for start in starts]) if by_odometry else None
+        self.memory = observe.remembers(setup, self._ids)
         senders = range(max(len(setup.robots), observe.teammates + 1))
         others = [[sender for sender in senders if sender != i][: observe.teammates] for i in self._ids]
-        self._of_others = np.arange(len(self._ids))[:, None], np.array(others, int)
-        """Where `_heard` has each agent's teammates, the first others in id order."""
-        self._heard = np.zeros((len(self._ids), len(senders), 4 + observe.said))
+        self.of_others = np.arange(len(self._ids))[:, None], np.array(others, int)
+        """Where `heard` has each agent's teammates, the first others in id order."""
+        self.heard = np.zeros((len(self._ids), len(senders), 4 + observe.said))
         """Per agent and sender: a row of `Percepts.heard`, but with the time of the message [ns]."""
 
     def note(self, time_ns: int, inboxes: Sequence[Sequence[Message]], readings: Sequence[RobotReading]) -> None:
@@ -55,8 +55,8 @@ class Senses:
 
         Args: inboxes, readings: one per agent.
         """
-        if self._memory.looks:
-            self._memory.look(readings)
+        if self.memory.looks:
+            self.memory.look(readings)
         agents: dict[Batch, list[int]] = {}
         for agent, inbox in enumerate(inboxes):
             if inbox:
@@ -64,18 +64,18 @@ class Senses:
         for batch, receivers in agents.items():
             senders, rows = _said_in(batch, self._observe.said)
             where = np.array(receivers)[:, None], senders
-            self._heard[where] = rows
-            self._heard[(*where, 3)] = time_ns
+            self.heard[where] = rows
+            self.heard[(*where, 3)] = time_ns
 
     def note_team(self, sensed: Sensed) -> None:
         """Note a step, see `note`."""
-        readings = [sensed.readings[i] for i in self._ids] if self._memory.looks else ()
+        readings = [sensed.readings[i] for i in self._ids] if self.memory.looks else ()
         self.note(sensed.sim_time_ns, [sensed.inboxes[i] for i in self._ids], readings)
 
     def of_team(self, sensed: Sensed) -> Percepts:
         """Return what the agents of a team perceive; numbers of absent ones mean nothing, but are finite."""
         state = sensed.state
-        poses = state.true_pose if self._map_T_odom is None else state.odometry_pose
+        poses = state.true_pose if self.map_T_odom is None else state.odometry_pose
         if not sensed.present.all():
             poses = np.where(sensed.present[:, None], poses, 0.0)
         voices = np.column_stack((state.voice_heard, state.local_best_level_db, state.local_best_m))
@@ -87,7 +87,7 @@ class Senses:
     def of_robot(self, observation: Observation, task: Task) -> Percepts:
         """Return what the only agent perceives, from the observation of its controller."""
         robot = observation.robot
-        pose = robot.ground_truth if self._map_T_odom is None else robot.odometry.pose
+        pose = robot.ground_truth if self.map_T_odom is None else robot.odometry.pose
         poses, twists = (np.array([msgspec.structs.astuple(record)]) for record in (pose, robot.odometry.twist))
         voice, ranges_m = observation.voice, np.full((1, self._observe.beams), np.inf, np.float32)
         ranges_m[0, : len(robot.ranges_m)] = robot.ranges_m
@@ -104,11 +104,11 @@ class Senses:
         time_ns: int,
     ) -> Percepts:
         area = task.area_center_m
-        heard = self._heard[self._of_others]
+        heard = self.heard[self.of_others]
         heard[..., 3] = (time_ns - heard[..., 3]) * 1e-9
         percepts = Percepts(
             ranges_m,
-            poses if self._map_T_odom is None else _composed(self._map_T_odom, poses),
+            poses if self.map_T_odom is None else composed(self.map_T_odom, poses),
             twists,
             voices,
             np.array([(0.0, 0.0, 0.0) if area is None else (1.0, *area)]),
@@ -116,7 +116,7 @@ class Senses:
             np.zeros((len(self._ids), 0)),
         )
         shape = len(self._ids), self._observe.remembered
-        name, remembered = type(self._memory).__name__, self._memory.after(percepts, time_ns * 1e-9)
+        name, remembered = type(self.memory).__name__, self.memory.after(percepts, time_ns * 1e-9)
         return percepts._replace(remembered=numbers_of(f"{name}.after", remembered, shape))
 
 
@@ -130,15 +130,16 @@ def _said_in(batch: Batch, said: int) -> tuple[list[int], np.ndarray]:
     return list(rows), np.array(list(rows.values()), float).reshape(-1, 4 + said)
 
 
-def _composed(first: np.ndarray, then: np.ndarray) -> np.ndarray:
-    """Return the transforms one after the other, all in the form of `Percepts.poses`."""
-    x_m, y_m, qz, qw = first.T
-    (other_x_m, other_y_m, other_qz, other_qw), (cos, sin) = then.T, cos_sin(first)
-    return np.column_stack(
+def composed(first: np.ndarray, then: np.ndarray) -> np.ndarray:
+    """Return the transforms one after the other, all in the form of `Percepts.poses`, also of stacked missions."""
+    x_m, y_m, qz, qw = np.moveaxis(first, -1, 0)
+    (other_x_m, other_y_m, other_qz, other_qw), (cos, sin) = np.moveaxis(then, -1, 0), cos_sin(first)
+    return np.stack(
         (
             x_m + cos * other_x_m - sin * other_y_m,
             y_m + sin * other_x_m + cos * other_y_m,
             qw * other_qz + qz * other_qw,
             qw * other_qw - qz * other_qz,
-        )
+        ),
+        -1,
     )

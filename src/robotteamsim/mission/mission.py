@@ -58,7 +58,8 @@ class Mission:
         self._casualties = None if scenario.fire is None else Casualties(scenario.fire)
         """None if nothing can burn."""
         self._egress = EgressMonitor(scenario) if scenario.has_egress else None
-        self._places = self._all_places()
+        self.places = self._all_places()
+        """Those of victims whom robots save, then of areas, with the radius of each."""
         self._heard_places_m: set[Point] = set()
         """Loudest places that have been processed since the victims last changed."""
 
@@ -142,7 +143,7 @@ class Mission:
         index = self._victims.place(name, position_m)
         if self._rescue is not None:
             self._rescue.forget(index)
-        self._places = self._all_places()
+        self.places = self._all_places()
         self._heard_places_m.clear()
         self._add(events.VictimPlaced(name, position_m))
         self._change_task()
@@ -168,7 +169,7 @@ class Mission:
             self.start()
         # The task's epoch does not change when victims walk: bests must outlive a step of theirs.
         if now.moved and self._victims.move(now.moved):
-            self._places = self._all_places()
+            self.places = self._all_places()
             self._heard_places_m.clear()
         for change in self._world.departures_and_arrivals(now):
             self._add(change)
@@ -185,6 +186,18 @@ class Mission:
         news, self._news = self._news, []
         return tuple(Event(self._elapsed_ns / 1e9, what, what.words(self._member)) for what in news)
 
+    def pass_quietly(self, sim_time_ns: int) -> bool:
+        """Let a step pass in which nothing has happened; return False if it must be judged in any case.
+
+        Args: sim_time_ns: its stamp.
+        """
+        elapsed_ns = self._elapsed_ns + sim_time_ns - self._last_step_ns
+        if self._quiet is None or self._news or self._is_task_new or elapsed_ns >= self._time_limit_ns:
+            return False
+        self._elapsed_ns, self._last_step_ns = elapsed_ns, sim_time_ns
+        self.status = msgspec.structs.replace(self.status, time_s=elapsed_ns / 1e9)
+        return True
+
     def _is_quiet(self, now: Sensed, decisions: Sequence[Decision]) -> bool:
         """Whether nothing can come of a step but new voices: nothing came of the last one, and nothing has happened."""
         if self._news or self._is_task_new or now.moved or now.smoke_is_new or now.network.traffic.refused:
@@ -194,7 +207,7 @@ class Mission:
         for decision in decisions:
             if decision.outbox:
                 return False
-        return self._judged(now, decisions) == self._quiet and not self._places.reached(now.state.positions_m)
+        return self._judged(now, decisions) == self._quiet and not self.places.reached(now.state.positions_m)
 
     def _judged(self, now: Sensed, decisions: Sequence[Decision]) -> tuple[Any, ...]:
         """Return what is judged in a step, without what `_is_quiet` looks at itself."""
@@ -255,7 +268,7 @@ class Mission:
     def _judge_places(self, now: Sensed) -> None:
         num_victims = len(self._saved_on_reach)
         areas = self._order.can_be_explored
-        for place, robot_id in self._places.reached(now.state.positions_m):
+        for place, robot_id in self.places.reached(now.state.positions_m):
             if place - num_victims in areas:
                 self._explore(place - num_victims, robot_id)
             elif place < num_victims and self._needs_robot(place, now):

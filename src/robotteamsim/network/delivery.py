@@ -43,6 +43,11 @@ def loss_probability(rssi_dbm: np.ndarray, network: NetworkSection) -> np.ndarra
     return np.clip((network.endangered_below_dbm - rssi_dbm) / band_db, 0.0, 1.0)
 
 
+def is_instant(network: NetworkSection, num_robots: int, step_ns: int) -> bool:
+    """Whether every message arrives in the next step or never; nothing is drawn or kept then."""
+    return network.loss == "none" and round(network.hop_delay_s * 1e9) * (num_robots - 1) <= step_ns
+
+
 class Delivery:
     """Carries messages between `num_robots` robots.
 
@@ -58,8 +63,7 @@ class Delivery:
         self._seed = seed
         self._step_ns = step_ns
         self._hop_delay_ns = round(network.hop_delay_s * 1e9)
-        # If so, every message arrives in the next step or never; nothing is drawn or kept.
-        self._is_instant = network.loss == "none" and self._hop_delay_ns * (num_robots - 1) <= step_ns
+        self._is_instant = is_instant(network, num_robots, step_ns)
         self._step = 0
         self._flights: list[_Flight] = []
         self._generators: dict[int, np.random.Generator] = {}

@@ -106,42 +106,50 @@ NO_TRAFFIC = Traffic()
 
 
 class NetworkState(msgspec.Struct, frozen=True, eq=False):
-    """The network of n robots in one step. Arrays may be shared with earlier steps, so do not write to them.
-
-    rssi_dbm:            float64, shape (n, n), symmetric; 0 on the diagonal.
-    link:                float64, shape (n, n), L of eq. (16): distance [m] or rssi [dBm]; 0 on the diagonal.
-    adjacency:           bool, shape (n, n), A of eq. (17).
-    hop_count:           int32, shape (n, n), C of eq. (18-20); 0 on the diagonal, -1 unreachable.
-    fiedler_value:       algebraic connectivity, eq. (33); 0 exactly when the team is split.
-    endangered:          bool, shape (n, n): links that exist but are below the endangered threshold.
-    version:             grows with each change of the links, of their dangers, and of who is present.
-    traffic:             numbers of messages delivered, lost, cut off and refused.
+    """The network of n robots in one step: the links in a state, and the traffic.
 
     An absent robot has no links, is on no path and does not count; its rows and columns are 0, but -inf in `rssi_dbm`
     and -1 in `hop_count`, including the diagonal.
     """
 
-    rssi_dbm: np.ndarray
-    link: np.ndarray
-    adjacency: np.ndarray
-    hop_count: np.ndarray
-    fiedler_value: float
-    endangered: np.ndarray
-    version: int
+    state: _core.state.State
     traffic: Traffic = NO_TRAFFIC
+    """Numbers of messages delivered, lost, cut off and refused."""
 
-    @classmethod
-    def of(cls, state: _core.state.State) -> NetworkState:
-        """Return the network of a mission's robots, without its traffic. Raises: ValueError: the state has no links."""
-        return cls(
-            state.rssi_dbm,
-            state.link,
-            state.adjacency,
-            state.hop_count,
-            state.fiedler_value,
-            state.endangered,
-            state.links_version,
-        )
+    @property
+    def rssi_dbm(self) -> np.ndarray:
+        """Signals, float64, shape (n, n), symmetric; 0 on the diagonal."""
+        return self.state.rssi_dbm
+
+    @property
+    def link(self) -> np.ndarray:
+        """L of eq. (16), float64, shape (n, n): distance [m] or rssi [dBm]; 0 on the diagonal."""
+        return self.state.link
+
+    @property
+    def adjacency(self) -> np.ndarray:
+        """A of eq. (17), bool, shape (n, n)."""
+        return self.state.adjacency
+
+    @property
+    def hop_count(self) -> np.ndarray:
+        """C of eq. (18-20), int32, shape (n, n); 0 on the diagonal, -1 unreachable."""
+        return self.state.hop_count
+
+    @property
+    def fiedler_value(self) -> float:
+        """Algebraic connectivity, eq. (33); 0 exactly when the team is split."""
+        return self.state.fiedler_value
+
+    @property
+    def endangered(self) -> np.ndarray:
+        """Links that exist but are below the endangered threshold, bool, shape (n, n)."""
+        return self.state.endangered
+
+    @property
+    def version(self) -> int:
+        """Grows with each change of the links, of their dangers, and of who is present."""
+        return self.state.links_version
 
     @property
     def break_matrix(self) -> np.ndarray:

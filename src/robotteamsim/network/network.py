@@ -2,12 +2,11 @@
 
 from collections.abc import Sequence
 
-import msgspec
 import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.network.delivery import Delivery
-from robotteamsim.network.messages import EVERYBODY, NO_TRAFFIC, Message, NetworkState, Refusal
+from robotteamsim.network.messages import EVERYBODY, Message, NetworkState, Refusal
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.sections import Network as NetworkSection
 
@@ -33,7 +32,7 @@ class Network:
         self._section = network
         self._num_robots = num_robots
         self._delivery = Delivery(network, num_robots, seed, step_ns)
-        self._links = _core.network.TeamLinks(
+        self.links = _core.network.TeamLinks(
             radio_field.core_faces,
             radio_field.core_model,
             by_distance=network.link == "distance",
@@ -72,10 +71,10 @@ class Network:
         if refused:
             limit = self._section.max_message_bytes
             outboxes = [[message for message in outbox if message.num_bytes <= limit] for outbox in outboxes]
-        self._links.step(state)
-        network = NetworkState.of(state)
+        self.links.step(state)
+        network = NetworkState(state)
         inboxes, traffic = self._delivery.step(network, outboxes, refused)
-        return network if traffic is NO_TRAFFIC else msgspec.structs.replace(network, traffic=traffic), inboxes
+        return NetworkState(state, traffic), inboxes
 
     def _check(self, outboxes: Sequence[Sequence[Message]]) -> tuple[Refusal, ...]:
         """Return the messages that are too large. Raises: ValueError: as `step`."""

@@ -14,12 +14,11 @@ from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.sensors import Laser
 from robotteamsim.sensing.beams import SmokyAir, core_limits
 from robotteamsim.sensing.carried import CarriedSensors
-from robotteamsim.sensing.odometry import OdometryNoise
 from robotteamsim.world.contract import AnyWorld
 from robotteamsim.world.core_parts import core_fan
 from robotteamsim.world.world import World, fan_caster
 
-_NO_NOISE = np.empty((0, 0))
+_STEPS_PER_DRAW = 64
 
 
 class Sensors(Protocol):
@@ -30,7 +29,7 @@ class Sensors(Protocol):
 
 
 class RobotSensors:
-    """The sensors of all robots of a world.
+    """The sensors of all robots of a world. `include/robotteamsim/sensing/odometry.hpp` has the model of odometry.
 
     Random streams: ("odometry", id), ("laser", id), and those of `CarriedSensors`.
 
@@ -62,24 +61,32 @@ class RobotSensors:
 
         Odometry adds the motion of that step, so call this once after each step.
         """
-        world, core = self._world, self._core
+        world, core = self._world, self.core
         if world.arrivals != self._arrivals:
             self._restart_arrived()
         if self._air is not None:
             core.set_haze(self._air.haze)
-        state, noise = self._states.next().of(0), (self._odometry.next(), self._laser_noise_m())
+        if not core.noise_left:
+            self.draw()
+        if self._noisy:
+            core.set_range_noise(self._laser_noise_m())
+        state = self._states.next().of(0)
         if isinstance(world, World):
-            core.read(state, world.core, *noise)
+            core.read(state, world.core)
         else:
             ranges_m = [cast(ids) for cast, ids in self._casts]
-            core.read_motion(state, *world.motion(), world.contact_angles_rad(), ranges_m, *noise)
+            core.read_motion(state, *world.motion(), world.contact_angles_rad(), ranges_m)
         state.sensors = self._carried.read()
         return state
 
+    def draw(self) -> int:
+        """Draw the random numbers of the odometry for some steps, when none are left, and return for how many."""
+        drawn = [generator.standard_normal((_STEPS_PER_DRAW, 3)) for generator in self._odometry_generators]
+        self.core.add_noise(np.hstack([np.empty((_STEPS_PER_DRAW, 0)), *drawn]))  # also without robots
+        return _STEPS_PER_DRAW
+
     def _laser_noise_m(self) -> np.ndarray:
-        """Draw what is added to the ranges, shape (n, beams) [m]; empty if no laser has noise."""
-        if not self._noisy:
-            return _NO_NOISE
+        """Draw what is added to the ranges, shape (n, beams) [m]."""
         noise_m = np.zeros((len(self._robots), self._beams))
         for robot_id in self._noisy:
             laser = self._robots[robot_id].laser
@@ -91,9 +98,9 @@ class RobotSensors:
         self._arrivals = self._world.arrivals
         self._carried.reset()
         self._generators = [stream(self._seed, "laser", robot_id) for robot_id in range(len(self._robots))]
-        self._odometry = OdometryNoise([stream(self._seed, "odometry", i) for i in range(len(self._robots))])
+        self._odometry_generators = [stream(self._seed, "odometry", i) for i in range(len(self._robots))]
         models = [robot.odometry for robot in self._robots]
-        self._core = _core.sensing.TeamSensors(
+        self.core = _core.sensing.TeamSensors(
             [self._core_lasers(laser, ids) for laser, ids in self._kinds.items()],
             [(model.alpha1, model.alpha2, model.alpha3, model.alpha4) for model in models],
             self._world.step_ns * 1e-9,
@@ -110,8 +117,8 @@ class RobotSensors:
         for robot_id, (before, now) in enumerate(zip(self._arrivals, arrivals, strict=True)):
             if before != now:
                 again = (now,) if now > 1 else ()
-                self._core.restart(robot_id)
-                self._odometry.restart(robot_id, stream(self._seed, "odometry", robot_id, *again))
+                generator = self._odometry_generators[robot_id] = stream(self._seed, "odometry", robot_id, *again)
+                self.core.restart(robot_id, generator.standard_normal((self.core.noise_left, 3)))
                 self._generators[robot_id] = stream(self._seed, "laser", robot_id, *again)
                 self._carried.restart(robot_id, again)
         self._arrivals = arrivals

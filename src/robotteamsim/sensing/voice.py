@@ -65,12 +65,16 @@ class VoiceSensor:
 
         An absent robot, whose position is NaN, hears nothing.
         """
+        self.core().hear(state)
+
+    def core(self) -> _core.sensing.VoiceSensor:
+        """Return what evaluates the current map at positions."""
         if self._core is None:
             voice_map, radius_m = self.map(), self._voice.local_best_radius_m
             self._core = _core.sensing.VoiceSensor(
                 voice_map.origin_m, voice_map.resolution_m, voice_map.values, radius_m
             )
-        self._core.hear(state)
+        return self._core
 
     def speaker(self, place_m: tuple[float, float]) -> str | None:
         """Return whose voice is the loudest at a place in `map` [m], by eq. (7) with walls; None if nobody calls.

@@ -6,10 +6,13 @@ from collections.abc import Mapping, Sequence
 
 import msgspec
 
+from robotteamsim import _core
 from robotteamsim.errors import PlacementError, ScenarioError
 from robotteamsim.geometry import Pose, Twist, are_finite
 from robotteamsim.interface import Decision, Task
 from robotteamsim.mission import Mission
+from robotteamsim.network.messages import Message, NetworkState
+from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Mission as MissionSection
@@ -92,6 +95,17 @@ class Simulation:
         state = self.sensors.read()
         self.hearing.step(state, moved, self._silent)
         network, inboxes = self.network.step(state, [decision.outbox for decision in self._decisions])
+        return self._sensed(state, network, inboxes, moved)
+
+    def _sensed(
+        self,
+        state: _core.state.State,
+        network: NetworkState,
+        inboxes: Sequence[Sequence[Message]],
+        moved: Mapping[str, Point],
+    ) -> StepRecord:
+        """Return the record of a step before anybody decides."""
+        world, hazards, mission = self.world, self.hazards, self.mission
         return StepRecord(
             step_index=world.step_index,
             sim_time_ns=world.sim_time_ns,
@@ -126,13 +140,36 @@ class Simulation:
         """Complete a step: let the controllers decide and the mission judge, and return its record."""
         if not isinstance(record, StepRecord):
             raise ValueError(f"decide: {record!r:.60}; expected what sense returns")
+        return self.judge(record, self.controllers.step(record))
+
+    def judge(self, record: StepRecord, decisions: Sequence[Decision], *, is_quiet: bool = False) -> StepRecord:
+        """Complete a step in which the team decides this, and return its record.
+
+        Args: is_quiet: whether nothing has happened that a mission looks at, see `state.happened`, and nothing but
+                        velocities is decided.
+        """
         mission = self.mission
-        self._decisions = record.decisions = self.controllers.step(record)
-        record.events = mission.step(record, record.decisions)
+        self._decisions = record.decisions = decisions
+        if is_quiet and mission.pass_quietly(record.sim_time_ns):
+            record.mission = mission.status
+            return record
+        record.events = mission.step(record, decisions)
         self._task, self._silent = mission.task, mission.silent_victims
         record.mission, record.victims = mission.status, mission.victims
         record.noise_db, record.egress = mission.noise_db, mission.egress
         return record
+
+    def silence(self) -> bool:
+        """Silence the victims who call no more, before robots that are moved elsewhere hear; whether that is new."""
+        self.hearing.silence(self._silent)
+        return self.hearing.new_map is not None
+
+    def follow(
+        self, state: _core.state.State, network: NetworkState, inboxes: Sequence[Sequence[Message]]
+    ) -> StepRecord:
+        """As `sense`, after a step that a batch has made, in a mission in which nothing else moves or changes."""
+        self.world.count_step()
+        return self._sensed(state, network, inboxes, {})
 
     def run(self, observers: Sequence[Observer] = ()) -> Result:
         """Run until the mission has ended, and report each step to the observers; a mission that waits is started.

@@ -262,10 +262,14 @@ class HearingStage:
         """
         for name, position_m in moved.items():
             self.sensor.move_victim(name, position_m)
+        self.silence(silent)
+        self.sensor.hear(state)
+
+    def silence(self, silent: Collection[str]) -> None:
+        """Let these victims be silent from this step on, and all others call."""
         self.sensor.set_silenced(silent)
         self.new_map = self.sensor.map() if self.sensor.version != self._map_version else None
         self._map_version = self.sensor.version
-        self.sensor.hear(state)
 
 
 class NetworkStage:
@@ -277,7 +281,7 @@ class NetworkStage:
         self.radio = RadioField(scenario.plan, scenario.radio)
         """How radio fades in the building."""
         run = scenario.run
-        self._network = Network(self.radio, scenario.network, scenario.team_size, seed=run.seed, step_ns=run.step_ns)
+        self.network = Network(self.radio, scenario.network, scenario.team_size, seed=run.seed, step_ns=run.step_ns)
         self._team_version = -1
 
     def step(
@@ -289,5 +293,5 @@ class NetworkStage:
         """
         if self._world.team_version != self._team_version:
             self._team_version = self._world.team_version
-            self._network.follow_team(self._world.present)
-        return self._network.step(state, outboxes)
+            self.network.follow_team(self._world.present)
+        return self.network.step(state, outboxes)

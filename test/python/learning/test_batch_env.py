@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import os
+
 import numpy as np
 import pytest
 from gymnasium.wrappers.vector import RecordEpisodeStatistics
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.learning import Act, BatchEnv, DiscreteAct, LearningError, VectorEnv, gym_env, parallel_env
+from robotteamsim.learning.episode import LONGEST_MESSAGE, LONGEST_NUMBER
+from robotteamsim.learning.senses import Said
 from robotteamsim.scenario import load
 from robotteamsim.simulation import TrajectoryHash
 
@@ -55,6 +59,61 @@ def test_each_mission_has_the_bits_of_a_single_one(said):
         found.update(record.sim_time_ns, record.state.true_pose)
         expected.update(single.sim_time_ns, single.state.true_pose)
         assert found.hexdigest() == expected.hexdigest()
+
+
+PLAIN = [
+    ((), {}),
+    (("robots.count=4", "robots.formation=random"), {"said": 2, "every": 1, "threads": 0}),
+    (("control.localisation=odometry", "robots.odometry.alpha1=0.1"), {"max_cycles": 7}),
+    # The team breaks apart, and its links are endangered before.
+    (("network.lost_below_dbm=-60", "network.endangered_below_dbm=-55"), {"said": 1, "every": 2}),
+]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("overrides", "rules"), PLAIN)
+def test_missions_that_are_stepped_together_have_the_records_of_single_ones(overrides, rules):
+    made = scenario("garage_sar", *overrides)
+    env, alone = BatchEnv(made, 2, **rules), parallel_env(made, **{k: rules[k] for k in rules if k != "threads"})
+    actions, ended, contacts = np.abs(actions_of(env, 70)), 0, False
+    env.reset(seed=11)
+    alone.reset(seed=12)
+    for acts in actions:
+        step = env.step(acts)
+        if not alone.agents:
+            alone.reset()
+            continue
+        _, rewards, terminated, truncated, _ = alone.step(dict(zip(alone.agents, acts[1], strict=True)))
+        assert list(step.rewards[1]) == [np.float32(reward) for reward in rewards.values()]
+        assert list(step.terminated[1]) == list(terminated.values())
+        assert list(step.truncated[1]) == list(truncated.values())
+        ours, expected = env.episodes[1].record, alone.record
+        for name in ("step_index", "sim_time_ns", "mission", "events", "victims", "task", "noise_db"):
+            assert getattr(ours, name) == getattr(expected, name), name
+        assert list(ours.decisions) == list(expected.decisions)
+        assert list(map(list, ours.inboxes)) == list(map(list, expected.inboxes))
+        assert ours.network.traffic == expected.network.traffic
+        assert (ours.voice_map is None) == (expected.voice_map is None)
+        for name in ("true_pose", "odometry_pose", "ranges_m", "contact", "local_best_m", "rssi_dbm", "hop_count"):
+            np.testing.assert_array_equal(getattr(ours.state, name), getattr(expected.state, name))
+        ended += bool(step.is_over[1])
+        contacts |= bool(ours.state.contact.any())
+    assert env.stepped_together.all()
+    assert ended
+    assert contacts or overrides
+
+
+def test_missions_with_a_schedule_are_stepped_alone():
+    env = BatchEnv(scenario("garage_sar", "schedule=[{at_s: 2.0, remove: 1}]"), 2)
+    env.reset(1)
+    assert not env.stepped_together.any()
+
+
+def test_longest_message_is_shorter_than_the_limit_up_to_which_its_text_is_not_made():
+    longest = -1.2345678901234567e-300
+    numbers = 50
+    text = Said((longest, longest), (longest,) * numbers).to_json()
+    assert len(text) <= LONGEST_MESSAGE + LONGEST_NUMBER * numbers
 
 
 @pytest.mark.slow
@@ -121,7 +180,12 @@ def batch_of_three() -> BatchEnv:
 @pytest.mark.parametrize(
     ("do", "message"),
     [
-        (lambda: BatchEnv("garage_sar", 0), "num_envs: 0; expected a whole number of at least 1"),
+        (lambda: BatchEnv("garage_sar", 0), "num_envs: 0; expected a whole number from 1 to 10000"),
+        (lambda: BatchEnv("garage_sar", 10**6), "num_envs: 1000000; expected a whole number from 1 to 10000"),
+        (
+            lambda: BatchEnv("garage_sar", 2, threads=10**6),
+            f"threads: 1000000; expected a whole number from 0 to {os.cpu_count()}, the cores of this machine",
+        ),
         (lambda: BatchEnv(5, 2), "load: 5; expected a file, or the name of a shipped scenario"),
         (lambda: BatchEnv([], 2), "scenario: 0 scenarios for 2 missions; expected 1 to 2"),
         (lambda: BatchEnv(["garage_sar"] * 3, 2), "scenario: 3 scenarios for 2 missions; expected 1 to 2"),

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
+from robotteamsim._core.state import State
 
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.interface import Decision
 from robotteamsim.mission import Event, Mission, Sensed
-from robotteamsim.network.messages import NetworkState
+from robotteamsim.network.messages import NO_TRAFFIC, NetworkState
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading, state_of
 from robotteamsim.setup import resolve
@@ -26,18 +27,17 @@ def pairs(num_robots: int, links: Sequence[tuple[int, int]]) -> np.ndarray:
     return matrix
 
 
-def network_of(
-    num_robots: int, endangered: Sequence[tuple[int, int]] = (), lost: Sequence[tuple[int, int]] = (), version: int = 0
-) -> NetworkState:
-    zeros = np.zeros((num_robots, num_robots))
+def put_links(
+    state: State, endangered: Sequence[tuple[int, int]] = (), lost: Sequence[tuple[int, int]] = (), version: int = 0
+) -> None:
+    num_robots = len(state)
     weak, absent = pairs(num_robots, endangered), pairs(num_robots, lost)
-    return NetworkState(
+    state.put_links(
         rssi_dbm=np.select([weak, absent], [-81.26, -97.04], -50.0),
-        link=zeros,
         adjacency=~absent,
+        endangered=weak,
         hop_count=np.ones((num_robots, num_robots), dtype=np.int32),
         fiedler_value=float(num_robots),
-        endangered=weak,
         version=version,
     )
 
@@ -58,17 +58,28 @@ class Course:
         self.mission, self.sim_time_ns = Mission(resolve(scenario), speaker), 0
 
     def step(
-        self, positions=(), voices=(), endangered=(), excluded=(), present=(True, True), lost=(), decisions=None, **more
+        self,
+        positions=(),
+        voices=(),
+        endangered=(),
+        excluded=(),
+        present=(True, True),
+        lost=(),
+        decisions=None,
+        traffic=NO_TRAFFIC,
+        **more,
     ) -> tuple[Event, ...]:
         self.sim_time_ns += STEP_NS
+        state = state_of(
+            [standing_at(place_m) for place_m in (list(positions) + [FAR_M] * 2)[:2]],
+            (list(voices) + [SILENCE] * 2)[:2],
+        )
+        put_links(state, endangered, lost, self.sim_time_ns)
         given = {
             "step_index": self.sim_time_ns // STEP_NS,
             "sim_time_ns": self.sim_time_ns,
-            "state": state_of(
-                [standing_at(place_m) for place_m in (list(positions) + [FAR_M] * 2)[:2]],
-                (list(voices) + [SILENCE] * 2)[:2],
-            ),
-            "network": network_of(2, endangered, lost, self.sim_time_ns),
+            "state": state,
+            "network": NetworkState(state, traffic),
             "inboxes": ((), ()),
             "present": np.array(present),
             "team_version": self.sim_time_ns,

@@ -1,9 +1,8 @@
 from __future__ import annotations
 
-import msgspec
 import numpy as np
 import pytest
-from mission_course import FAR_M, SILENCE, Course, network_of
+from mission_course import FAR_M, SILENCE, Course
 
 from robotteamsim import _core, rng
 from robotteamsim.interface import Task
@@ -288,8 +287,8 @@ def test_two_missions_with_equal_inputs_have_equal_events(hall_scenario):
 
 def test_message_that_is_too_large_is_reported_once_with_robot_size_and_limit(course):
     course.step()
-    refused = msgspec.structs.replace(network_of(2), traffic=Traffic(refused=(Refusal(1, 70_000, 65_507),)))
-    told = [event for _ in range(3) for event in course.step(network=refused)]
+    refused = Traffic(refused=(Refusal(1, 70_000, 65_507),))
+    told = [event for _ in range(3) for event in course.step(traffic=refused)]
     assert [(e.kind, e.robot_id, e.detail) for e in told] == [
         ("message_too_large", 1, "robot 1 cannot send 70000 bytes, the limit is 65507")
     ]

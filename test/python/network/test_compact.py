@@ -3,6 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from placed import PlacedNetwork
+from robotteamsim._core.state import State
 
 from robotteamsim.network import NetworkState, newly_endangered
 from robotteamsim.network.compact import CompactLinks, LinksEncoder, hops_among, unpacked
@@ -71,9 +72,10 @@ def test_step_without_a_change_has_no_weakened_links(networks):
 
 def test_links_of_a_thousand_robots_take_a_quarter_of_a_megabyte():
     n = 1000
-    matrix = np.zeros((n, n))
-    network = NetworkState(matrix, matrix, matrix > 0, matrix.astype(np.int32), 0.0, matrix > 0, version=1)
-    links = LinksEncoder().encode(network)
+    state, none = State(n), np.zeros((n, n), bool)
+    numbers = {"rssi_dbm": np.zeros((n, n)), "hop_count": np.zeros((n, n), np.int32)}
+    state.put_links(adjacency=none, endangered=none, fiedler_value=0.0, version=1, **numbers)
+    links = LinksEncoder().encode(NetworkState(state))
     assert links.present.nbytes + links.adjacency.nbytes + links.endangered.nbytes == 251_000
 
 

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
+from robotteamsim._core.state import State
 
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.interface import Decision, SwarmContext, Task
@@ -47,15 +48,17 @@ class Trial:
         saves = Event(time_s, VictimSaved("ann", 1, 2, robot_id=1), "robot 1 saves ann (1 of 2)")
         events = (saves,) if index == 3 else ()
         message = Message(sender=0, receiver=EVERYBODY, payload='{"best": 1.5}')
+        state = state_of(
+            [self.reading(robot_id, time_s) for robot_id in range(2)],
+            [VoiceReading(21.5, True, (3.5, 4.5), 24.0), VoiceReading(0.0, False, (3.0, 6.0), 0.0)],
+        )
+        self.put_links(state)
         return StepRecord(
             present=np.ones(2, dtype=bool),
             step_index=index,
             sim_time_ns=index * STEP_NS,
-            state=state_of(
-                [self.reading(robot_id, time_s) for robot_id in range(2)],
-                [VoiceReading(21.5, True, (3.5, 4.5), 24.0), VoiceReading(0.0, False, (3.0, 6.0), 0.0)],
-            ),
-            network=self.network(),
+            state=state,
+            network=NetworkState(state),
             inboxes=((), (message,)),
             decisions=(
                 Decision(
@@ -88,16 +91,14 @@ class Trial:
         return RobotReading(truth, Twist(0.5, 0.0, 0.0), odometry, ranges_m, in_contact=False)
 
     @staticmethod
-    def network() -> NetworkState:
+    def put_links(state: State) -> None:
         off_diagonal = ~np.eye(2, dtype=bool)
-        rssi_dbm = np.where(off_diagonal, -81.5, 0.0)
-        return NetworkState(
-            rssi_dbm=rssi_dbm,
-            link=rssi_dbm,
+        state.put_links(
+            rssi_dbm=np.where(off_diagonal, -81.5, 0.0),
             adjacency=off_diagonal,
+            endangered=off_diagonal,
             hop_count=off_diagonal.astype(np.int32),
             fiedler_value=2.0,
-            endangered=off_diagonal,
             version=1,
         )
 

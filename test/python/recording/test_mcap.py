@@ -76,7 +76,7 @@ def test_stock_library_reads_poses_scans_and_our_own_messages(trial, mcap):
     [(_, event)] = decoded(mcap, "/mission/events")
     assert event.detail == "robot 1 saves ann (1 of 2)"
     assert [victim.state for victim in decoded(mcap, "/mission/victims")[-1][1].victims] == ["saved", "waiting"]
-    assert list(decoded(mcap, "/network/state")[0][1].rssi_dbm) == trial.network().rssi_dbm.ravel().tolist()
+    assert list(decoded(mcap, "/network/state")[0][1].rssi_dbm) == trial.record(1).network.rssi_dbm.ravel().tolist()
 
 
 @pytest.mark.slow

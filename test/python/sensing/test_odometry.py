@@ -8,7 +8,6 @@ from robotteamsim._core.world import Fan
 
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.scenario.sections import Odometry as OdometryModel
-from robotteamsim.sensing.odometry import OdometryNoise
 from robotteamsim.sensing.readings import OdometryReading
 
 STEP_S = 0.1
@@ -36,7 +35,7 @@ class Team:
         limits = RangeLimits(range_min_m=0.0, range_max_m=1.0, too_near_m=0.0, no_return_m=1.0)
         lasers = [Lasers(fan, limits, range(robots))]
         self._sensors = TeamSensors(lasers, [alphas] * robots, STEP_S, [omni] * robots)
-        self._noise, self._robots = OdometryNoise(generators), robots
+        self._generators, self._robots = generators, robots
 
     def step(self, motion: Pose, twist: Twist) -> State:
         """Let all robots make the same way."""
@@ -44,8 +43,8 @@ class Team:
         motions = np.tile([motion.x_m, motion.y_m, motion.yaw_rad], (self._robots, 1))
         twists = np.tile([twist.linear_x_mps, twist.linear_y_mps, twist.angular_z_radps], (self._robots, 1))
         ranges_m = np.ones((self._robots, 1))
-        moved = poses, twists, motions, still, {}, [ranges_m]
-        self._sensors.read_motion(state, *moved, self._noise.next(), np.empty((0, 0)))
+        self._sensors.add_noise(np.hstack([generator.standard_normal((1, 3)) for generator in self._generators]))
+        self._sensors.read_motion(state, poses, twists, motions, still, {}, [ranges_m])
         return state
 
 

@@ -112,9 +112,10 @@ class FakeNetwork:
 
     def step(self, state, outboxes):
         self.parts.calls.append(("network", [[m.payload for m in outbox] for outbox in outboxes]))
-        none = np.zeros((2, 2))
-        network = NetworkState(none, none, none > 0, none.astype(np.int32), 0.0, none > 0, version=1)
-        return network, [tuple(m for outbox in outboxes for m in outbox if m.sender != i) for i in range(2)]
+        none = np.zeros((2, 2), bool)
+        numbers = {"rssi_dbm": np.zeros((2, 2)), "hop_count": np.zeros((2, 2), np.int32)}
+        state.put_links(adjacency=none, endangered=none, fiedler_value=0.0, version=1, **numbers)
+        return NetworkState(state), [tuple(m for outbox in outboxes for m in outbox if m.sender != i) for i in range(2)]
 
 
 class FakeController:
