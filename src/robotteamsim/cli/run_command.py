@@ -8,7 +8,7 @@ from pathlib import Path
 from rich.console import Console
 
 from robotteamsim import recording, scenario
-from robotteamsim.analysis.runs.tables import print_result
+from robotteamsim.analysis.runs.tables import print_result, print_timings
 from robotteamsim.cli.interrupt import InterruptBetweenSteps
 from robotteamsim.cli.output import OutputConsole, check_outputs
 from robotteamsim.cli.parser import Parser, UsageError, number, path_of, whole_number
@@ -43,6 +43,7 @@ examples:
   robotteamsim run garage_sar --seed 7 --noise 20 --out results --bag mission.bag
   robotteamsim run garage_sar --robots 5 --set mission.time_limit_s=300
   robotteamsim run garage_sar --html mission.html
+  robotteamsim run garage_sar --timings
   robotteamsim run garage_sar --json | jq .trajectory_hash"""
 
 
@@ -57,6 +58,7 @@ def add_to(parser: Parser) -> None:
     )
     parser.add_argument("--html", type=path_of, metavar="FILE", help="write the mission as a page for any browser")
     parser.add_argument("--json", action="store_true", help="print the result as one JSON object instead of a table")
+    parser.add_argument("--timings", action="store_true", help="print where the time of a step goes, too")
     parser.add_argument("--quiet", action="store_true", help="no progress bar, no table")
     parser.set_defaults(command=run)
 
@@ -108,6 +110,8 @@ def run(options: argparse.Namespace) -> int:
     with preparing(console, loaded.name):
         simulation = Simulation(loaded)
     check_constructed(simulation.controllers, loaded)
+    if options.timings:
+        simulation.time_stages()
     events, measures = EventList(), Measures()
     observers: list[Observer] = [events, measures, *_recorders(options)]
     if options.html:
@@ -122,10 +126,13 @@ def run(options: argparse.Namespace) -> int:
     reason = failure_of(failed[0]) if failed else ""
     if options.json:
         failures = {"controllers_failed": len(failed), "controller_failed": reason}
-        print(json.dumps(result_summary(result) | measures.values() | failures))
+        timings = {"timings": [time._asdict() for time in simulation.timings()]} if options.timings else {}
+        print(json.dumps(result_summary(result) | measures.values() | failures | timings))
     elif not options.quiet:
         written = [options.out, options.bag, options.mcap, options.html]
         print_result(OutputConsole(), result, events.events, written, measures.measured)
+        if options.timings:
+            print_timings(OutputConsole(), simulation.timings())
     if failed:
         text = printable(f"{counted(len(failed), 'controller')} failed; the first: {reason}")
         print(f"robotteamsim: {text}", file=sys.stderr)

@@ -29,6 +29,7 @@ from robotteamsim.simulation.stages import (
     PeopleStage,
     ScheduleStage,
 )
+from robotteamsim.simulation.timings import OBSERVERS, StageTime, StageTimes
 from robotteamsim.simulation.trial import Trial
 from robotteamsim.wording import printable
 from robotteamsim.world.doors import DoorStates
@@ -79,6 +80,7 @@ class Simulation:
         self._decisions: Sequence[Decision] = tuple(Decision() for _ in robots)
         self._task = Task()
         self._silent: tuple[str, ...] = ()
+        self._times: StageTimes | None = None
 
     def step(self) -> StepRecord:
         """Advance by one step and return its record, which observers receive."""
@@ -190,13 +192,29 @@ class Simulation:
         trial = Trial(self.setup, observers)
         try:
             self.mission.start()
+            add = trial.add if self._times is None else self._times.of(OBSERVERS, trial.add)
             while trial.result is None:
-                trial.add(self.step())
+                add(self.step())
                 if self.mission.status.state == "paused":
                     raise ValueError("run: an observer has paused the mission; expected calls of step instead of run")
             return trial.result
         finally:
             trial.abandon()
+
+    def time_stages(self) -> None:
+        """Measure from now on where the time of each step goes, see `timings`; a step then takes some us longer."""
+        if self._times is None:
+            self._times = StageTimes()
+            self._times.measure(self)
+
+    def timings(self) -> tuple[StageTime, ...]:
+        """Return how long each stage took so far, in the order of a step.
+
+        Raises: ValueError: `time_stages` was not called.
+        """
+        if self._times is None:
+            raise ValueError("timings: nothing was measured; call time_stages() before the steps")
+        return self._times.table()
 
     def set_door(self, name: str, closed: bool) -> None:
         """Open or close a door, see `World.set_door`. Raises: ValueError: no such door.

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from robotteamsim.mission.events import AnyEvent
     from robotteamsim.recording.measures import Measured
     from robotteamsim.simulation import Result
+    from robotteamsim.simulation.timings import StageTime
 
 MAX_EVENTS = 60
 """Above this number of events, endangered links are only counted; mission.json lists them."""
@@ -108,6 +109,17 @@ def print_totals(
     console.print(_text(f"  trajectories {result.trajectory_hash}"), soft_wrap=True)
     for path in filter(None, written):
         console.print(_text(f"  written      {path}"), soft_wrap=True)
+
+
+def print_timings(console: Console, timings: Sequence[StageTime]) -> None:
+    """Print where the time of a step went."""
+    table = Table(title=_text("where the time went", "bold"), title_justify="left", box=box.SIMPLE_HEAD)
+    table.add_column("stage")
+    for heading in ("calls", "mean", "share"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    for stage, calls, mean_s, share in timings:
+        table.add_row(stage, f"{calls}", f"{1e6 * mean_s:.1f} us", f"{share:.1%}")
+    console.print(table)
 
 
 def _event_table(title: str, events: Sequence[AnyEvent]) -> Table:
