@@ -1,5 +1,7 @@
 // _core.plan: path planning on the known map.
 #include <cstdint>
+#include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -69,6 +71,19 @@ void BindPlan(nb::module_&& m) {
             return grid.ValueAt(distances.data(), distances.size(), point);
           },
           "distances_m"_a, "point_m"_a, "Return the value of a distance map at a point; inf beyond the grid.")
+      .def(
+          "values_near",
+          [](const PlanningGrid& grid, const DistanceMap& distances, const Points& points, double max_distance_m) {
+            std::vector<double> values;
+            for (const base::Point& point : RecordsOf<base::Point>(points)) {
+              const std::optional<base::Point> free = grid.NearestFree(point, max_distance_m);
+              values.push_back(free ? grid.ValueAt(distances.data(), distances.size(), *free)
+                                    : std::numeric_limits<double>::infinity());
+            }
+            return values;
+          },
+          "distances_m"_a, "points_m"_a, "max_distance_m"_a,
+          "Return the values of a distance map at the nearest free cells of points; inf where none is near enough.")
       .def(
           "descend",
           [](const PlanningGrid& grid, const DistanceMap& distances, const base::Point& start, double look_ahead_m) {

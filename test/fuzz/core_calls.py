@@ -135,6 +135,7 @@ def _plan() -> Iterator[Call]:
         ("is_line_free", _FROM, (4.2, 2.7)),
         ("distance_map", _TO),
         ("value_at", _MAP, _FROM),
+        ("values_near", _MAP, np.array([_FROM, _TO]), 1.0),
         ("shortest_path", _FROM, _TO, 20.0),
         ("waypoints", _FROM, _TO, 20.0),
         ("first_stretch", _FROM, _TO, 20.0),

@@ -33,7 +33,7 @@ MEMORY_LIMIT_MB = 1024
 # An infinite length means that there is no path, an infinite range no return (REP-117). hypot equals math.hypot, and
 # the pose of a removed robot is NaN. A state has the numbers that it is given.
 MAY_BE_INFINITE = {
-    *("base.hypot", "distance_map", "value_at", "least_reachable", "cast", "read", "remove_robot"),
+    *("base.hypot", "distance_map", "value_at", "values_near", "least_reachable", "cast", "read", "remove_robot"),
     *("lengths_from", "length_m"),
     "state.State",
 }

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from robotteamsim.control.driving.known_map import UNREACHABLE_M, known_map
+from robotteamsim.control.driving.known_map import UNREACHABLE_M, KnownMap, known_map
 from robotteamsim.mission.status import VictimState
 from robotteamsim.recording.coverage import CoverageLog
 from robotteamsim.recording.idleness import IdlenessLog
@@ -25,7 +25,8 @@ class Reward:
     def __init__(self, setup: Setup, robot_ids: Sequence[int]) -> None:
         """Args: robot_ids: of the agents."""
         self.setup, self.robot_ids = setup, list(robot_ids)
-        self._per_contact = self.PER_CONTACT_S * setup.scenario.run.step_s
+        self._step_s = setup.scenario.run.step_s
+        self._per_contact = self.PER_CONTACT_S * self._step_s
 
     @classmethod
     def lack_of(cls, scenario: Scenario) -> str:
@@ -56,7 +57,10 @@ class SearchReward(Reward):
     def __init__(self, setup: Setup, robot_ids: Sequence[int]) -> None:
         """Args: robot_ids: of the agents."""
         super().__init__(setup, robot_ids)
-        self._maps = [known_map(setup.building, setup.robots[i].reach_m) for i in robot_ids]
+        self._sharing: dict[KnownMap, list[int]] = {}
+        """The robots of each size, which know the same paths."""
+        for i in robot_ids:
+            self._sharing.setdefault(known_map(setup.building, setup.robots[i].reach_m), []).append(i)
         self._explored = self._saved = 0
         self._path: tuple[Point, float] | None = None
         """The area, and the length of the shortest path to it [m]."""
@@ -72,7 +76,7 @@ class SearchReward(Reward):
 
     def of_step(self, record: StepRecord) -> np.ndarray:
         """Return the reward of each agent for one step of the simulation, shape (n,)."""
-        status, step_s = record.mission, self.setup.scenario.run.step_s
+        status, step_s = record.mission, self._step_s
         explored, saved = status.areas_explored, status.victims_saved
         team = self.AREA * (explored - self._explored) + self.VICTIM * (saved - self._saved) + self.PER_S * step_s
         self._explored, self._saved = explored, saved
@@ -84,10 +88,10 @@ class SearchReward(Reward):
         self._path = None
         if area is None:
             return 0.0
-        positions_m, is_there = record.state.positions_m.tolist(), record.present.tolist()
-        team = zip(self.robot_ids, self._maps, strict=True)
-        lengths_m = [known.distance_m(area, tuple(positions_m[i])) for i, known in team if is_there[i]]
-        length_m = min(lengths_m, default=UNREACHABLE_M)
+        positions_m, is_there, length_m = record.state.positions_m, record.present.tolist(), UNREACHABLE_M
+        for known, robot_ids in self._sharing.items():
+            there = [i for i in robot_ids if is_there[i]]
+            length_m = min(length_m, *known.distances_m(area, positions_m[there]))
         if length_m < UNREACHABLE_M:
             self._path = area, length_m
         return before[1] - length_m if before and self._path and before[0] == area else 0.0

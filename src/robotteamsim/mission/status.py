@@ -89,4 +89,4 @@ class MissionStatus(msgspec.Struct, frozen=True):
     @property
     def victims_saved(self) -> int:
         """Number of victims who are saved or safe."""
-        return sum(state in SAVED for state in self.victims)
+        return sum(map(self.victims.count, SAVED))

@@ -191,3 +191,11 @@ def test_nearest_place_in_reach_is_the_first_of_the_nearest_cells_in_reach(seed)
             cell, length_m = known.grid.least_reachable(field, start, 1.5)
             assert length_m == field[labels == label].min()
             assert known.grid.value_at(field, cell) == length_m
+
+
+def test_lengths_to_several_places_are_those_to_each():
+    generator = np.random.default_rng(4)
+    known, goal = cluttered_map(generator), (6.0, 6.0)
+    places_m = generator.uniform(-2.0, SIZE_M + 2.0, (200, 2))  # some in blocks, some outside
+    assert known.distances_m(goal, places_m) == [known.distance_m(goal, tuple(place)) for place in places_m.tolist()]
+    assert known.distances_m(goal, places_m[:0]) == []

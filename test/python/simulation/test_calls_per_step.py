@@ -1,4 +1,4 @@
-"""How many Python and C functions a step calls: unlike its time, the same on a loaded machine. They only become fewer."""
+"""How many Python and C functions a step calls: unlike its time, the same on a loaded machine."""
 
 from __future__ import annotations
 

@@ -65,6 +65,17 @@ class KnownMap:
         length_m = self.grid.value_at(distances, start) if distances is not None and start is not None else math.inf
         return length_m if math.isfinite(length_m) else UNREACHABLE_M + math.dist(goal, position)
 
+    def distances_m(self, goal: Vector, positions_m: np.ndarray) -> list[float]:
+        """Return `distance_m` of each of several positions, shape (n, 2) [m]."""
+        distances = self._distance_map(goal)
+        if distances is None:
+            return [UNREACHABLE_M + math.dist(goal, place) for place in positions_m.tolist()]
+        lengths_m = self.grid.values_near(distances, positions_m, 1.0)
+        return [
+            length_m if math.isfinite(length_m) else UNREACHABLE_M + math.dist(goal, place)
+            for length_m, place in zip(lengths_m, positions_m.tolist(), strict=True)
+        ]
+
     def reaches(self, start: Vector, center: Vector, radius_m: float) -> bool:
         """Whether a free path leads from a free place into a disc. Places in `map` [m]."""
         return any(math.isfinite(self.grid.value_at(piece, start)) for piece in self._pieces_of(center, radius_m))
