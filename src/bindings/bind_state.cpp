@@ -100,22 +100,35 @@ nb::object RangesOf(nb::handle self, std::size_t robot) {
   return nb::cast(View<float>(&of.state().ranges_m[row * of.state().beams], 1, &extent, self));
 }
 
-nb::object ReadingOf(nb::handle self, std::size_t robot) {
+// Row `robot` of the state as a `RobotReading`. Args: ranges_m: its scan.
+nb::object ReadingWith(const MissionState& of, std::size_t robot, const nb::object& ranges_m) {
   static const nb::handle record = PythonObject("robotteamsim.sensing.readings", "RobotReading");
   static const nb::handle nothing_sensed = PythonObject("robotteamsim.sensing.readings", "NOTHING_SENSED");
-  const auto& of = nb::cast<const MissionState&>(self);
+  static const nb::handle no_angles = nb::tuple().release();
   const State& state = of.state();
   const std::size_t row = of.Row(robot);
-  return record(RecordOf(state.true_pose[row]), state.true_twist[row], OdometryReading(state, row),
-                RangesOf(self, robot), state.contact[row] != 0, nb::tuple(nb::cast(state.contact_angles[row])),
+  const auto& angles = state.contact_angles[row];
+  return record(RecordOf(state.true_pose[row]), state.true_twist[row], OdometryReading(state, row), ranges_m,
+                state.contact[row] != 0, angles.empty() ? nb::borrow(no_angles) : nb::tuple(nb::cast(angles)),
                 of.sensors.get(nb::int_(robot), nothing_sensed));
+}
+
+nb::object ReadingOf(nb::handle self, std::size_t robot) {
+  return ReadingWith(nb::cast<const MissionState&>(self), robot, RangesOf(self, robot));
 }
 
 nb::list Readings(nb::handle self) {
   const auto& of = nb::cast<const MissionState&>(self);
-  of.mission();
+  const State& state = of.state();
+  const std::size_t shape[2] = {state.robots, state.beams};
+  // Rows of one array are several times as fast as an array for each robot.
+  const nb::object rows =
+      nb::cast(View<float>(&state.ranges_m[state.First(of.mission()) * state.beams], 2, shape, self));
   nb::list readings;
-  for (std::size_t i = 0; i < of.state().robots; ++i) readings.append(ReadingOf(self, i));
+  for (std::size_t i = 0; i < state.robots; ++i) {
+    const bool has_all_beams = state.beams_of[of.Row(i)] == state.beams;
+    readings.append(ReadingWith(of, i, has_all_beams ? nb::object(rows[i]) : RangesOf(self, i)));
+  }
   return readings;
 }
 
@@ -205,6 +218,7 @@ void PutLinks(MissionState& of, const Cells& rssi_dbm, const Flags& adjacency, c
   std::copy_n(hop_count.data(), robots * robots, &state.hop_count[cells]);
   state.fiedler_value[of.mission()] = fiedler_value;
   state.links_version[of.mission()] = version;
+  state.links_source[of.mission()] = 0;
 }
 
 // Writes what a robot hears.

@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "robotteamsim/network/hop_count.hpp"
@@ -29,8 +28,7 @@ class TeamLinks {
  public:
   /// Args: faces: of walls and doors; doors may change between steps.
   TeamLinks(std::shared_ptr<const propagation::FaceSet> faces, const propagation::RadioModel& model,
-            const LinkRule& rule)
-      : faces_(std::move(faces)), model_(model), rule_(rule) {}
+            const LinkRule& rule);
 
   /// Whether `State::link` is another matrix than `rssi_dbm`.
   bool is_by_distance() const { return rule_.by_distance; }
@@ -43,6 +41,7 @@ class TeamLinks {
   using Matrix = Eigen::Ref<propagation::CellValues>;
   void FindLinks(const propagation::Positions& positions, bool has_new_team, Matrix rssi, Matrix link);
 
+  const std::uint64_t id_;  // of these links, among all
   std::shared_ptr<const propagation::FaceSet> faces_;
   propagation::RadioModel model_;
   LinkRule rule_;

@@ -74,6 +74,8 @@ struct State {
   std::vector<double> fiedler_value;        ///< eq. (33), one per mission
   std::vector<std::int64_t> links_version;  ///< one per mission: grows with each change of links, and of who is present
 
+  std::vector<std::uint64_t> links_source;  ///< who wrote the links of a mission: a `TeamLinks`, or 0
+
   std::vector<std::uint8_t> happened;  ///< bits of `Happening`, one per mission; only a batch writes them
 
   /// The place of a mission's first robot in the arrays of robots.

@@ -1,9 +1,11 @@
 #include "robotteamsim/network/team_links.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <utility>
 
 #include "robotteamsim/network/fiedler.hpp"
 
@@ -35,7 +37,16 @@ void Spread(const Matrix& matrix, const std::vector<int>& present, std::size_t r
   }
 }
 
+std::uint64_t NextId() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
 }  // namespace
+
+TeamLinks::TeamLinks(std::shared_ptr<const propagation::FaceSet> faces, const propagation::RadioModel& model,
+                     const LinkRule& rule)
+    : id_(NextId()), faces_(std::move(faces)), model_(model), rule_(rule) {}
 
 void TeamLinks::Step(state::State* state, std::size_t mission) {
   if (mission >= state->missions) throw std::invalid_argument("no such mission");
@@ -68,11 +79,14 @@ void TeamLinks::Step(state::State* state, std::size_t mission) {
     Spread(signals, present_, robots, -std::numeric_limits<double>::infinity(), rssi);
     if (rule_.by_distance) Spread(lengths, present_, robots, 0.0, link);
   }
+  // A state that is used again may have these links from an earlier step.
+  if (state->links_source[mission] == id_ && state->links_version[mission] == version_) return;
   Spread(adjacency_, present_, robots, std::uint8_t{0}, &state->adjacency[cells]);
   Spread(endangered_, present_, robots, std::uint8_t{0}, &state->endangered[cells]);
   Spread(hops_, present_, robots, std::int32_t{-1}, &state->hop_count[cells]);
   state->fiedler_value[mission] = fiedler_value_;
   state->links_version[mission] = version_;
+  state->links_source[mission] = id_;
 }
 
 void TeamLinks::FindLinks(const propagation::Positions& positions, bool has_new_team, Matrix rssi, Matrix link) {

@@ -3,11 +3,20 @@
 #include <limits>
 #include <stdexcept>
 
+#include "robotteamsim/base/large_pages.hpp"
+
 namespace robotteamsim::state {
 namespace {
 
 constexpr double kMostNumbers = 1e8;
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+template <typename Value>
+void Allocate(std::size_t size, std::vector<Value>* numbers) {
+  numbers->reserve(size);
+  base::AskForLargePages(numbers->data(), size * sizeof(Value));  // before the first write
+  numbers->resize(size);
+}
 
 }  // namespace
 
@@ -36,17 +45,18 @@ State::State(std::size_t of_missions, std::size_t of_robots, std::size_t of_beam
   local_best_level_db.resize(rows);
   fiedler_value.resize(missions);
   links_version.assign(missions, -1);
+  links_source.resize(missions);
   happened.resize(missions);
 }
 
 void State::NeedLinks(bool with_link) {
   const std::size_t cells = Matrix(missions);
-  if (with_link) link.resize(cells);
+  if (with_link) Allocate(cells, &link);
   if (rssi_dbm.size() == cells) return;
-  rssi_dbm.resize(cells);
-  adjacency.resize(cells);
-  endangered.resize(cells);
-  hop_count.resize(cells);
+  Allocate(cells, &rssi_dbm);
+  Allocate(cells, &adjacency);
+  Allocate(cells, &endangered);
+  Allocate(cells, &hop_count);
 }
 
 void State::Place(std::size_t row, const base::Pose& pose) {
