@@ -180,7 +180,7 @@ void PutReading(MissionState& of, std::size_t robot, nb::handle reading) {
   State& state = *of.written();
   const std::size_t row = of.Row(robot);
   const nb::object odometry = reading.attr("odometry");
-  const auto ranges_m = nb::cast<Array<const float, -1>>(reading.attr("ranges_m"));
+  const auto ranges_m = nb::cast<std::vector<float>>(reading.attr("ranges_m"));
   if (ranges_m.size() > state.beams) throw std::invalid_argument("ranges_m: more beams than the state has room for");
   state.true_pose[row] = NumbersOf<state::PoseReading>(reading.attr("ground_truth"), kPose);
   state.positions[row] = {state.true_pose[row].x, state.true_pose[row].y};
@@ -190,7 +190,7 @@ void PutReading(MissionState& of, std::size_t robot, nb::handle reading) {
   state.odometry_pose_covariance[row] = NumbersOf<state::PoseCovariance>(odometry.attr("pose_covariance"));
   state.odometry_twist_variances[row] = NumbersOf<state::TwistVariances>(odometry.attr("twist_variances"));
   float* const ranges = &state.ranges_m[row * state.beams];
-  std::fill(std::copy(ranges_m.data(), ranges_m.data() + ranges_m.size(), ranges), ranges + state.beams,
+  std::fill(std::copy(ranges_m.begin(), ranges_m.end(), ranges), ranges + state.beams,
             std::numeric_limits<float>::infinity());
   state.beams_of[row] = ranges_m.size();
   state.contact[row] = PyObject_IsTrue(nb::object(reading.attr("in_contact")).ptr()) == 1 ? 1 : 0;
