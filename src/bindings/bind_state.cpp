@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "arrays.hpp"
@@ -154,48 +155,69 @@ nb::list Voices(const MissionState& of) {
   return voices;
 }
 
+// Reads an attribute of a record. Throws TypeError, naming it, if it is something else.
+template <typename Value>
+Value AttributeOf(nb::handle record, const char* name) {
+  Value value;
+  if (!nb::try_cast<Value>(record.attr(name), value))
+    throw nb::type_error((std::string(name) + ": another type").c_str());
+  return value;
+}
+
 template <typename Record, std::size_t count>
 Record NumbersOf(nb::handle record, const std::array<const char*, count>& names) {
   static_assert(sizeof(Record) == count * sizeof(double));
   std::array<double, count> numbers;
-  for (std::size_t i = 0; i < count; ++i) numbers[i] = nb::cast<double>(record.attr(names[i]));
+  for (std::size_t i = 0; i < count; ++i) numbers[i] = AttributeOf<double>(record, names[i]);
   Record made;
   std::memcpy(&made, numbers.data(), sizeof made);
   return made;
 }
 
 template <typename Record>
-Record NumbersOf(nb::handle tuple) {
-  constexpr std::size_t count = sizeof(Record) / sizeof(double);
-  const auto numbers = nb::cast<std::array<double, count>>(tuple);
+Record TupleOf(nb::handle record, const char* name) {
+  const auto numbers = AttributeOf<std::array<double, sizeof(Record) / sizeof(double)>>(record, name);
   Record made;
   std::memcpy(&made, numbers.data(), sizeof made);
   return made;
 }
 
+bool TruthOf(nb::handle record, const char* name) {
+  const int truth = PyObject_IsTrue(nb::object(record.attr(name)).ptr());
+  if (truth < 0) throw nb::python_error();
+  return truth == 1;
+}
+
 constexpr std::array<const char*, 4> kPose{"x_m", "y_m", "qz", "qw"};
 
-// Writes what a robot measures, wherever it does.
+// Writes what a robot measures, wherever it does; nothing if something is wrong with it.
 void PutReading(MissionState& of, std::size_t robot, nb::handle reading) {
   State& state = *of.written();
   const std::size_t row = of.Row(robot);
-  const nb::object odometry = reading.attr("odometry");
-  const auto ranges_m = nb::cast<std::vector<float>>(reading.attr("ranges_m"));
+  const nb::object odometry = reading.attr("odometry"), sensors = reading.attr("sensors");
+  const auto ranges_m = AttributeOf<std::vector<float>>(reading, "ranges_m");
   if (ranges_m.size() > state.beams) throw std::invalid_argument("ranges_m: more beams than the state has room for");
-  state.true_pose[row] = NumbersOf<state::PoseReading>(reading.attr("ground_truth"), kPose);
-  state.positions[row] = {state.true_pose[row].x, state.true_pose[row].y};
-  state.true_twist[row] = nb::cast<base::Twist>(reading.attr("twist"));
-  state.odometry_pose[row] = NumbersOf<state::PoseReading>(odometry.attr("pose"), kPose);
-  state.odometry_twist[row] = nb::cast<base::Twist>(odometry.attr("twist"));
-  state.odometry_pose_covariance[row] = NumbersOf<state::PoseCovariance>(odometry.attr("pose_covariance"));
-  state.odometry_twist_variances[row] = NumbersOf<state::TwistVariances>(odometry.attr("twist_variances"));
+  const auto pose = NumbersOf<state::PoseReading>(reading.attr("ground_truth"), kPose);
+  const auto twist = AttributeOf<base::Twist>(reading, "twist");
+  const auto in_odom = NumbersOf<state::PoseReading>(odometry.attr("pose"), kPose);
+  const auto measured_twist = AttributeOf<base::Twist>(odometry, "twist");
+  const auto pose_covariance = TupleOf<state::PoseCovariance>(odometry, "pose_covariance");
+  const auto twist_variances = TupleOf<state::TwistVariances>(odometry, "twist_variances");
+  const auto angles = AttributeOf<std::vector<double>>(reading, "contact_angles_rad");
+  const bool touches = TruthOf(reading, "in_contact");
+  state.true_pose[row] = pose;
+  state.positions[row] = {pose.x, pose.y};
+  state.true_twist[row] = twist;
+  state.odometry_pose[row] = in_odom;
+  state.odometry_twist[row] = measured_twist;
+  state.odometry_pose_covariance[row] = pose_covariance;
+  state.odometry_twist_variances[row] = twist_variances;
   float* const ranges = &state.ranges_m[row * state.beams];
   std::fill(std::copy(ranges_m.begin(), ranges_m.end(), ranges), ranges + state.beams,
             std::numeric_limits<float>::infinity());
   state.beams_of[row] = ranges_m.size();
-  state.contact[row] = PyObject_IsTrue(nb::object(reading.attr("in_contact")).ptr()) == 1 ? 1 : 0;
-  state.contact_angles[row] = nb::cast<std::vector<double>>(reading.attr("contact_angles_rad"));
-  const nb::object sensors = reading.attr("sensors");
+  state.contact[row] = touches ? 1 : 0;
+  state.contact_angles[row] = angles;
   if (nb::len(sensors) > 0) of.sensors[nb::int_(robot)] = sensors;
 }
 
@@ -225,10 +247,13 @@ void PutLinks(MissionState& of, const Cells& rssi_dbm, const Flags& adjacency, c
 void PutVoice(MissionState& of, std::size_t robot, nb::handle voice) {
   State& state = *of.written();
   const std::size_t row = of.Row(robot);
-  state.voice_level_db[row] = nb::cast<double>(voice.attr("level_db"));
-  state.voice_heard[row] = nb::cast<bool>(voice.attr("heard")) ? 1 : 0;
-  state.local_best[row] = nb::cast<base::Point>(voice.attr("local_best_m"));
-  state.local_best_level_db[row] = nb::cast<double>(voice.attr("local_best_level_db"));
+  const auto level_db = AttributeOf<double>(voice, "level_db"),
+             best_db = AttributeOf<double>(voice, "local_best_level_db");
+  const auto place = AttributeOf<base::Point>(voice, "local_best_m");
+  state.voice_heard[row] = TruthOf(voice, "heard") ? 1 : 0;
+  state.voice_level_db[row] = level_db;
+  state.local_best[row] = place;
+  state.local_best_level_db[row] = best_db;
 }
 
 }  // namespace

@@ -34,7 +34,7 @@ struct Motion {
 /// What the bodies of a team measure: odometry, lasers and contacts.
 class TeamSensors {
  public:
-  /// Throws std::invalid_argument if a robot does not exist, or has no laser or several.
+  /// Throws std::invalid_argument if a robot does not exist, or has no laser or several, or a caster has other beams.
   TeamSensors(std::vector<Lasers> lasers, TeamOdometry odometry);
 
   std::size_t robots() const { return odometry_.size(); }

@@ -34,13 +34,13 @@ class Batch {
   Batch(std::size_t missions, std::size_t robots, std::size_t beams, int threads);
 
   /// Lets another team take part as this mission from now on.
-  /// Throws std::invalid_argument if a part is missing, or the team does not fit.
+  /// Throws std::invalid_argument if a part is missing or another mission has it, or the team does not fit.
   void Put(std::size_t mission, Team team);
 
   /// Lets the robots of some missions move for a step. Args: twists: one row per robot of the largest team and mission,
   /// in base_link.  missions: their numbers.
-  /// Throws std::invalid_argument, naming the mission: a command is not finite, or there is no such mission; the others
-  /// have moved.
+  /// Throws std::invalid_argument, naming the mission: a command is not finite, and the others have moved; or there is
+  /// no such mission, or one is named twice, and nothing has moved.
   void Move(const base::Table<const double>& twists, const std::vector<int>& missions);
 
   /// Lets the robots of some missions measure, hear each other and victims, and returns the state, in which the rows of
@@ -55,6 +55,7 @@ class Batch {
     std::vector<base::Point> loudest;  // cells near the robots in the last step
   };
 
+  void CheckMissions(const std::vector<int>& missions) const;
   void ForEach(const std::vector<int>& missions, const std::function<void(int)>& job) const;
   void SenseOne(int mission, state::State* state);
 

@@ -5,8 +5,10 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <string>
 #include <utility>
 
+#include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/network/fiedler.hpp"
 
 namespace robotteamsim::network {
@@ -55,7 +57,9 @@ void TeamLinks::Step(state::State* state, std::size_t mission) {
   const base::Point* const at = state->positions.data() + state->First(mission);
   std::vector<int> present;
   for (std::size_t i = 0; i < robots; ++i) {
-    if (!std::isnan(at[i].x)) present.push_back(static_cast<int>(i));
+    if (std::isnan(at[i].x)) continue;
+    base::Check(at[i], ("position of robot " + std::to_string(i)).c_str());
+    present.push_back(static_cast<int>(i));
   }
   const auto n = static_cast<Eigen::Index>(present.size());
   propagation::Positions positions(n, 2);
@@ -79,6 +83,8 @@ void TeamLinks::Step(state::State* state, std::size_t mission) {
     Spread(signals, present_, robots, -std::numeric_limits<double>::infinity(), rssi);
     if (rule_.by_distance) Spread(lengths, present_, robots, 0.0, link);
   }
+  // In a batch others may have links by distance.
+  if (!rule_.by_distance && !state->link.empty()) std::copy_n(rssi, robots * robots, &state->link[cells]);
   // A state that is used again may have these links from an earlier step.
   if (state->links_source[mission] == id_ && state->links_version[mission] == version_) return;
   Spread(adjacency_, present_, robots, std::uint8_t{0}, &state->adjacency[cells]);

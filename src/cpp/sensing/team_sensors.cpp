@@ -11,6 +11,9 @@ TeamSensors::TeamSensors(std::vector<Lasers> lasers, TeamOdometry odometry)
     : lasers_(std::move(lasers)), odometry_(std::move(odometry)) {
   std::vector<int> carried(odometry_.size());
   for (const Lasers& kind : lasers_) {
+    if (kind.fan.beams < 1 || (kind.caster != nullptr && kind.caster->fan().beams != kind.fan.beams)) {
+      throw std::invalid_argument("a fan must have beams, and its caster as many");
+    }
     beams_ = std::max(beams_, static_cast<std::size_t>(kind.fan.beams));
     for (const int robot : kind.robots) {
       if (robot < 0 || robot >= static_cast<int>(carried.size())) throw std::invalid_argument("no such robot");

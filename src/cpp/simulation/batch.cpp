@@ -25,17 +25,31 @@ void Batch::Put(std::size_t mission, Team team) {
   if (robots > robots_ || team.sensors->robots() != robots || team.sensors->beams() > beams_) {
     throw std::invalid_argument("the team has more robots or beams than the batch");
   }
+  for (std::size_t other = 0; other < missions_.size(); ++other) {
+    const Team& known = missions_[other].team;
+    if (other != mission && (known.world == team.world || known.sensors == team.sensors || known.links == team.links ||
+                             known.ear == team.ear)) {
+      throw std::invalid_argument("another mission has a part of this team");
+    }
+  }
   const std::int64_t doors_version = team.world->doors_version();
   missions_[mission] = {std::move(team), doors_version, -1, {}};
 }
 
+void Batch::CheckMissions(const std::vector<int>& missions) const {
+  std::vector<bool> is_named(missions_.size());
+  for (const int mission : missions) {
+    const std::string name = "mission " + std::to_string(mission);
+    if (mission < 0 || mission >= static_cast<int>(missions_.size()) || !missions_[mission].team.world) {
+      throw std::invalid_argument(name + ": there is none");
+    }
+    if (is_named[mission]) throw std::invalid_argument(name + ": is named twice");
+    is_named[mission] = true;
+  }
+}
+
 void Batch::ForEach(const std::vector<int>& missions, const std::function<void(int)>& job) const {
   std::vector<std::string> problems(missions.size());
-  for (const int mission : missions) {
-    if (mission < 0 || mission >= static_cast<int>(missions_.size()) || !missions_[mission].team.world) {
-      throw std::invalid_argument("mission " + std::to_string(mission) + ": there is none");
-    }
-  }
   base::ForEachInParallel(static_cast<int>(missions.size()), threads_, [&](int i) {
     try {
       job(missions[i]);
@@ -54,6 +68,7 @@ void Batch::Move(const base::Table<const double>& twists, const std::vector<int>
   if (!twists.HasShape(missions_.size() * robots_, 3)) {
     throw std::invalid_argument("twists must have a row of three numbers per robot and mission");
   }
+  CheckMissions(missions);
   ForEach(missions, [&](int mission) {
     world::World& world = *missions_[mission].team.world;
     std::vector<base::Twist> commands(world.robots().size());
@@ -66,12 +81,10 @@ void Batch::Move(const base::Table<const double>& twists, const std::vector<int>
 }
 
 std::shared_ptr<state::State> Batch::Sense(const std::vector<int>& missions) {
+  CheckMissions(missions);
   std::shared_ptr<state::State> state = states_.Next();
   bool by_distance = false;
-  for (const int mission : missions) {
-    const auto& links = missions_.at(static_cast<std::size_t>(mission)).team.links;
-    by_distance |= links != nullptr && links->is_by_distance();
-  }
+  for (const int mission : missions) by_distance |= missions_[mission].team.links->is_by_distance();
   state->NeedLinks(by_distance);  // here, because threads must not
   ForEach(missions, [&](int mission) { SenseOne(mission, state.get()); });
   return state;

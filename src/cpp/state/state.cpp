@@ -24,7 +24,7 @@ State::State(std::size_t of_missions, std::size_t of_robots, std::size_t of_beam
     : missions(of_missions), robots(of_robots), beams(of_beams) {
   if (missions < 1) throw std::invalid_argument("there must be a mission");
   const double widest = static_cast<double>(robots) + static_cast<double>(beams) + 30.0;
-  if (static_cast<double>(missions) * static_cast<double>(robots) * widest > kMostNumbers) {
+  if (static_cast<double>(missions) * (static_cast<double>(robots) + 1.0) * widest > kMostNumbers) {
     throw std::invalid_argument("a state must not have more than 1e8 numbers");
   }
   const std::size_t rows = missions * robots;

@@ -140,7 +140,8 @@ class BatchEnv:
     def step(self, actions: ArrayLike) -> BatchStep:
         """Let all robots act. Args: actions: shape (num_envs, robots, ...); those of absent robots are ignored.
 
-        Raises: RobotTeamSimError: one line: `reset` was not called, or an action is not of the space.
+        Raises: RobotTeamSimError: one line: `reset` was not called, or an action is not of the space. After any other
+                error, such as one of a reward, only `reset` helps.
         """
         self.episodes[-1].check_begun()
         step, given = self._step, array_of(actions)
@@ -155,7 +156,12 @@ class BatchEnv:
         for i in np.flatnonzero(is_over).tolist():
             self.episodes[i].begin()
             self._together.begin(i)
-        self._together.step(np.flatnonzero(~is_over).tolist(), commands, step)
+        try:
+            self._together.step(np.flatnonzero(~is_over).tolist(), commands, step)
+        except BaseException:  # some missions have made a part of a step
+            for episode in self.episodes:
+                episode.end()
+            raise
         self._perceive()
         return step
 

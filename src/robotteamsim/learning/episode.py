@@ -223,7 +223,8 @@ class Episode:
         doors = any(door.motion != "instant" for door in scenario.plan.doors)
         carried = any(robot.sensors or robot.laser.noise_m > 0.0 for robot in robots)
         return (
-            scenario.run.world == "box2d"
+            self.watch is None
+            and scenario.run.world == "box2d"
             and self.robot_ids == list(range(len(robots)))
             and not (others or walk or doors or carried or mission.saved_by == "firefighter")
             and is_instant(network, len(robots), scenario.run.step_ns)

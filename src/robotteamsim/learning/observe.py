@@ -66,8 +66,8 @@ class Percepts(NamedTuple):
     remembered: np.ndarray
 
     def of(self, missions: slice, agents: int) -> Percepts:
-        """Return those of the first agents of some of several missions."""
-        return Percepts(*(part[missions, :agents] for part in self))
+        """Return those of the first agents of some of several missions, in arrays of their own."""
+        return Percepts(*(part[missions, :agents].copy() for part in self))
 
 
 def cos_sin(poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

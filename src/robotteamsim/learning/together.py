@@ -61,6 +61,17 @@ class _Made(Sequence[Any]):
     def __iter__(self) -> Iterator[Any]:
         return iter(self._all())
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Sequence) and list(self) == list(other)
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __repr__(self) -> str:
+        return repr(self._all())
+
+    def __reduce__(self) -> tuple[type[list[Any]], tuple[list[Any]]]:
+        return list, (list(self),)
+
 
 def _decisions(
     commands: Commands, robot_ids: Sequence[int], positions_m: np.ndarray
@@ -121,6 +132,7 @@ class Together:
         if self.are_plain[mission]:
             self._happened[mission] = True
             self._heard[mission] = episode.senses.heard
+            episode.senses.heard = self._heard[mission]
             if episode.senses.map_T_odom is not None:
                 self._map_T_odom[mission] = episode.senses.map_T_odom
             self._put(mission)
@@ -187,6 +199,7 @@ class Together:
         led_to.is_over[missions] = has_ended | is_cut
         for i in missions:
             episodes[i].earned = self._nothing
+            episodes[i].percepts = Percepts(*(part[i] for part in self.percepts))
 
     def _followed(
         self, mission: int, state: _core.state.State, traffic: Traffic, sent: Sequence[Decision] | None

@@ -199,20 +199,20 @@ class LinkMonitor:
     """Compares the network of each step with that of the step before."""
 
     def __init__(self) -> None:
-        self._network: NetworkState | None = None
+        self._version: int | None = None
+        self._before: list[np.ndarray] = []
+        """Links, endangered links and hops as of this version: copies, because a state holds the numbers of a step."""
         self.num_endangered = 0
         """How often a link fell below the threshold of endangered links so far, lost or not."""
 
     def news(self, network: NetworkState) -> list[LinkEndangered]:
         """Return the links that are newly endangered or lost."""
-        before, self._network = self._network, network
-        if before and network.version == before.version:
+        if network.version == self._version:
             return []
-        states = [before, network] if before else [network]
-        adjacency = np.stack([state.adjacency for state in states])
-        endangered = np.stack([state.endangered for state in states])
-        hops = np.stack([state.hop_count for state in states])
-        pairs = np.argwhere(np.triu(newly_endangered(adjacency, endangered, hops)[-1], 1)).tolist()
+        before, self._version = self._before, network.version
+        self._before = now = [network.adjacency.copy(), network.endangered.copy(), network.hop_count.copy()]
+        both = [np.stack(pair) for pair in zip(before, now, strict=True)] if before else [part[None] for part in now]
+        pairs = np.argwhere(np.triu(newly_endangered(*both)[-1], 1)).tolist()
         self.num_endangered += len(pairs)
         return [
             LinkEndangered(i, j, not network.adjacency[i, j], float(network.rssi_dbm[i, j]))  # as of this step

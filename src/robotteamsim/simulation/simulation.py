@@ -204,8 +204,9 @@ class Simulation:
     def time_stages(self) -> None:
         """Measure from now on where the time of each step goes, see `timings`; a step then takes some us longer."""
         if self._times is None:
-            self._times = StageTimes()
-            self._times.measure(self)
+            times = StageTimes()
+            times.measure(self)
+            self._times = times
 
     def timings(self) -> tuple[StageTime, ...]:
         """Return how long each stage took so far, in the order of a step.

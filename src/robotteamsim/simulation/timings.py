@@ -22,7 +22,8 @@ STAGES = {
 }
 """The stages of a step in their order: the part of `Simulation` and its method."""
 
-STEP, REST, OBSERVERS = "step", "rest", "observers"
+SENSE, DECIDE, REST, OBSERVERS = "sense", "decide", "rest", "observers"
+"""The halves of a step, what they take beside the stages, and those who get the record."""
 
 
 class StageTime(NamedTuple):
@@ -32,6 +33,17 @@ class StageTime(NamedTuple):
     calls: int
     mean_s: float
     share: float
+
+
+class _TimedControllers:
+    """Passes everything on."""
+
+    def __init__(self, controllers: Any) -> None:
+        self._controllers = controllers
+        self.step = controllers.step
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._controllers, name)
 
 
 class StageTimes:
@@ -57,16 +69,19 @@ class StageTimes:
 
     def measure(self, simulation: Any) -> None:
         """Measure the stages of a simulation from now on."""
+        # A user's controllers may have no room for another attribute, or be those of several simulations.
+        simulation.controllers = _TimedControllers(simulation.controllers)
         for stage, (part, method) in STAGES.items():
             owner = getattr(simulation, part)
             setattr(owner, method, self.of(stage, getattr(owner, method)))
-        simulation.step = self.of(STEP, simulation.step)
+        simulation.sense = self.of(SENSE, simulation.sense)
+        simulation.decide = self.of(DECIDE, simulation.decide)
 
     def table(self) -> tuple[StageTime, ...]:
         """Return the stages in order, then what is left of a step, then the observers."""
         calls, total_s = self._calls, self._total_s.copy()
-        rest_s = total_s[STEP] - sum(total_s[stage] for stage in STAGES)
-        rows = [*((stage, calls[stage], total_s[stage]) for stage in STAGES), (REST, calls[STEP], rest_s)]
+        rest_s = total_s[SENSE] + total_s[DECIDE] - sum(total_s[stage] for stage in STAGES)
+        rows = [*((stage, calls[stage], total_s[stage]) for stage in STAGES), (REST, calls[DECIDE], rest_s)]
         if OBSERVERS in calls:
             rows.append((OBSERVERS, calls[OBSERVERS], total_s[OBSERVERS]))
         all_s = sum(seconds for *_, seconds in rows) or 1.0

@@ -15,6 +15,7 @@ from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import Twist
 from robotteamsim.interface import Decision, SwarmContext, Task
 from robotteamsim.network.messages import EVERYBODY, Message
+from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
 
@@ -134,6 +135,20 @@ def test_faulty_decision_stops_the_robot_for_good_and_reports_why(decision, faul
     assert told[0].fault.startswith(fault)
     assert "\n" not in told[0].fault
     assert told[0] == told[1] == Decision(fault=told[0].fault)
+
+
+def test_belief_that_is_changed_in_place_is_checked_again():
+    belief = FieldMap((0.0, 0.0), 0.5, np.ones((3, 3)))
+    guarded = guard(*[Decision(Twist(0.5), belief=belief)] * 3)
+    assert [step(guarded).fault, step(guarded).fault] == ["", ""]
+    belief.values[0, 0] = math.nan
+    assert step(guarded).fault.startswith("step returned the belief")
+
+
+def test_decision_that_differs_only_in_a_wrong_twist_is_found():
+    guarded = guard(FORWARD, Decision(Twist(0.6)), Decision(Twist(math.nan)))
+    assert [step(guarded).fault, step(guarded).fault] == ["", ""]
+    assert step(guarded).fault.startswith("step returned Twist(linear_x_mps=nan, ")
 
 
 def test_numbers_of_numpy_become_those_of_python():

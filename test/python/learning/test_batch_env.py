@@ -9,7 +9,17 @@ import pytest
 from gymnasium.wrappers.vector import RecordEpisodeStatistics
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.learning import Act, BatchEnv, DiscreteAct, LearningError, VectorEnv, gym_env, parallel_env
+from robotteamsim.learning import (
+    Act,
+    BatchEnv,
+    DiscreteAct,
+    LearningError,
+    Observe,
+    SearchReward,
+    VectorEnv,
+    gym_env,
+    parallel_env,
+)
 from robotteamsim.learning.episode import LONGEST_MESSAGE, LONGEST_NUMBER
 from robotteamsim.learning.senses import Said
 from robotteamsim.scenario import load
@@ -90,7 +100,7 @@ def test_missions_that_are_stepped_together_have_the_records_of_single_ones(over
         ours, expected = env.episodes[1].record, alone.record
         for name in ("step_index", "sim_time_ns", "mission", "events", "victims", "task", "noise_db"):
             assert getattr(ours, name) == getattr(expected, name), name
-        assert list(ours.decisions) == list(expected.decisions)
+        assert ours.decisions == expected.decisions
         assert list(map(list, ours.inboxes)) == list(map(list, expected.inboxes))
         assert ours.network.traffic == expected.network.traffic
         assert (ours.voice_map is None) == (expected.voice_map is None)
@@ -101,6 +111,72 @@ def test_missions_that_are_stepped_together_have_the_records_of_single_ones(over
     assert env.stepped_together.all()
     assert ended
     assert contacts or overrides
+
+
+class LinkReward(SearchReward):
+    """Looks at L of eq. (16)."""
+
+    def of_step(self, record):
+        return super().of_step(record) + record.network.link.sum()
+
+
+def test_links_by_distance_beside_links_by_signal_are_those_of_each_alone():
+    made = scenario(), scenario("garage_sar", "network.link=distance", "network.max_distance_m=1.2")
+    env = BatchEnv(made, 2, reward=LinkReward)
+    env.reset(0)
+    rewards = env.step(np.zeros((2, 3, 2))).rewards
+    for i, one in enumerate(made):
+        alone = parallel_env(one, reward=LinkReward)
+        alone.reset(seed=i)
+        _, expected, *_ = alone.step({agent: np.zeros(2, np.float32) for agent in alone.agents})
+        assert list(rewards[i]) == [np.float32(reward) for reward in expected.values()]
+
+
+def test_memory_of_states_is_used_again_while_missions_are_quiet_and_begin_again():
+    env, places = BatchEnv(scenario("garage_sar", "mission.victims=[]"), 4), set()
+    env.reset(0)
+    for step in range(24):
+        if step % 2:
+            env.begin(np.arange(4) == step // 2 % 4)
+        env.step(np.zeros((4, 3, 2)))
+        places.add(env.episodes[0].record.state.true_pose.ctypes.data)
+    assert len(places) <= 8  # each beginning has a state of its own until its first step
+
+
+class FailsLater(SearchReward):
+    def of_step(self, record):
+        if record.step_index == 9:
+            raise RuntimeError("no reward")
+        return super().of_step(record)
+
+
+def test_batch_that_an_error_has_stopped_in_the_middle_needs_a_reset():
+    env = BatchEnv(scenario(), 2, reward=FailsLater)
+    env.reset(1)
+    rest = np.zeros((2, 3, 2))
+    env.step(rest)
+    with pytest.raises(RuntimeError, match="no reward"):
+        env.step(rest)
+    with pytest.raises(LearningError, match="call reset first"):
+        env.step(rest)
+    env.reset(1)
+    env.step(rest)
+
+
+def test_observation_that_keeps_what_it_was_given_has_it_later():
+    given = []
+
+    class Keeping(Observe):
+        def vectors(self, percepts):
+            given.append((percepts.poses, percepts.poses.copy()))
+            return super().vectors(percepts)
+
+    env = BatchEnv(scenario(), 2, observe=Keeping)
+    env.reset(1)
+    for _ in range(3):
+        env.step(np.ones((2, 3, 2), np.float32))
+    assert all(np.array_equal(kept, copied) for kept, copied in given)
+    assert not np.array_equal(given[0][1], given[-1][1])
 
 
 def test_missions_with_a_schedule_are_stepped_alone():

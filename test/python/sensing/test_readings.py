@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import math
 
+import msgspec
 import numpy as np
 import pytest
+from robotteamsim._core.sensing import Lasers, RangeLimits, TeamSensors
 from robotteamsim._core.state import State, States
+from robotteamsim._core.world import Fan, FanCaster
 
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading, state_of
@@ -87,6 +90,23 @@ def test_memory_of_a_state_is_used_again_only_after_nobody_holds_it():
     assert states.next().of(0).true_pose.ctypes.data != place
     del row
     assert states.next().of(0).true_pose.ctypes.data == place
+
+
+def test_reading_that_is_wrong_changes_nothing():
+    state = state_of([reading(0), reading(1)])
+    for odd in ({"in_contact": np.array([1, 2])}, {"ranges_m": "far"}, {"contact_angles_rad": (None,)}):
+        with pytest.raises((ValueError, TypeError)):
+            state.put_reading(0, msgspec.structs.replace(reading(1), **odd))
+    assert state[0].ground_truth == reading(0).ground_truth
+
+
+def test_caster_of_another_fan_is_refused():
+    view = {"angle_min_rad": 0.0, "angle_max_rad": 1.0, "forward_m": 0.0, "left_m": 0.0, "range_max_m": 5.0}
+    few, many = Fan(beams=2, **view), Fan(beams=9, **view)
+    limits = RangeLimits(range_min_m=0.0, range_max_m=5.0, too_near_m=0.0, no_return_m=5.0)
+    lasers = Lasers(many, limits, [0], FanCaster(few, [], []))
+    with pytest.raises(ValueError, match="its caster as many"):
+        TeamSensors([lasers], [(0.0, 0.0, 0.0, 0.0)], 0.1, [False])
 
 
 def test_robots_and_links_that_are_not_there_are_refused():

@@ -115,6 +115,20 @@ def test_error_in_a_mission_names_it_and_leaves_the_others():
     assert moved == [True, False, True]
 
 
+def test_mission_that_is_named_twice_and_parts_of_another_mission_are_refused():
+    simulations = [simulation_of("garage_sar") for _ in range(2)]
+    batch = batch_of(simulations)
+    for do in (lambda: batch.move(np.zeros((2, 3, 3)), [0, 1, 0]), lambda: batch.sense([0, 0])):
+        with pytest.raises(ValueError, match="mission 0: is named twice"):
+            do()
+    with pytest.raises(ValueError, match="mission -1: there is none"):
+        batch.sense([-1])
+    one, other = simulations
+    parts = one.sensors.core, one.network.network.links, one.hearing.sensor.core(), one.mission.places
+    with pytest.raises(ValueError, match="another mission has a part"):
+        batch.put(0, other.world.core, *parts)
+
+
 def test_teams_and_commands_that_do_not_fit_are_refused():
     simulation = simulation_of("garage_sar")
     batch = batch_of([simulation])

@@ -8,6 +8,7 @@ import time
 import pytest
 
 from robotteamsim.cli import main
+from robotteamsim.interface import Decision
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
 from robotteamsim.simulation.timings import OBSERVERS, REST, STAGES
@@ -38,6 +39,27 @@ def test_each_stage_is_called_once_a_step_and_the_shares_are_a_whole():
     assert sum(time.share for time in timings.values()) == pytest.approx(1.0)
     assert timings[OBSERVERS].mean_s > 0.001
     assert all(time.mean_s > 0.0 for time in timings.values())
+
+
+class Narrow:
+    """Controllers that have no room for another attribute."""
+
+    __slots__ = ("faults",)
+
+    def __init__(self):
+        self.faults = ("",) * 3
+
+    def step(self, sensed):
+        return (Decision(),) * 3
+
+
+def test_halves_of_a_step_are_measured_too_and_controllers_of_any_kind():
+    simulation = Simulation(load("garage_sar", SHORT), controllers=Narrow())
+    simulation.time_stages()
+    for _ in range(5):
+        simulation.decide(simulation.sense())
+    assert simulation.controllers.faults == ("",) * 3
+    assert {(time.calls, time.mean_s > 0.0) for time in simulation.timings()} == {(5, True)}
 
 
 def test_measured_mission_has_the_same_bits():
