@@ -25,8 +25,6 @@ class Reward:
     def __init__(self, setup: Setup, robot_ids: Sequence[int]) -> None:
         """Args: robot_ids: of the agents."""
         self.setup, self.robot_ids = setup, list(robot_ids)
-        self._step_s = setup.scenario.run.step_s
-        self._per_contact = self.PER_CONTACT_S * self._step_s
 
     @classmethod
     def lack_of(cls, scenario: Scenario) -> str:
@@ -40,7 +38,8 @@ class Reward:
     def for_contacts(self, record: StepRecord) -> np.ndarray:
         """Return `PER_CONTACT_S` per second of contact for each agent, shape (n,)."""
         contact = record.state.contact.tolist()
-        return self._per_contact * np.array([contact[i] for i in self.robot_ids])
+        per_contact = self.PER_CONTACT_S * self.setup.scenario.run.step_s
+        return per_contact * np.array([contact[i] for i in self.robot_ids])
 
 
 class SearchReward(Reward):
@@ -76,7 +75,7 @@ class SearchReward(Reward):
 
     def of_step(self, record: StepRecord) -> np.ndarray:
         """Return the reward of each agent for one step of the simulation, shape (n,)."""
-        status, step_s = record.mission, self._step_s
+        status, step_s = record.mission, self.setup.scenario.run.step_s
         explored, saved = status.areas_explored, status.victims_saved
         team = self.AREA * (explored - self._explored) + self.VICTIM * (saved - self._saved) + self.PER_S * step_s
         self._explored, self._saved = explored, saved
@@ -91,7 +90,7 @@ class SearchReward(Reward):
         positions_m, is_there, length_m = record.state.positions_m, record.present.tolist(), UNREACHABLE_M
         for known, robot_ids in self._sharing.items():
             there = [i for i in robot_ids if is_there[i]]
-            length_m = min(length_m, *known.distances_m(area, positions_m[there]))
+            length_m = min([length_m, *known.distances_m(area, positions_m[there])])
         if length_m < UNREACHABLE_M:
             self._path = area, length_m
         return before[1] - length_m if before and self._path and before[0] == area else 0.0

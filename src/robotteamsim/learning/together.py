@@ -225,10 +225,10 @@ class Together:
         """
         robots = self._twists.shape[1]
         hears = state.hop_count[missions] > 0  # by mission, receiver and sender: links are symmetric
-        rows = np.ones((len(missions), 1, robots, self._heard.shape[-1]))
-        rows[:, 0, :, 1:3], rows[:, 0, :, 4:] = positions_m[missions], say[missions]
         worlds = [self._episodes[i].check_begun().world for i in missions]
-        rows[:, 0, :, 3] = [[world.sim_time_ns + world.step_ns] for world in worlds]
+        shape = len(missions), robots, 1
+        times_ns = np.broadcast_to(np.array([[[world.sim_time_ns + world.step_ns]] for world in worlds]), shape)
+        rows = np.concatenate((np.ones(shape), positions_m[missions], times_ns, say[missions]), -1)[:, None]
         self._heard[missions, :, :robots] = np.where(hears[..., None], rows, self._heard[missions, :, :robots])
         copies = robots * (robots - 1)
         return {

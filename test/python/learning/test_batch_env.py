@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import os
 
 import numpy as np
@@ -23,7 +24,8 @@ from robotteamsim.learning import (
 from robotteamsim.learning.episode import LONGEST_MESSAGE, LONGEST_NUMBER
 from robotteamsim.learning.senses import Said
 from robotteamsim.scenario import load
-from robotteamsim.simulation import TrajectoryHash
+from robotteamsim.setup import resolve
+from robotteamsim.simulation import Simulation, TrajectoryHash
 
 
 def scenario(name="garage_sar", *overrides):
@@ -177,6 +179,16 @@ def test_observation_that_keeps_what_it_was_given_has_it_later():
         env.step(np.ones((2, 3, 2), np.float32))
     assert all(np.array_equal(kept, copied) for kept, copied in given)
     assert not np.array_equal(given[0][1], given[-1][1])
+
+
+def test_search_is_rewarded_while_all_robots_of_a_size_have_left():
+    setup = resolve(scenario("garage_sar", "schedule=[{at_s: 0.5, remove: 2}]"))
+    larger = setup.robots[2].model_copy(update={"radius_m": 0.3})
+    setup = dataclasses.replace(setup, robots=(*setup.robots[:2], larger))
+    simulation, reward = Simulation(setup), SearchReward(setup, [0, 1, 2])
+    rewards = [reward.of_step(simulation.step()) for _ in range(10)]
+    assert np.isfinite(rewards).all()
+    assert simulation.world.present.tolist() == [True, True, False]
 
 
 def test_missions_with_a_schedule_are_stepped_alone():

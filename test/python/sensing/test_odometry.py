@@ -27,7 +27,7 @@ def arc(speed_mps: float, turn_radps: float) -> tuple[Pose, Twist]:
 
 
 class Team:
-    """The odometry of robots that move as they are told."""
+    """The odometry of robots whose motions a test gives."""
 
     def __init__(self, model: OdometryModel, generators: list[np.random.Generator], *, omni: bool = False) -> None:
         robots, alphas = len(generators), (model.alpha1, model.alpha2, model.alpha3, model.alpha4)
