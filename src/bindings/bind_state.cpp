@@ -218,7 +218,12 @@ void PutReading(MissionState& of, std::size_t robot, nb::handle reading) {
   state.beams_of[row] = ranges_m.size();
   state.contact[row] = touches ? 1 : 0;
   state.contact_angles[row] = angles;
-  if (nb::len(sensors) > 0) of.sensors[nb::int_(robot)] = sensors;
+  const nb::int_ id(robot);
+  if (nb::len(sensors) > 0) {
+    of.sensors[id] = sensors;
+  } else if (of.sensors.contains(id)) {
+    nb::del(of.sensors[id]);
+  }
 }
 
 using Cells = Array<const double, -1, -1>;

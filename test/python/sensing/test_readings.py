@@ -92,6 +92,13 @@ def test_memory_of_a_state_is_used_again_only_after_nobody_holds_it():
     assert states.next().of(0).true_pose.ctypes.data == place
 
 
+def test_reading_without_additional_sensors_replaces_those_that_were_there():
+    state = state_of([reading(0), reading(1)])
+    state.put_reading(1, msgspec.structs.replace(reading(0), sensors={}))
+    assert state[1].sensors == {}
+    assert state.sensors == {}
+
+
 def test_reading_that_is_wrong_changes_nothing():
     state = state_of([reading(0), reading(1)])
     for odd in ({"in_contact": np.array([1, 2])}, {"ranges_m": "far"}, {"contact_angles_rad": (None,)}):
