@@ -17,8 +17,7 @@ import numpy as np
 from robotteamsim.analysis.report.statistics import bootstrap_mean, generator
 from robotteamsim.campaign.protocol import control_of
 from robotteamsim.learning import TASKS, task
-from robotteamsim.learning.driven import driven_ids
-from robotteamsim.learning.reward import Reward
+from robotteamsim.learning.reward import Reward, Steps
 from robotteamsim.recording.idleness import IdlenessLog
 from robotteamsim.recording.measures import Measures
 from robotteamsim.recording.network_log import NetworkLog
@@ -46,11 +45,12 @@ class Return(Observer):
 
     def begin(self, setup: Setup) -> None:
         """Begin with nothing."""
-        self._reward, self.total = self._make(setup, driven_ids(setup.scenario)), 0.0
+        self._reward, self.total = self._make(setup, setup.scenario.searcher_ids), 0.0
+        self._reward.begin(0, setup)
 
     def step(self, record: StepRecord) -> None:
         """Add the mean reward of the agents."""
-        self.total += float(self._reward.of_step(record).mean())
+        self.total += float(self._reward.of_step(Steps.of(record, self._reward.robot_ids)).mean())
 
 
 def run_trial(name: str, controller: str, seed: int) -> Row:

@@ -15,7 +15,7 @@ import torch
 from robotteamsim.campaign.protocol import SearchProtocol, search_design
 from robotteamsim.cli.parser import folder_of, positive_number, positive_whole_number
 from robotteamsim.control.driving.known_map import UNREACHABLE_M, known_map
-from robotteamsim.learning import Act, BatchEnv, Observe, Percepts, Reward, export_policy, seen_from
+from robotteamsim.learning import Act, BatchEnv, Observe, Percepts, Reward, Steps, export_policy, seen_from
 from robotteamsim.scenario import Scenario
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.sections import Team
@@ -140,35 +140,44 @@ class OwnProgress(Reward):
     AREA, VICTIM, PER_CONTACT_S, PER_S = 0.5, 1.0, -0.2, -0.01
     PER_METRE, PER_METRE_TO_VOICE = 0.1, 0.2
 
-    def __init__(self, setup: Setup, robot_ids: Sequence[int]) -> None:
-        """Args: robot_ids: of the agents."""
-        super().__init__(setup, robot_ids)
-        self._found = np.zeros(2)
-        self._before: list[tuple[Place | None, float]] = [(None, 0.0)] * len(self.robot_ids)
-        self._to_victims: dict[tuple[float, Place], np.ndarray | None] = {}
+    def __init__(self, setup: Setup, robot_ids: Sequence[int], missions: int = 1) -> None:
+        """See `Reward`."""
+        super().__init__(setup, robot_ids, missions)
+        self._found = np.zeros((missions, 2))
+        self._steps = np.zeros(missions, int)
+        self._before: list[list[tuple[Place | None, float]]] = [[] for _ in range(missions)]
+        self._to_victims: list[dict[tuple[float, Place], np.ndarray | None]] = [{} for _ in range(missions)]
 
-    def of_step(self, record: StepRecord) -> np.ndarray:
-        """Return the reward of each agent for one step of the simulation, shape (n,)."""
-        status, step_s = record.mission, self.setup.scenario.run.step_s
-        found = np.array((status.areas_explored, status.victims_saved))
-        team = (self.AREA, self.VICTIM) @ (found - self._found) + self.PER_S * step_s
-        self._found = found
-        contacts = self.for_contacts(record)
-        if record.step_index % 5 == 0:
-            contacts = contacts + [self._progress(i, record) for i in range(len(contacts))]
-        return np.asarray(team + contacts)
+    def begin(self, mission: int, setup: Setup) -> None:
+        """See `Reward`."""
+        self._found[mission], self._steps[mission] = 0.0, 0
+        self._before[mission], self._to_victims[mission] = [(None, 0.0)] * len(self.robot_ids), {}
 
-    def _progress(self, agent: int, record: StepRecord) -> float:
+    def of_step(self, steps: Steps) -> np.ndarray:
+        """See `Reward`."""
+        which, found = steps.missions, np.column_stack((steps.explored, steps.saved))
+        team = (found - self._found[which]) @ (self.AREA, self.VICTIM) + self.PER_S * self.setup.scenario.run.step_s
+        rewards = team[:, None] + self.for_contacts(steps)
+        self._found[which] = found
+        self._steps[which] += 1
+        for row in np.flatnonzero(self._steps[which] % 5 == 0).tolist():
+            mission = int(which[row])
+            record = steps.record_of(mission)
+            rewards[row] += [self._progress(mission, agent, record) for agent in range(len(self.robot_ids))]
+        return rewards
+
+    def _progress(self, mission: int, agent: int, record: StepRecord) -> float:
         """Return the reward for having come nearer to a goal since the last call, if the robot still has it."""
         robot_id = self.robot_ids[agent]
         if not record.present[robot_id]:
             return 0.0
         position = tuple(record.state.positions_m[robot_id].tolist())
         goals = [
-            (self._length_m(robot_id, place, position, own), place) for place, own in self._goals(robot_id, record)
+            (self._length_m(mission, robot_id, place, position, own), place)
+            for place, own in self._goals(robot_id, record)
         ]
         length_m, goal = min(goals, default=(UNREACHABLE_M, None))
-        (before, before_m), self._before[agent] = self._before[agent], (goal, length_m)
+        (before, before_m), self._before[mission][agent] = self._before[mission][agent], (goal, length_m)
         per_metre = self.PER_METRE_TO_VOICE if record.voices[robot_id].heard else self.PER_METRE
         return per_metre * (before_m - length_m) if goal == before and length_m < UNREACHABLE_M > before_m else 0.0
 
@@ -180,14 +189,15 @@ class OwnProgress(Reward):
         area = record.mission.task.area_center_m
         return [] if area is None else [(area, False)]
 
-    def _length_m(self, robot_id: int, goal: Place, position: Place, is_own: bool) -> float:
+    def _length_m(self, mission: int, robot_id: int, goal: Place, position: Place, is_own: bool) -> float:
         building, reach_m = self.setup.building, self.setup.robots[robot_id].reach_m
         if not is_own:
             lengths_m = building.shared(lengths_to, reach_m, goal)
         else:
-            if (reach_m, goal) not in self._to_victims:
-                self._to_victims[reach_m, goal] = lengths_to(building, reach_m, goal)
-            lengths_m = self._to_victims[reach_m, goal]
+            known = self._to_victims[mission]
+            if (reach_m, goal) not in known:
+                known[reach_m, goal] = lengths_to(building, reach_m, goal)
+            lengths_m = known[reach_m, goal]
         grid = known_map(building, reach_m).grid
         start = grid.nearest_free(position, 1.0)
         return (
@@ -236,14 +246,14 @@ def judge(choose: Callable[[np.ndarray], np.ndarray], missions: int, seed: int =
     """
     batch = BatchEnv(search_scenario(HELD_OUT), missions, **RULES)
     observations, is_running = batch.reset(seed), np.ones(missions, bool)
-    records: list[list[StepRecord]] = [[] for _ in batch.episodes]
+    records: list[list[StepRecord]] = [[] for _ in range(missions)]
     while is_running.any():
         actions = choose(observations.reshape(missions * batch.num_robots, -1))
         step = batch.step(actions.reshape(missions, batch.num_robots, -1))
         for i in np.flatnonzero(is_running):
-            records[i].append(batch.episodes[i].record)
+            records[i].append(batch.record(i))
         is_running &= ~step.is_over
-    return Judged.of(batch.episodes[0].scenario, records)
+    return Judged.of(batch.setup(0).scenario, records)
 
 
 def judge_controller(controller: str, missions: int, seed: int = HELD_OUT_SEED) -> Judged:

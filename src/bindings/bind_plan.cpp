@@ -80,7 +80,7 @@ void BindPlan(nb::module_&& m) {
               values.push_back(free ? grid.ValueAt(distances.data(), distances.size(), *free)
                                     : std::numeric_limits<double>::infinity());
             }
-            return values;
+            return ArrayOf(std::move(values));
           },
           "distances_m"_a, "points_m"_a, "max_distance_m"_a,
           "Return the values of a distance map at the nearest free cells of points; inf where none is near enough.")

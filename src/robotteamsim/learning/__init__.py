@@ -9,16 +9,15 @@ except ModuleNotFoundError as error:
     raise ModuleNotFoundError(missing_extra(error), name=error.name) from None
 
 from robotteamsim.learning.act import Act, DiscreteAct
-from robotteamsim.learning.batch_env import BatchEnv
+from robotteamsim.learning.batch_env import BatchEnv, BatchStep
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.gym_env import CentralEnv, gym_env
 from robotteamsim.learning.observe import Memory, Observe, Part, Percepts, seen_from
 from robotteamsim.learning.policy import PolicyController
 from robotteamsim.learning.policy_file import export_policy
-from robotteamsim.learning.reward import Reward, SearchReward
+from robotteamsim.learning.reward import Reward, SearchReward, Steps
 from robotteamsim.learning.tasks import TASKS, register, task
 from robotteamsim.learning.team_env import TeamEnv, env, parallel_env
-from robotteamsim.learning.together import BatchStep
 from robotteamsim.learning.vector_env import VectorEnv
 
 __all__ = [
@@ -36,6 +35,7 @@ __all__ = [
     "PolicyController",
     "Reward",
     "SearchReward",
+    "Steps",
     "TeamEnv",
     "VectorEnv",
     "env",

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
 
 import msgspec
 import numpy as np
@@ -12,12 +12,30 @@ from numpy.typing import ArrayLike
 
 from robotteamsim.learning.act import Commands
 from robotteamsim.learning.arrays import array_of, shown
-from robotteamsim.learning.episode import LARGEST_SEED, AnyScenario, Episode, Rules, vectors_of
 from robotteamsim.learning.errors import LearningError
-from robotteamsim.learning.together import BatchStep, Together
+from robotteamsim.learning.missions import LARGEST_SEED, Missions
+from robotteamsim.learning.rules import AnyScenario, Rules
+from robotteamsim.setup import Setup
+from robotteamsim.simulation import StepRecord
 
 MOST_MISSIONS = 10_000
 """Each takes more than a megabyte."""
+
+
+class BatchStep(NamedTuple):
+    """What a step of many missions has led to. The arrays are always the same ones, which the next step changes.
+
+    observations: float32, shape (num_envs, robots, size); 0 for absent robots.
+    rewards:      float32, shape (num_envs, robots).
+    terminated, truncated: bool, shape (num_envs, robots), as of `TeamEnv`.
+    is_over:      bool, shape (num_envs,): whose next step begins another mission.
+    """
+
+    observations: np.ndarray
+    rewards: np.ndarray
+    terminated: np.ndarray
+    truncated: np.ndarray
+    is_over: np.ndarray
 
 
 class BatchEnv:
@@ -50,24 +68,24 @@ class BatchEnv:
                 f"scenario: {len(scenarios)} scenarios for {num_envs} missions; expected 1 to {num_envs}"
             )
         made = Rules.of(rules)
-        firsts = [Episode(one, made) for one in scenarios]
-        if made.teammates is None:
-            made = msgspec.structs.replace(made, teammates=max(first.observe.teammates for first in firsts))
-            firsts = [Episode(first.scenario, made) for first in firsts]
-        for first in firsts[1:]:
+        firsts = [Missions(one, made) for one in scenarios]
+        made = msgspec.structs.replace(made, teammates=max(first.observe.teammates for first in firsts))
+        self._same = [slice(k, int(num_envs), len(firsts)) for k in range(len(firsts))]
+        """The missions of each scenario, which are stepped together."""
+        self._groups = [
+            Missions(first.scenario, made, len(range(num_envs)[same]), threads)
+            for first, same in zip(firsts, self._same, strict=True)
+        ]
+        first, *others = self._groups
+        for other in others:
             for key in ("observe", "act"):
-                space, expected = getattr(first, key).space, getattr(firsts[0], key).space
+                space, expected = getattr(other, key).space, getattr(first, key).space
                 if space != expected:
-                    name, one = first.scenario.name, firsts[0].scenario.name
+                    name, one = other.scenario.name, first.scenario.name
                     raise LearningError(f"{name}: {key}: {space}; expected that of {one}, {expected}")
-        self.num_envs, self.observe, self.act = int(num_envs), firsts[0].observe, firsts[0].act
-        self.num_robots = max(len(first.robot_ids) for first in firsts)
+        self.num_envs, self.observe, self.act = int(num_envs), first.observe, first.act
+        self.num_robots = max(len(group.robot_ids) for group in self._groups)
         """How many robots a mission has room for."""
-        more = (Episode(firsts[i % len(firsts)].scenario, made) for i in range(len(firsts), self.num_envs))
-        self.episodes = [*firsts, *more]
-        self._together = Together(self.episodes, self.num_robots, threads)
-        self._same = [slice(k, None, len(firsts)) for k in range(len(firsts))]
-        """The missions of each scenario, which are perceived together."""
         shape = self.num_envs, self.num_robots
         self._step = BatchStep(
             np.zeros((*shape, *self.observe.space.shape), np.float32),
@@ -80,15 +98,18 @@ class BatchEnv:
     @property
     def stepped_together(self) -> np.ndarray:
         """Which missions are stepped together, in arrays: those in which nothing acts but robots; shape (num_envs,)."""
-        return self._together.are_plain
+        together = np.zeros(self.num_envs, bool)
+        for group, same in self._grouped():
+            together[same] = group.are_plain
+        return together
 
     @property
     def present(self) -> np.ndarray:
         """Whether each robot is present, bool, shape (num_envs, robots)."""
-        self.episodes[-1].check_begun()
+        self._check_begun()
         present = np.zeros((self.num_envs, self.num_robots), bool)
-        for row, episode in zip(present, self.episodes, strict=True):
-            row[: len(episode.robot_ids)] = episode.present
+        for group, same in self._grouped():
+            present[same, : len(group.robot_ids)] = group.present
         return present
 
     @property
@@ -101,18 +122,27 @@ class BatchEnv:
         if first is None:
             return None
         masks = np.ones((self.num_envs, self.num_robots, *np.shape(first)), np.int8)
-        for rows, episode in zip(masks, self.episodes, strict=True):
-            rows[: len(episode.robot_ids)] = [info["action_mask"] for info in episode.act.infos()]
+        for group, same in self._grouped():
+            masks[same, : len(group.robot_ids)] = [info["action_mask"] for info in group.act.infos()]
         return masks
+
+    def record(self, mission: int) -> StepRecord | None:
+        """Return the last complete step of a mission, for own measures; None before the first one."""
+        group, which = self._place(mission)
+        return group.record(which)
+
+    def setup(self, mission: int) -> Setup:
+        """Return the setup of a mission, whose `scenario.run.seed` is its seed. Raises: LearningError: see `reset`."""
+        group, which = self._place(mission)
+        return group.setup(which)
 
     def reset(self, seed: int | None = None) -> np.ndarray:
         """Begin all missions, mission i with `seed` + i, and return the observations; see `TeamEnv.reset`."""
         largest = LARGEST_SEED - self.num_envs + 1
         if seed is not None and not (isinstance(seed, int | np.integer) and 0 <= seed <= largest):
             raise LearningError(f"seed: {seed!r}; expected a whole number from 0 to {largest}")
-        for i, episode in enumerate(self.episodes):
-            episode.begin(None if seed is None else int(seed) + i)
-            self._together.begin(i)
+        for i in range(self.num_envs):
+            self._begin(i, None if seed is None else int(seed) + i)
         for array in self._step[1:]:
             array[:] = 0
         self._perceive()
@@ -124,16 +154,15 @@ class BatchEnv:
         For libraries that reset environments themselves. Args: which: bool, shape (num_envs,).
         Raises: RobotTeamSimError: one line: `reset` was not called, or `which` is something else.
         """
-        self.episodes[-1].check_begun()
+        self._check_begun()
         chosen = array_of(which)
         if chosen.shape != (self.num_envs,) or chosen.dtype != bool:
             found = f"which: {shown(chosen)}, shape {chosen.shape}"
             raise LearningError(f"{found}; expected bool, shape ({self.num_envs},)")
         for i in np.flatnonzero(chosen).tolist():
-            self.episodes[i].begin()
-            self._together.begin(i)
-            for array in self._step[1:]:
-                array[i] = 0
+            self._begin(i)
+        for array in self._step[1:]:
+            array[chosen] = 0
         self._perceive()
         return self._step.observations
 
@@ -143,51 +172,58 @@ class BatchEnv:
         Raises: RobotTeamSimError: one line: `reset` was not called, or an action is not of the space. After any other
                 error, such as one of a reward, only `reset` helps.
         """
-        self.episodes[-1].check_begun()
-        step, given = self._step, array_of(actions)
+        step, given, present = self._step, array_of(actions), self.present
         shape = self.num_envs, self.num_robots, *(self.act.space.shape or ())
         if given.shape != shape:
             raise LearningError(f"actions of shape {given.shape}; expected {shape}")
         is_over = step.is_over.copy()
-        acting = (self.present & ~is_over[:, None]).reshape(*shape[:2], *(1,) * (len(shape) - 2))
-        commands = self._commands(np.where(acting, given, self.act.rest))
+        acting = (present & ~is_over[:, None]).reshape(*shape[:2], *(1,) * (len(shape) - 2))
+        given = np.where(acting, given, self.act.rest)
+        commands = [self._commands(group, same, given) for group, same in self._grouped()]
         for array in step[1:]:
             array[:] = 0
         for i in np.flatnonzero(is_over).tolist():
-            self.episodes[i].begin()
-            self._together.begin(i)
-        try:
-            self._together.step(np.flatnonzero(~is_over).tolist(), commands, step)
-        except BaseException:  # some missions have made a part of a step
-            for episode in self.episodes:
-                episode.end()
-            raise
+            self._begin(i)
+        for (group, same), of_these in zip(self._grouped(), commands, strict=True):
+            which = np.flatnonzero(~is_over[same])
+            where = np.arange(self.num_envs)[same][which]
+            *of_agents, step.is_over[where] = group.step(which.tolist(), of_these)
+            for array, part in zip((step.rewards, step.terminated, step.truncated), of_agents, strict=True):
+                array[where, : part.shape[1]] = part
         self._perceive()
         return step
 
-    def _commands(self, actions: np.ndarray) -> Commands:
-        """Return the commands of all missions. Raises: LearningError: an action is not of the space."""
-        shape = self.num_envs, self.num_robots
-        commands = Commands(np.zeros((*shape, 3)), np.zeros((*shape, self.act.said)))
-        for same in self._same:
-            first = self.episodes[same][0]
-            of_these = actions[same, : len(first.robot_ids)]
-            try:
-                for array, part in zip(commands, first.act.commands(of_these), strict=True):
-                    array[same, : part.shape[1]] = part
-            except LearningError:
-                # Name the mission.
-                for i, of_one in zip(range(self.num_envs)[same], of_these, strict=True):
-                    try:
-                        first.act.commands(of_one)
-                    except LearningError as error:
-                        raise LearningError(f"mission {i}: {error}") from None
-                raise
-        return commands
+    def _grouped(self) -> Iterator[tuple[Missions, slice]]:
+        return zip(self._groups, self._same, strict=True)
+
+    def _place(self, mission: int) -> tuple[Missions, int]:
+        """Return where a mission is."""
+        return self._groups[mission % len(self._groups)], mission // len(self._groups)
+
+    def _begin(self, mission: int, seed: int | None = None) -> None:
+        group, which = self._place(mission)
+        group.begin(which, seed)
+
+    def _check_begun(self) -> None:
+        """Raises: LearningError: `reset` was not called, or did not end."""
+        for group in self._groups:
+            group.check_begun(group.number - 1)
+
+    def _commands(self, group: Missions, same: slice, actions: np.ndarray) -> Commands:
+        """Return the commands of the missions of a scenario. Raises: LearningError: an action is not of the space."""
+        of_these = actions[same, : len(group.robot_ids)]
+        try:
+            return group.act.commands(of_these)
+        except LearningError:
+            # Name the mission.
+            for i, of_one in zip(range(self.num_envs)[same], of_these, strict=True):
+                try:
+                    group.act.commands(of_one)
+                except LearningError as error:
+                    raise LearningError(f"mission {i}: {error}") from None
+            raise
 
     def _perceive(self) -> None:
         """Write the observations of all missions."""
-        for same in self._same:
-            first, present = self.episodes[same][0], np.stack([episode.present for episode in self.episodes[same]])
-            percepts = self._together.percepts.of(same, len(first.robot_ids))
-            self._step.observations[same, : present.shape[1]] = vectors_of(first.observe, percepts, present)
+        for group, same in self._grouped():
+            self._step.observations[same, : len(group.robot_ids)] = group.vectors()

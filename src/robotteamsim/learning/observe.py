@@ -8,11 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 from gymnasium.spaces import Box
-from numpy.typing import ArrayLike
 
+from robotteamsim.interface import Task
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.propagation import shared_radio_field
-from robotteamsim.scenario import FloorPlan
 from robotteamsim.scenario.scenario import MAX_ROBOTS
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.setup import Setup
@@ -65,10 +64,6 @@ class Percepts(NamedTuple):
     heard: np.ndarray
     remembered: np.ndarray
 
-    def of(self, missions: slice, agents: int) -> Percepts:
-        """Return those of the first agents of some of several missions, in arrays of their own."""
-        return Percepts(*(part[missions, :agents].copy() for part in self))
-
 
 def cos_sin(poses: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return cosine and sine of the yaws, from the quaternions of `Percepts.poses`."""
@@ -86,6 +81,12 @@ def seen_from(poses: np.ndarray, places_m: np.ndarray) -> np.ndarray:
     seen_m[..., 0] = cos * offsets_m[..., 0] + sin * offsets_m[..., 1]
     seen_m[..., 1] = cos * offsets_m[..., 1] - sin * offsets_m[..., 0]
     return seen_m
+
+
+def area_of(task: Task) -> tuple[float, float, float]:
+    """Return a row of `Percepts.area`."""
+    center_m = task.area_center_m
+    return (0.0, 0.0, 0.0) if center_m is None else (1.0, *center_m)
 
 
 class Memory:
@@ -142,6 +143,7 @@ class Observe:
         self._range_max_m = np.array([[robot.laser.range_max_m] for robot in robots], np.float32)
         drives = [robot.drive for robot in robots]
         self._fastest = np.array([(drive.max_speed_mps, drive.max_turn_radps) for drive in drives])
+        self._low_m, self._extent_m = np.array(bounds.min), np.array(bounds.max) - bounds.min
         self._diagonal_m = math.dist(bounds.min, bounds.max)
         voice_radius_m = setup.scenario.voice.local_best_radius_m + setup.scenario.voice.map_resolution_m
         self._units_m = np.array((voice_radius_m, self._diagonal_m, *(self._diagonal_m,) * self.teammates))
@@ -180,7 +182,7 @@ class Observe:
         """Return the vector of each agent, shape (..., n, size of the space); the same inputs give the same bits."""
         shape, seen = percepts.poses.shape[:-1], self._seen(percepts)
         numbers = np.empty((*shape, 13))
-        numbers[..., 0:2] = in_bounds(self.setup.plan, percepts.poses[..., :2])
+        numbers[..., 0:2] = self.in_bounds(percepts.poses[..., :2])
         numbers[..., 2], numbers[..., 3] = cos_sin(percepts.poses)
         numbers[..., 4:6] = percepts.twists[..., ::2] / self._fastest
         numbers[..., 6] = percepts.voices[..., 0]
@@ -192,6 +194,10 @@ class Observe:
         parts = percepts.ranges_m / self._range_max_m, numbers, teammates, percepts.remembered
         vectors = np.concatenate(parts, -1, dtype=np.float32)
         return np.maximum(np.minimum(vectors, 1.0), -1.0)
+
+    def in_bounds(self, places_m: np.ndarray) -> np.ndarray:
+        """Return places in `map` [m], shape (..., 2), from -1 to 1 between the bounds of the plan."""
+        return np.asarray(2.0 * (places_m - self._low_m) / self._extent_m - 1.0)
 
     def _seen(self, percepts: Percepts) -> np.ndarray:
         """Return the loudest cell, the area and the teammates as x and y from each robot, in their units.
@@ -219,9 +225,3 @@ class Observe:
         numbers[..., 4] = known * percepts.heard[..., 3] / OLDEST_S
         numbers[..., 5:] = percepts.heard[..., 4:]
         return numbers
-
-
-def in_bounds(plan: FloorPlan, places_m: ArrayLike) -> np.ndarray:
-    """Return places in `map` [m], shape (..., 2), from -1 to 1 between the bounds of a plan."""
-    low_m, high_m = np.array(plan.bounds.min), np.array(plan.bounds.max)
-    return np.asarray(2.0 * (np.asarray(places_m) - low_m) / (high_m - low_m) - 1.0)

@@ -10,8 +10,8 @@ import numpy as np
 
 from robotteamsim.interface import Decision, Message, Observation, Task
 from robotteamsim.learning.act import Act
-from robotteamsim.learning.episode import Rules, vectors_of
 from robotteamsim.learning.observe import Observe
+from robotteamsim.learning.rules import Rules
 from robotteamsim.learning.senses import Senses
 from robotteamsim.setup import Setup
 
@@ -38,6 +38,7 @@ class PolicyController:
         self._observe = self.observe(setup, [robot_id], self.said, self.teammates)
         self._act = self.act(setup, [robot_id], self.said)
         self._senses = Senses(setup, self._observe)
+        self._senses.begin(0, setup)
         self._steps = 0
         self._held = Decision()
 
@@ -47,16 +48,16 @@ class PolicyController:
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """As for all controllers."""
-        self._senses.note(observation.sim_time_ns, [inbox], [observation.robot])
+        self._senses.note(0, observation.sim_time_ns, [inbox], [observation.robot])
         if not task.running:
             self._steps = 0
             return Decision()
         decision = self._held
         if self._steps % self.every == 0:
-            percepts = self._senses.of_robot(observation, task)
-            action = self.choose(vectors_of(self._observe, percepts, np.array([True]))[0])
+            self._senses.perceive_robot(observation, task)
+            action = self.choose(self._senses.vectors(np.array([[True]]))[0, 0])
             commands = self._act.commands([action])
-            (decision,) = commands.decisions(self._act.robot_ids, percepts.poses[:, :2])
+            (decision,) = commands.decisions(self._act.robot_ids, self._senses.percepts.poses[0, :, :2])
             self._held = msgspec.structs.replace(decision, outbox=())
         self._steps += 1
         return decision

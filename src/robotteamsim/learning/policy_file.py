@@ -21,10 +21,11 @@ from gymnasium.spaces import Box, Discrete
 
 from robotteamsim.extras import missing_extra
 from robotteamsim.learning.act import Act
-from robotteamsim.learning.episode import AnyScenario, Episode, Rules
 from robotteamsim.learning.errors import LearningError
+from robotteamsim.learning.missions import Missions
 from robotteamsim.learning.observe import LARGEST_PART, MOST_TEAMMATES, Observe
 from robotteamsim.learning.policy import PolicyController
+from robotteamsim.learning.rules import AnyScenario, Rules
 from robotteamsim.recording.files import atomically
 from robotteamsim.scenario.controllers import is_policy_file
 from robotteamsim.setup import Setup
@@ -71,8 +72,8 @@ def export_policy(module: Any, path: str | os.PathLike[str], scenario: AnyScenar
         raise LearningError(f"{path}: expected a name that ends in .pt or .pt2")
     if not isinstance(module, torch.nn.Module):
         raise LearningError(f"module: {module!r:.60}; expected a torch.nn.Module")
-    episode = Episode(scenario, Rules.of(rules))
-    rules_used, size, numbers = episode.rules, _size_of(episode.observe.space), _size_of(episode.act.space)
+    missions = Missions(scenario, Rules.of(rules))
+    rules_used, size, numbers = missions.rules, _size_of(missions.observe.space), _size_of(missions.act.space)
     settings = _Settings(
         observe=_name_of(rules_used.observe),
         act=_name_of(rules_used.act),

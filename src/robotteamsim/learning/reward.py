@@ -2,44 +2,86 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from robotteamsim.control.driving.known_map import UNREACHABLE_M, KnownMap, known_map
+from robotteamsim.learning.observe import area_of
 from robotteamsim.mission.status import VictimState
 from robotteamsim.recording.coverage import CoverageLog
 from robotteamsim.recording.idleness import IdlenessLog
 from robotteamsim.recording.network_log import NetworkLog
 from robotteamsim.scenario import Scenario
-from robotteamsim.scenario.base import Point
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import StepRecord
 
 
+class Steps(NamedTuple):
+    """A complete step of each of k missions, as a reward looks at it; n agents.
+
+    record_of:   returns all about the step of a mission, by its number.
+    missions:    their numbers, shape (k,).
+    present:     bool, shape (k, n).              contact: whether each touches something, bool, shape (k, n).
+    positions_m: true ones in `map`, shape (k, n, 2); those of absent agents mean nothing.
+    explored:    areas so far, shape (k,).        saved: victims so far, shape (k,).
+    areas:       whether there is an area to explore, x and y of its centre in `map` [m], shape (k, 3).
+    """
+
+    record_of: Callable[[int], StepRecord]
+    missions: np.ndarray
+    present: np.ndarray
+    contact: np.ndarray
+    positions_m: np.ndarray
+    explored: np.ndarray
+    saved: np.ndarray
+    areas: np.ndarray
+
+    @classmethod
+    def of(cls, record: StepRecord, robot_ids: Sequence[int]) -> Steps:
+        """Return a step of a single mission, with these robots as agents."""
+        status, ids = record.mission, list(robot_ids)
+        present = record.present[ids]
+        positions_m = np.where(present[:, None], record.state.positions_m[ids], 0.0)
+        of_robots = present, record.state.contact[ids], positions_m
+        of_team = status.areas_explored, status.victims_saved, area_of(status.task)
+        return cls(lambda _: record, np.array([0]), *(np.array([part]) for part in (*of_robots, *of_team)))
+
+    @property
+    def records(self) -> list[StepRecord]:
+        """All about the step of each mission; they are made when somebody asks, and take longer than what is above."""
+        return [self.record_of(mission) for mission in self.missions.tolist()]
+
+    def numbered(self) -> Iterator[tuple[int, StepRecord]]:
+        """Return number and record of each mission."""
+        return zip(self.missions.tolist(), self.records, strict=True)
+
+
 class Reward:
-    """Zero; a subclass replaces `of_step`. Each mission has a new one."""
+    """Zero; a subclass replaces `of_step`, and `begin` if it remembers something. One serves all missions."""
 
     PER_CONTACT_S = -0.1
 
-    def __init__(self, setup: Setup, robot_ids: Sequence[int]) -> None:
-        """Args: robot_ids: of the agents."""
-        self.setup, self.robot_ids = setup, list(robot_ids)
+    def __init__(self, setup: Setup, robot_ids: Sequence[int], missions: int = 1) -> None:
+        """Args: setup: of the missions, which differ by their seeds.  robot_ids: of the agents.  missions: how many."""
+        self.setup, self.robot_ids, self.missions = setup, list(robot_ids), missions
 
     @classmethod
     def lack_of(cls, scenario: Scenario) -> str:
         """Return what a scenario lacks to be rewarded, as "key: value; expected ..."; "" if nothing."""
         return ""
 
-    def of_step(self, record: StepRecord) -> np.ndarray:
-        """Return the reward of each agent for one step of the simulation, shape (n,)."""
-        return np.zeros(len(self.robot_ids))
+    def begin(self, mission: int, setup: Setup) -> None:
+        """Let a mission begin: forget the one before it of the same number. Args: setup: with a seed of its own."""
 
-    def for_contacts(self, record: StepRecord) -> np.ndarray:
-        """Return `PER_CONTACT_S` per second of contact for each agent, shape (n,)."""
-        contact = record.state.contact.tolist()
-        per_contact = self.PER_CONTACT_S * self.setup.scenario.run.step_s
-        return per_contact * np.array([contact[i] for i in self.robot_ids])
+    def of_step(self, steps: Steps) -> np.ndarray:
+        """Return the reward of each agent for one step of the simulation of some missions, shape (k, n)."""
+        return np.zeros(steps.contact.shape)
+
+    def for_contacts(self, steps: Steps) -> np.ndarray:
+        """Return `PER_CONTACT_S` per second of contact for each agent, shape (k, n)."""
+        return np.asarray(self.PER_CONTACT_S * self.setup.scenario.run.step_s * steps.contact)
 
 
 class SearchReward(Reward):
@@ -53,16 +95,17 @@ class SearchReward(Reward):
     PER_METRE = 0.02
     PER_S = -0.002
 
-    def __init__(self, setup: Setup, robot_ids: Sequence[int]) -> None:
-        """Args: robot_ids: of the agents."""
-        super().__init__(setup, robot_ids)
-        self._sharing: dict[KnownMap, list[int]] = {}
-        """The robots of each size, which know the same paths."""
-        for i in robot_ids:
-            self._sharing.setdefault(known_map(setup.building, setup.robots[i].reach_m), []).append(i)
-        self._explored = self._saved = 0
-        self._path: tuple[Point, float] | None = None
-        """The area, and the length of the shortest path to it [m]."""
+    def __init__(self, setup: Setup, robot_ids: Sequence[int], missions: int = 1) -> None:
+        """See `Reward`."""
+        super().__init__(setup, robot_ids, missions)
+        agents: dict[KnownMap, list[int]] = {}
+        for agent, i in enumerate(robot_ids):
+            agents.setdefault(known_map(setup.building, setup.robots[i].reach_m), []).append(agent)
+        self._sharing = [(known, those if len(agents) > 1 else slice(None)) for known, those in agents.items()]
+        """The agents of each size, which know the same paths."""
+        self._explored, self._saved = np.zeros((2, missions), int)
+        self._areas, self._lengths_m = np.zeros((missions, 3)), np.full(missions, UNREACHABLE_M)
+        """The area of each mission, and the length of the shortest path to it [m]."""
 
     @classmethod
     def lack_of(cls, scenario: Scenario) -> str:
@@ -73,27 +116,35 @@ class SearchReward(Reward):
         is_empty = not mission.areas and not scenario.num_victims
         return "mission.areas: none, and there are no victims; expected some of them" if is_empty else ""
 
-    def of_step(self, record: StepRecord) -> np.ndarray:
-        """Return the reward of each agent for one step of the simulation, shape (n,)."""
-        status, step_s = record.mission, self.setup.scenario.run.step_s
-        explored, saved = status.areas_explored, status.victims_saved
-        team = self.AREA * (explored - self._explored) + self.VICTIM * (saved - self._saved) + self.PER_S * step_s
-        self._explored, self._saved = explored, saved
-        team += self.PER_METRE * self._gained_m(record)
-        return team + self.for_contacts(record)
+    def begin(self, mission: int, setup: Setup) -> None:
+        """See `Reward`."""
+        self._explored[mission] = self._saved[mission] = 0
+        self._lengths_m[mission] = UNREACHABLE_M
 
-    def _gained_m(self, record: StepRecord) -> float:
-        area, before = record.mission.task.area_center_m, self._path
-        self._path = None
-        if area is None:
-            return 0.0
-        positions_m, is_there, length_m = record.state.positions_m, record.present.tolist(), UNREACHABLE_M
-        for known, robot_ids in self._sharing.items():
-            there = [i for i in robot_ids if is_there[i]]
-            length_m = min([length_m, *known.distances_m(area, positions_m[there])])
-        if length_m < UNREACHABLE_M:
-            self._path = area, length_m
-        return before[1] - length_m if before and self._path and before[0] == area else 0.0
+    def of_step(self, steps: Steps) -> np.ndarray:
+        """See `Reward`."""
+        which, step_s = steps.missions, self.setup.scenario.run.step_s
+        explored, saved = steps.explored - self._explored[which], steps.saved - self._saved[which]
+        team = self.AREA * explored + self.VICTIM * saved + self.PER_S * step_s
+        self._explored[which], self._saved[which] = steps.explored, steps.saved
+        team += self.PER_METRE * self._gained_m(steps)
+        return np.asarray(team[:, None] + self.for_contacts(steps))
+
+    def _gained_m(self, steps: Steps) -> np.ndarray:
+        """Return by how much each team has come nearer to its area, shape (k,); 0 if it has another one."""
+        which, areas, lengths_m = steps.missions, steps.areas, np.full(len(steps.missions), UNREACHABLE_M)
+        for is_there, *center_m in set(map(tuple, areas.tolist())):
+            if not is_there:
+                continue
+            rows = (areas == (is_there, *center_m)).all(1)
+            positions_m, present = steps.positions_m[rows], steps.present[rows]
+            for known, agents in self._sharing:
+                away_m = known.distances_m(tuple(center_m), positions_m[:, agents])
+                away_m[~present[:, agents]] = UNREACHABLE_M
+                lengths_m[rows] = np.minimum(lengths_m[rows], away_m.min(1))
+        before_m, is_same = self._lengths_m[which], (areas == self._areas[which]).all(1)
+        self._areas[which], self._lengths_m[which] = areas, lengths_m
+        return np.where(is_same & (np.maximum(before_m, lengths_m) < UNREACHABLE_M), before_m - lengths_m, 0.0)
 
 
 class CoverageReward(Reward):
@@ -101,11 +152,10 @@ class CoverageReward(Reward):
 
     FLOOR = 10.0
 
-    def __init__(self, setup: Setup, robot_ids: Sequence[int]) -> None:
-        """Args: robot_ids: of the agents."""
-        super().__init__(setup, robot_ids)
-        self._coverage, self._covered = CoverageLog(), 0.0
-        self._coverage.begin(setup)
+    def __init__(self, setup: Setup, robot_ids: Sequence[int], missions: int = 1) -> None:
+        """See `Reward`."""
+        super().__init__(setup, robot_ids, missions)
+        self._coverages, self._covered = [CoverageLog() for _ in range(missions)], np.zeros(missions)
 
     @classmethod
     def lack_of(cls, scenario: Scenario) -> str:
@@ -114,11 +164,19 @@ class CoverageReward(Reward):
             return "mission.coverage: none; expected a section, such as {radius_m: 2.5}"
         return _areas_of(scenario)
 
-    def of_step(self, record: StepRecord) -> np.ndarray:
-        """Return the reward of each agent for one step of the simulation, shape (n,)."""
-        self._coverage.step(record)
-        before, self._covered = self._covered, self._coverage.share
-        return self.FLOOR * (self._covered - before) + self.for_contacts(record)
+    def begin(self, mission: int, setup: Setup) -> None:
+        """See `Reward`."""
+        self._coverages[mission].begin(setup)
+        self._covered[mission] = 0.0
+
+    def of_step(self, steps: Steps) -> np.ndarray:
+        """See `Reward`."""
+        before = self._covered[steps.missions]
+        for i, record in steps.numbered():
+            self._coverages[i].step(record)
+            self._covered[i] = self._coverages[i].share
+        floor = self.FLOOR * (self._covered[steps.missions] - before)
+        return np.asarray(floor[:, None] + self.for_contacts(steps))
 
 
 class ConnectedCoverageReward(CoverageReward):
@@ -126,11 +184,10 @@ class ConnectedCoverageReward(CoverageReward):
 
     PER_SPLIT_S = -0.05
 
-    def __init__(self, setup: Setup, robot_ids: Sequence[int]) -> None:
-        """Args: robot_ids: of the agents."""
-        super().__init__(setup, robot_ids)
-        self._network, self._split_s = NetworkLog(), 0.0
-        self._network.begin(setup)
+    def __init__(self, setup: Setup, robot_ids: Sequence[int], missions: int = 1) -> None:
+        """See `Reward`."""
+        super().__init__(setup, robot_ids, missions)
+        self._networks, self._split_s = [NetworkLog() for _ in range(missions)], np.zeros(missions)
 
     @classmethod
     def lack_of(cls, scenario: Scenario) -> str:
@@ -139,11 +196,20 @@ class ConnectedCoverageReward(CoverageReward):
             return "robots.count: 1; expected at least 2, which can be connected"
         return super().lack_of(scenario)
 
-    def of_step(self, record: StepRecord) -> np.ndarray:
-        """Return the reward of each agent for one step of the simulation, shape (n,)."""
-        self._network.step(record)
-        before, self._split_s = self._split_s, self._network.totals.split_s
-        return super().of_step(record) + self.PER_SPLIT_S * (self._split_s - before)
+    def begin(self, mission: int, setup: Setup) -> None:
+        """See `Reward`."""
+        super().begin(mission, setup)
+        self._networks[mission].begin(setup)
+        self._split_s[mission] = 0.0
+
+    def of_step(self, steps: Steps) -> np.ndarray:
+        """See `Reward`."""
+        before_s = self._split_s[steps.missions]
+        for i, record in steps.numbered():
+            self._networks[i].step(record)
+            self._split_s[i] = self._networks[i].totals.split_s
+        split_s = self._split_s[steps.missions] - before_s
+        return np.asarray(super().of_step(steps) + self.PER_SPLIT_S * split_s[:, None])
 
 
 class PatrolReward(Reward):
@@ -151,22 +217,27 @@ class PatrolReward(Reward):
 
     PER_IDLE_S2 = -1e-4
 
-    def __init__(self, setup: Setup, robot_ids: Sequence[int]) -> None:
-        """Args: robot_ids: of the agents. Raises: ScenarioError: the plan has no room for a graph."""
-        super().__init__(setup, robot_ids)
-        self._idleness = IdlenessLog()
-        self._idleness.begin(setup)
+    def __init__(self, setup: Setup, robot_ids: Sequence[int], missions: int = 1) -> None:
+        """See `Reward`."""
+        super().__init__(setup, robot_ids, missions)
+        self._idleness = [IdlenessLog() for _ in range(missions)]
 
     @classmethod
     def lack_of(cls, scenario: Scenario) -> str:
         """See `Reward`."""
         return _areas_of(scenario)
 
-    def of_step(self, record: StepRecord) -> np.ndarray:
-        """Return the reward of each agent for one step of the simulation, shape (n,)."""
-        self._idleness.step(record)
-        idle_s, step_s = float(self._idleness.idle_s.mean()), self.setup.scenario.run.step_s
-        return self.PER_IDLE_S2 * idle_s * step_s + self.for_contacts(record)
+    def begin(self, mission: int, setup: Setup) -> None:
+        """See `Reward`. Raises: ScenarioError: the plan has no room for a graph."""
+        self._idleness[mission].begin(setup)
+
+    def of_step(self, steps: Steps) -> np.ndarray:
+        """See `Reward`."""
+        for i, record in steps.numbered():
+            self._idleness[i].step(record)
+        idle_s = np.array([self._idleness[i].idle_s.mean() for i in steps.missions.tolist()])
+        team = self.PER_IDLE_S2 * idle_s * self.setup.scenario.run.step_s
+        return np.asarray(team[:, None] + self.for_contacts(steps))
 
 
 class RescueReward(Reward):
@@ -178,10 +249,10 @@ class RescueReward(Reward):
     LOCATED, SAFE, DEAD, DOSE, FAILED = 0.5, 2.0, -2.0, -1.0, -1.0
     _LOCATED: frozenset[VictimState] = frozenset(("located", "reported", "reached", "carried", "saved", "safe"))
 
-    def __init__(self, setup: Setup, robot_ids: Sequence[int]) -> None:
-        """Args: robot_ids: of the agents."""
-        super().__init__(setup, robot_ids)
-        self._value, self._failed = 0.0, np.zeros(len(robot_ids), bool)
+    def __init__(self, setup: Setup, robot_ids: Sequence[int], missions: int = 1) -> None:
+        """See `Reward`."""
+        super().__init__(setup, robot_ids, missions)
+        self._values, self._failed = np.zeros(missions), np.zeros((missions, len(robot_ids)), bool)
 
     @classmethod
     def lack_of(cls, scenario: Scenario) -> str:
@@ -190,15 +261,25 @@ class RescueReward(Reward):
             return "fire: none; expected one"
         return "" if scenario.num_victims else "mission.victims: none; expected somebody to rescue"
 
-    def of_step(self, record: StepRecord) -> np.ndarray:
-        """Return the reward of each agent for one step of the simulation, shape (n,)."""
-        states, before, had_failed = record.mission.victims, self._value, self._failed
-        doses = 0.0 if record.egress is None else sum(person.dose for person in record.egress.people)
-        self._value = self.SAFE * record.mission.victims_saved + self.DEAD * states.count("dead") + self.DOSE * doses
-        self._value += self.LOCATED * sum(state in self._LOCATED for state in states)
-        self._failed = np.isin(self.robot_ids, list(record.failed))
-        robots = self.FAILED * (self._failed & ~had_failed) + self.for_contacts(record)
-        return np.asarray(self._value - before + robots)
+    def begin(self, mission: int, setup: Setup) -> None:
+        """See `Reward`."""
+        self._values[mission], self._failed[mission] = 0.0, False
+
+    def of_step(self, steps: Steps) -> np.ndarray:
+        """See `Reward`."""
+        which, records = steps.missions, steps.records
+        values = np.array([self._value(record) for record in records])
+        failed = np.array([np.isin(self.robot_ids, list(record.failed)) for record in records])
+        team, are_new = values - self._values[which], failed & ~self._failed[which]
+        self._values[which], self._failed[which] = values, failed
+        return np.asarray(team[:, None] + (self.FAILED * are_new + self.for_contacts(steps)))
+
+    def _value(self, record: StepRecord) -> float:
+        """Return what the state of the victims is worth."""
+        states, egress = record.mission.victims, record.egress
+        doses = 0.0 if egress is None else sum(person.dose for person in egress.people)
+        value = self.SAFE * record.mission.victims_saved + self.DEAD * states.count("dead") + self.DOSE * doses
+        return value + self.LOCATED * sum(state in self._LOCATED for state in states)
 
 
 def _areas_of(scenario: Scenario) -> str:

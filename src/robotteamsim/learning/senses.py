@@ -1,4 +1,4 @@
-"""What agents perceive and remember in a mission, as arrays with a row per agent."""
+"""What agents perceive and remember in missions, as arrays with a row per mission and agent."""
 
 from __future__ import annotations
 
@@ -8,15 +8,20 @@ from typing import Annotated
 import msgspec
 import numpy as np
 
+from robotteamsim import _core
 from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.interface import Message, Observation, Task
 from robotteamsim.interface.payload import Point, Update, update_reader
-from robotteamsim.learning.arrays import numbers_of
-from robotteamsim.learning.observe import Observe, Percepts, cos_sin
+from robotteamsim.learning.arrays import array_of, numbers_of, shown
+from robotteamsim.learning.errors import LearningError
+from robotteamsim.learning.observe import Memory, Observe, Percepts, area_of, cos_sin
 from robotteamsim.mission import Sensed
 from robotteamsim.network.messages import Batch, batch_of
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.setup import Setup
+
+Rows = slice | np.ndarray
+"""Some of the missions, as an index of arrays."""
 
 
 class Said(Update, frozen=True):
@@ -30,94 +35,173 @@ _read = update_reader(Said, kept=256)
 
 
 class Senses:
-    """The agents' side of a mission: remembers what teammates say, and puts readings into arrays.
+    """The agents' side of missions: remembers what teammates say, and puts readings into arrays.
 
     It has no knowledge but that of a controller: readings, voices, the task, and messages.
     """
 
-    def __init__(self, setup: Setup, observe: Observe) -> None:
-        """Args: observe: says who the agents are, and what they perceive."""
+    def __init__(self, setup: Setup, observe: Observe, missions: int = 1) -> None:
+        """Args: setup: of the missions, which differ by their seeds.
+        observe: says who the agents are, and what they perceive.
+        """
         self._observe, self._ids = observe, list(observe.robot_ids)
         self._are_all = self._ids == list(range(len(setup.robots)))
-        by_odometry = setup.scenario.control.localisation == "odometry"
-        starts = [PoseReading.from_pose(Pose(*setup.robots[i].start_pose)) for i in self._ids]
-        self.map_T_odom = np.array([msgspec.structs.astuple(start) for start in starts]) if by_odometry else None
-        self.memory = observe.remembers(setup, self._ids)
-        senders = range(max(len(setup.robots), observe.teammates + 1))
+        self._by_odometry = setup.scenario.control.localisation == "odometry"
+        shape, senders = (missions, len(self._ids)), range(max(len(setup.robots), observe.teammates + 1))
+        self._map_T_odom = np.zeros((*shape, 4))
         others = [[sender for sender in senders if sender != i][: observe.teammates] for i in self._ids]
-        self.of_others = np.arange(len(self._ids))[:, None], np.array(others, int)
-        """Where `heard` has each agent's teammates, the first others in id order."""
-        self.heard = np.zeros((len(self._ids), len(senders), 4 + observe.said))
+        self._of_others = np.arange(len(self._ids))[:, None], np.array(others, int)
+        """Where `_heard` has each agent's teammates, the first others in id order."""
+        self._heard = np.zeros((*shape, len(senders), 4 + observe.said))
         """Per agent and sender: a row of `Percepts.heard`, but with the time of the message [ns]."""
+        self._memories: list[Memory] = [observe.remembers(setup, self._ids)] * missions
+        self.percepts = Percepts(
+            np.zeros((*shape, observe.beams), np.float32),
+            np.zeros((*shape, 4)),
+            np.zeros((*shape, 3)),
+            np.zeros((*shape, 4)),
+            np.zeros((missions, 1, 3)),
+            np.zeros((*shape, observe.teammates, 4 + observe.said)),
+            np.zeros((*shape, observe.remembered)),
+        )
+        """As of the last `perceive` of each mission; numbers of absent agents mean nothing, but are finite."""
 
-    def note(self, time_ns: int, inboxes: Sequence[Sequence[Message]], readings: Sequence[RobotReading]) -> None:
+    @property
+    def looks(self) -> bool:
+        """Whether the agents look at the readings of each step, see `Memory.looks`."""
+        return self._observe.remembers.looks
+
+    def begin(self, mission: int, setup: Setup) -> None:
+        """Let a mission begin, in which nothing has been perceived."""
+        self._heard[mission] = 0.0
+        starts = [PoseReading.from_pose(Pose(*setup.robots[i].start_pose)) for i in self._ids]
+        self._map_T_odom[mission] = [msgspec.structs.astuple(start) for start in starts]
+        self._memories[mission] = self._observe.remembers(setup, self._ids)
+
+    def note(
+        self,
+        mission: int,
+        time_ns: int,
+        inboxes: Sequence[Sequence[Message]],
+        readings: Sequence[RobotReading],
+    ) -> None:
         """Note a step: what teammates say, without messages of other kinds, and readings, if the memory looks at them.
 
         Args: inboxes, readings: one per agent.
         """
-        if self.memory.looks:
-            self.memory.look(readings)
+        if self.looks:
+            self._memories[mission].look(readings)
         agents: dict[Batch, list[int]] = {}
         for agent, inbox in enumerate(inboxes):
             if inbox:
                 agents.setdefault(batch_of(inbox), []).append(agent)
         for batch, receivers in agents.items():
             senders, rows = _said_in(batch, self._observe.said)
-            where = np.array(receivers)[:, None], senders
-            self.heard[where] = rows
-            self.heard[(*where, 3)] = time_ns
+            where = mission, np.array(receivers)[:, None], senders
+            self._heard[where] = rows
+            self._heard[(*where, 3)] = time_ns
 
-    def note_team(self, sensed: Sensed) -> None:
-        """Note a step, see `note`."""
-        readings = [sensed.readings[i] for i in self._ids] if self.memory.looks else ()
-        self.note(sensed.sim_time_ns, [sensed.inboxes[i] for i in self._ids], readings)
+    def note_team(self, mission: int, sensed: Sensed) -> None:
+        """Note a step of a whole team, see `note`."""
+        readings = [sensed.readings[i] for i in self._ids] if self.looks else ()
+        self.note(mission, sensed.sim_time_ns, [sensed.inboxes[i] for i in self._ids], readings)
 
-    def of_team(self, sensed: Sensed) -> Percepts:
-        """Return what the agents of a team perceive; numbers of absent ones mean nothing, but are finite."""
-        state = sensed.state
-        poses = state.true_pose if self.map_T_odom is None else state.odometry_pose
-        if not sensed.present.all():
-            poses = np.where(sensed.present[:, None], poses, 0.0)
-        voices = np.column_stack((state.voice_heard, state.local_best_level_db, state.local_best_m))
-        ids = slice(None) if self._are_all else self._ids
-        return self._percepts(
-            state.ranges_m[ids], poses[ids], state.odometry_twist[ids], voices[ids], sensed.task, sensed.sim_time_ns
+    def hear(
+        self, missions: Rows, hears: np.ndarray, positions_m: np.ndarray, say: np.ndarray, times_ns: np.ndarray
+    ) -> None:
+        """Note what agents, who are the whole team, hear of each other's `Said`.
+
+        Args:   hears: who hears whom, bool, shape (k, n, n): mission, receiver, sender.
+                positions_m, say: that each sends, shapes (k, n, 2) and (k, n, said).
+                times_ns: of arrival, shape (k,).
+        """
+        rows = np.empty((*positions_m.shape[:2], 4 + self._observe.said))
+        rows[..., 0], rows[..., 1:3], rows[..., 3], rows[..., 4:] = 1.0, positions_m, times_ns[:, None], say
+        heard = self._heard[missions]
+        np.copyto(heard[:, :, : rows.shape[1]], rows[:, None], where=hears[..., None])
+        self._heard[missions] = heard
+
+    def perceive_together(
+        self, missions: Rows, state: _core.state.State, areas: np.ndarray, times_ns: np.ndarray
+    ) -> None:
+        """Let the agents of k missions of a batch, who are the whole team, perceive a step.
+
+        Args: areas: rows of `Percepts.area`, shape (k, 3).  times_ns: stamps, shape (k,).
+        """
+        self._perceive(missions, self._measured(state, missions), areas, times_ns)
+
+    def perceive_team(self, mission: int, sensed: Sensed) -> None:
+        """Let the agents of a mission perceive a step."""
+        ranges_m, poses, *others = self._measured(sensed.state, self._ids)
+        poses[~sensed.present[self._ids]] = 0.0
+        self._perceive_alone(mission, (ranges_m, poses, *others), sensed.task, sensed.sim_time_ns)
+
+    def perceive_robot(self, observation: Observation, task: Task) -> None:
+        """Let the only agent of the only mission perceive, by the observation of its controller."""
+        robot, voice = observation.robot, observation.voice
+        pose = robot.odometry.pose if self._by_odometry else robot.ground_truth
+        ranges_m = np.full(self._observe.beams, np.inf, np.float32)
+        ranges_m[: len(robot.ranges_m)] = robot.ranges_m
+        poses, twists = (np.array([msgspec.structs.astuple(one)]) for one in (pose, robot.odometry.twist))
+        heard, level_db, place_m = (
+            np.array([of]) for of in (voice.heard, voice.local_best_level_db, voice.local_best_m)
         )
+        measured = ranges_m[None], poses, twists, heard, level_db, place_m
+        self._perceive_alone(0, measured, task, observation.sim_time_ns)
 
-    def of_robot(self, observation: Observation, task: Task) -> Percepts:
-        """Return what the only agent perceives, from the observation of its controller."""
-        robot = observation.robot
-        pose = robot.ground_truth if self.map_T_odom is None else robot.odometry.pose
-        poses, twists = (np.array([msgspec.structs.astuple(record)]) for record in (pose, robot.odometry.twist))
-        voice, ranges_m = observation.voice, np.full((1, self._observe.beams), np.inf, np.float32)
-        ranges_m[0, : len(robot.ranges_m)] = robot.ranges_m
-        voices = np.array([(voice.heard, voice.local_best_level_db, *voice.local_best_m)], float)
-        return self._percepts(ranges_m, poses, twists, voices, task, observation.sim_time_ns)
+    def vectors(self, present: np.ndarray) -> np.ndarray:
+        """Return the observation of each agent, float32, shape (missions, n, size of the space); 0 for absent ones.
 
-    def _percepts(
-        self,
-        ranges_m: np.ndarray,
-        poses: np.ndarray,
-        twists: np.ndarray,
-        voices: np.ndarray,
-        task: Task,
-        time_ns: int,
-    ) -> Percepts:
-        area = task.area_center_m
-        heard = self.heard[self.of_others]
-        heard[..., 3] = (time_ns - heard[..., 3]) * 1e-9
-        percepts = Percepts(
-            ranges_m,
-            poses if self.map_T_odom is None else composed(self.map_T_odom, poses),
-            twists,
-            voices,
-            np.array([(0.0, 0.0, 0.0) if area is None else (1.0, *area)]),
-            heard,
-            np.zeros((len(self._ids), 0)),
-        )
-        shape = len(self._ids), self._observe.remembered
-        name, remembered = type(self.memory).__name__, self.memory.after(percepts, time_ns * 1e-9)
-        return percepts._replace(remembered=numbers_of(f"{name}.after", remembered, shape))
+        Raises: LearningError: the class of observations returns something else than it says.
+        """
+        observe = self._observe
+        vectors = array_of(observe.vectors(Percepts(*(part.copy() for part in self.percepts))))
+        shape = (*present.shape, *observe.space.shape)
+        if vectors.shape != shape or vectors.dtype != observe.space.dtype:
+            found = f"observations {shown(vectors)}, shape {vectors.shape}"
+            raise LearningError(f"{found}; expected {observe.space.dtype} within [-1, 1], shape {shape}")
+        vectors[~present] = 0.0
+        are_within = np.abs(vectors) <= 1.0  # NaN is not
+        if not are_within.all():
+            *_, row, number = place = tuple(np.argwhere(~are_within)[0])
+            part = next(part for part in observe.parts if number < part.begin + part.size)
+            found = f"robot_{observe.robot_ids[row]}: observation: part {part.name}[{number - part.begin}]"
+            raise LearningError(f"{found}: {vectors[place]}; expected a number within [-1, 1]")
+        return vectors
+
+    def _measured(self, state: _core.state.State, rows: Rows | list[int]) -> tuple[np.ndarray, ...]:
+        """Return ranges, poses by `control.localisation`, twists and voices (heard, level, place) of some rows."""
+        poses = state.odometry_pose if self._by_odometry else state.true_pose
+        voices = state.voice_heard, state.local_best_level_db, state.local_best_m
+        return tuple(array[rows] for array in (state.ranges_m, poses, state.odometry_twist, *voices))
+
+    def _perceive_alone(self, mission: int, measured: Sequence[np.ndarray], task: Task, time_ns: int) -> None:
+        rows = slice(mission, mission + 1)
+        self._perceive(rows, measured, np.array([area_of(task)]), np.array([time_ns]))
+
+    def _perceive(
+        self, missions: Rows, measured: Sequence[np.ndarray], areas: np.ndarray, times_ns: np.ndarray
+    ) -> None:
+        of, (ranges_m, poses, twists, are_heard, levels_db, places_m) = self.percepts, measured
+        of.ranges_m[missions], of.twists[missions], of.area[missions, 0] = ranges_m, twists, areas
+        of.poses[missions] = composed(self._map_T_odom[missions], poses) if self._by_odometry else poses
+        of.voices[missions, :, 0], of.voices[missions, :, 1] = are_heard, levels_db
+        of.voices[missions, :, 2:] = places_m
+        agents, senders = self._of_others
+        heard = self._heard[missions][:, agents, senders]
+        heard[..., 3] = (times_ns[:, None, None] - heard[..., 3]) * 1e-9
+        of.heard[missions] = heard
+        if self._observe.remembers is not Memory:
+            self._remember(missions, times_ns)
+
+    def _remember(self, missions: Rows, times_ns: np.ndarray) -> None:
+        """Let memories look at what was perceived, mission by mission."""
+        shape = self.percepts.remembered.shape[1:]
+        numbers = range(len(self._memories))[missions] if isinstance(missions, slice) else missions.tolist()
+        for mission, time_ns in zip(numbers, times_ns.tolist(), strict=True):
+            memory, of = self._memories[mission], Percepts(*(part[mission].copy() for part in self.percepts))
+            remembered = memory.after(of._replace(remembered=np.zeros((shape[0], 0))), time_ns * 1e-9)
+            self.percepts.remembered[mission] = numbers_of(f"{type(memory).__name__}.after", remembered, shape)
 
 
 def _said_in(batch: Batch, said: int) -> tuple[list[int], np.ndarray]:

@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 
 import gymnasium
 
-from robotteamsim.learning.episode import AnyScenario
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.gym_env import CentralEnv, gym_env
 from robotteamsim.learning.memory import FloorMemory, PatrolMemory, RescueMemory
@@ -20,6 +19,7 @@ from robotteamsim.learning.reward import (
     Reward,
     SearchReward,
 )
+from robotteamsim.learning.rules import AnyScenario
 from robotteamsim.scenario import Scenario, load
 
 

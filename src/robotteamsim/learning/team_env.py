@@ -11,9 +11,11 @@ from gymnasium.spaces import Box, Space
 from pettingzoo import AECEnv, ParallelEnv
 from pettingzoo.utils import parallel_to_aec
 
-from robotteamsim.learning.episode import AnyScenario, Episode, Rules
+from robotteamsim.learning.act import Commands
 from robotteamsim.learning.errors import LearningError
+from robotteamsim.learning.missions import Missions
 from robotteamsim.learning.observe import Part
+from robotteamsim.learning.rules import AnyScenario, Rules
 from robotteamsim.learning.window import Window
 from robotteamsim.simulation import StepRecord
 
@@ -40,7 +42,7 @@ def parallel_env(scenario: AnyScenario, *, render_mode: str | None = None, **rul
     """
     if render_mode not in (None, *RENDER_MODES):
         raise LearningError(f"render_mode: {render_mode!r}; expected None, 'human' or 'rgb_array'")
-    return TeamEnv(Episode(scenario, Rules.of(rules)), render_mode)
+    return TeamEnv(Missions(scenario, Rules.of(rules)), render_mode)
 
 
 def env(scenario: AnyScenario, **settings: Any) -> AECEnv[Agent, np.ndarray, Any]:
@@ -49,36 +51,36 @@ def env(scenario: AnyScenario, **settings: Any) -> AECEnv[Agent, np.ndarray, Any
 
 
 class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # PettingZoo has no types
-    """An `Episode` as PettingZoo knows it.
+    """A mission as PettingZoo knows it.
 
     An agent is terminated when the mission has ended or it is no longer present, and truncated at the time limit.
     Before `reset` and after `close`, the environment can be pickled and copied: libraries make several of one.
     """
 
-    def __init__(self, episode: Episode, render_mode: str | None) -> None:
+    def __init__(self, missions: Missions, render_mode: str | None) -> None:
         """See `parallel_env`."""
-        scenario = episode.scenario
+        scenario = missions.scenario
         self.metadata = {"name": f"{scenario.name}_v0", "render_modes": RENDER_MODES, "is_parallelizable": True}
-        self.metadata["render_fps"] = max(round(1.0 / (episode.rules.every * scenario.run.step_s)), 1)
+        self.metadata["render_fps"] = max(round(1.0 / (missions.rules.every * scenario.run.step_s)), 1)
         self.render_mode = render_mode
-        self._episode = episode
+        self._missions = missions
         self._window = Window(scenario.name) if render_mode == "human" else None
         if self._window is not None:
-            episode.watch = self._window.note
-        self.possible_agents = [f"robot_{i}" for i in episode.robot_ids]
+            missions.watch = self._window.note
+        self.possible_agents = [f"robot_{i}" for i in missions.robot_ids]
         self.agents: list[Agent] = []
-        self.observation_spaces = {agent: copy.deepcopy(episode.observe.space) for agent in self.possible_agents}
-        self.action_spaces = {agent: copy.deepcopy(episode.act.space) for agent in self.possible_agents}
+        self.observation_spaces = {agent: copy.deepcopy(missions.observe.space) for agent in self.possible_agents}
+        self.action_spaces = {agent: copy.deepcopy(missions.act.space) for agent in self.possible_agents}
 
     @property
     def record(self) -> StepRecord | None:
         """The last record of the simulation, for own measures; None before the first step."""
-        return self._episode.record
+        return self._missions.record(0)
 
     @property
     def parts(self) -> tuple[Part, ...]:
         """The parts of observations."""
-        return self._episode.observe.parts
+        return self._missions.observe.parts
 
     def observation_space(self, agent: Agent) -> Space[Any]:
         """Return the space of an agent's observations; `parts` describes it."""
@@ -91,16 +93,16 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
     @property
     def state_space(self) -> Box:
         """The space of `state`."""
-        return Box(-1.0, 1.0, (self._episode.state_size,), np.float32)
+        return Box(-1.0, 1.0, (self._missions.state_size,), np.float32)
 
     def state(self) -> np.ndarray:
-        """Return the state of the mission for central critics, see `Episode.state`."""
-        return self._episode.state()
+        """Return the state of the mission for central critics, see `Missions.state`."""
+        return self._missions.state(0)
 
     def reset(self, seed: int | None = None, options: Mapping[str, Any] | None = None) -> tuple[Vectors, Infos]:
-        """Begin a mission, see `Episode.begin`."""
+        """Begin a mission, see `Missions.begin`."""
         self.agents = []
-        self._episode.begin(seed)
+        self._missions.begin(0, seed)
         self.agents = self._present()
         return self._vectors(), self._infos()
 
@@ -115,8 +117,8 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         Raises: RobotTeamSimError: one line: the mission has not begun, an agent without an action, or an action that is
                 not of its space.
         """
-        episode, acting = self._episode, self.agents
-        episode.check_begun()
+        missions, acting = self._missions, self.agents
+        missions.check_begun(0)
         if not isinstance(actions, Mapping):
             raise LearningError(f"actions: {actions!r:.60}; expected an action by the name of each agent")
         if set(actions) - (set(self.possible_agents) - set(acting)) != set(acting):
@@ -124,17 +126,18 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
             raise LearningError(f"actions of {given}; expected {expected}")
         if not acting:
             return {}, {}, {}, {}, {}
-        rest = episode.act.rest
+        rest = missions.act.rest
         chosen = [actions[agent] if agent in acting else rest for agent in self.possible_agents]
-        outcome = episode.step(episode.act.commands(chosen))
+        commands = missions.act.commands(chosen)
+        outcome = missions.step([0], Commands(commands.twists[None], commands.say[None]))
         if self._window is not None:
             self._window.publish()
         rewards, terminated, truncated = (
-            {agent: value for agent, value in self._by_agent(values.tolist()) if agent in acting}
+            {agent: value for agent, value in self._by_agent(values[0].tolist()) if agent in acting}
             for values in (outcome.rewards, outcome.terminated, outcome.truncated)
         )
         vectors, infos = self._vectors(), self._infos()
-        self.agents = [] if outcome.is_over else self._present()
+        self.agents = [] if outcome.is_over[0] else self._present()
         return vectors, rewards, terminated, truncated, infos
 
     def render(self) -> np.ndarray | None:
@@ -143,13 +146,13 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
             return None
         from robotteamsim.learning.picture import picture  # late, because only pictures need Matplotlib
 
-        self._episode.check_begun()
+        setup = self._missions.setup(0)
         assert self.record is not None
-        return picture(self._episode.setup, self.record)
+        return picture(setup, self.record)
 
     def close(self) -> None:
         """End the mission, and its page in the browser."""
-        self._episode.end()
+        self._missions.end()
         self.agents = []
         if self._window is not None:
             self._window.close()
@@ -158,13 +161,13 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         return zip(self.possible_agents, values, strict=True)
 
     def _present(self) -> list[Agent]:
-        return [agent for agent, is_present in self._by_agent(self._episode.present.tolist()) if is_present]
+        return [agent for agent, is_present in self._by_agent(self._missions.present[0].tolist()) if is_present]
 
     def _vectors(self) -> Vectors:
-        return {agent: vector for agent, vector in self._by_agent(self._episode.vectors()) if agent in self.agents}
+        return {agent: vector for agent, vector in self._by_agent(self._missions.vectors()[0]) if agent in self.agents}
 
     def _infos(self) -> Infos:
-        return {agent: info for agent, info in self._by_agent(self._episode.act.infos()) if agent in self.agents}
+        return {agent: info for agent, info in self._by_agent(self._missions.act.infos()) if agent in self.agents}
 
     def _known(self, agent: Agent) -> Agent:
         """Return an agent. Raises: LearningError: there is no such agent."""

@@ -186,17 +186,18 @@ class Mission:
         news, self._news = self._news, []
         return tuple(Event(self._elapsed_ns / 1e9, what, what.words(self._member)) for what in news)
 
-    def pass_quietly(self, sim_time_ns: int) -> bool:
-        """Let a step pass in which nothing has happened; return False if it must be judged in any case.
+    @property
+    def quiet_until_ns(self) -> int:
+        """The stamp before which steps in which nothing happens need not be judged [ns]; 0: the next one must be."""
+        if self._quiet is None or self._news or self._is_task_new:
+            return 0
+        return self._last_step_ns + self._time_limit_ns - self._elapsed_ns
 
-        Args: sim_time_ns: its stamp.
-        """
-        elapsed_ns = self._elapsed_ns + sim_time_ns - self._last_step_ns
-        if self._quiet is None or self._news or self._is_task_new or elapsed_ns >= self._time_limit_ns:
-            return False
-        self._elapsed_ns, self._last_step_ns = elapsed_ns, sim_time_ns
-        self.status = msgspec.structs.replace(self.status, time_s=elapsed_ns / 1e9)
-        return True
+    def pass_quietly(self, sim_time_ns: int) -> None:
+        """Let steps pass in which nothing has happened, up to a stamp before `quiet_until_ns`."""
+        self._elapsed_ns += sim_time_ns - self._last_step_ns
+        self._last_step_ns = sim_time_ns
+        self.status = msgspec.structs.replace(self.status, time_s=self._elapsed_ns / 1e9)
 
     def _is_quiet(self, now: Sensed, decisions: Sequence[Decision]) -> bool:
         """Whether nothing can come of a step but new voices: nothing came of the last one, and nothing has happened."""

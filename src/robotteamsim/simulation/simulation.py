@@ -144,21 +144,21 @@ class Simulation:
             raise ValueError(f"decide: {record!r:.60}; expected what sense returns")
         return self.judge(record, self.controllers.step(record))
 
-    def judge(self, record: StepRecord, decisions: Sequence[Decision], *, is_quiet: bool = False) -> StepRecord:
-        """Complete a step in which the team decides this, and return its record.
-
-        Args: is_quiet: whether nothing has happened that a mission looks at, see `state.happened`, and nothing but
-                        velocities is decided.
-        """
+    def judge(self, record: StepRecord, decisions: Sequence[Decision]) -> StepRecord:
+        """Complete a step in which the team decides this, and return its record."""
         mission = self.mission
         self._decisions = record.decisions = decisions
-        if is_quiet and mission.pass_quietly(record.sim_time_ns):
-            record.mission = mission.status
-            return record
         record.events = mission.step(record, decisions)
         self._task, self._silent = mission.task, mission.silent_victims
         record.mission, record.victims = mission.status, mission.victims
         record.noise_db, record.egress = mission.noise_db, mission.egress
+        return record
+
+    def pass_quietly(self, record: StepRecord, decisions: Sequence[Decision]) -> StepRecord:
+        """As `judge`, for a step before `mission.quiet_until_ns` in which nothing has happened."""
+        self._decisions = record.decisions = decisions
+        self.mission.pass_quietly(record.sim_time_ns)
+        record.mission = self.mission.status
         return record
 
     def silence(self) -> bool:
@@ -167,10 +167,13 @@ class Simulation:
         return self.hearing.new_map is not None
 
     def follow(
-        self, state: _core.state.State, network: NetworkState, inboxes: Sequence[Sequence[Message]]
+        self, steps: int, state: _core.state.State, network: NetworkState, inboxes: Sequence[Sequence[Message]]
     ) -> StepRecord:
-        """As `sense`, after a step that a batch has made, in a mission in which nothing else moves or changes."""
-        self.world.count_step()
+        """As `sense`, after steps that a batch has made, in a mission in which nothing else moves or changes.
+
+        Args: steps: how many, of which the mission has not heard. The others are those of the last one.
+        """
+        self.world.count_steps(steps)
         return self._sensed(state, network, inboxes, {})
 
     def run(self, observers: Sequence[Observer] = ()) -> Result:

@@ -163,14 +163,14 @@ class AnyWorld(ABC):
         Raises: ValueError: the number of twists is wrong, or one is not finite; then nothing has moved.
         """
         self._physics.step(twists)
-        self.count_step()
+        self.count_steps(1)
         if self._have_leaves:
             self._update_doors()
 
-    def count_step(self) -> None:
-        """Note that the physics has made a step."""
-        self.step_index += 1
-        self.sim_time_ns += self._step_ns
+    def count_steps(self, number: int) -> None:
+        """Note that the physics has made so many steps."""
+        self.step_index += number
+        self.sim_time_ns += number * self._step_ns
 
     def motion(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """Return the last step of all robots as arrays in id order: `poses`, `twists`, `motions` and `in_contact`.

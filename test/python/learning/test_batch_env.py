@@ -17,11 +17,14 @@ from robotteamsim.learning import (
     LearningError,
     Observe,
     SearchReward,
+    Steps,
+    TeamEnv,
     VectorEnv,
     gym_env,
     parallel_env,
 )
-from robotteamsim.learning.episode import LONGEST_MESSAGE, LONGEST_NUMBER
+from robotteamsim.learning.missions import LONGEST_MESSAGE, LONGEST_NUMBER, Missions
+from robotteamsim.learning.rules import Rules
 from robotteamsim.learning.senses import Said
 from robotteamsim.scenario import load
 from robotteamsim.setup import resolve
@@ -67,7 +70,7 @@ def test_each_mission_has_the_bits_of_a_single_one(said):
                 vectors, *ends, _ = alone.step(acts)
             else:  # the batch begins again in this step
                 (vectors, _), ends = alone.reset(), ({}, {}, {})
-        record, single = env.episodes[i].record, alone.record
+        record, single = env.record(i), alone.record
         found.update(record.sim_time_ns, record.state.true_pose)
         expected.update(single.sim_time_ns, single.state.true_pose)
         assert found.hexdigest() == expected.hexdigest()
@@ -86,7 +89,9 @@ PLAIN = [
 @pytest.mark.parametrize(("overrides", "rules"), PLAIN)
 def test_missions_that_are_stepped_together_have_the_records_of_single_ones(overrides, rules):
     made = scenario("garage_sar", *overrides)
-    env, alone = BatchEnv(made, 2, **rules), parallel_env(made, **{k: rules[k] for k in rules if k != "threads"})
+    env, missions = BatchEnv(made, 2, **rules), Missions(made, Rules.of({k: rules[k] for k in rules if k != "threads"}))
+    missions.watch = lambda *_: None  # so that its simulation makes its steps itself
+    alone = TeamEnv(missions, None)
     actions, ended, contacts = np.abs(actions_of(env, 70)), 0, False
     env.reset(seed=11)
     alone.reset(seed=12)
@@ -99,7 +104,7 @@ def test_missions_that_are_stepped_together_have_the_records_of_single_ones(over
         assert list(step.rewards[1]) == [np.float32(reward) for reward in rewards.values()]
         assert list(step.terminated[1]) == list(terminated.values())
         assert list(step.truncated[1]) == list(truncated.values())
-        ours, expected = env.episodes[1].record, alone.record
+        ours, expected = env.record(1), alone.record
         for name in ("step_index", "sim_time_ns", "mission", "events", "victims", "task", "noise_db"):
             assert getattr(ours, name) == getattr(expected, name), name
         assert ours.decisions == expected.decisions
@@ -111,6 +116,7 @@ def test_missions_that_are_stepped_together_have_the_records_of_single_ones(over
         ended += bool(step.is_over[1])
         contacts |= bool(ours.state.contact.any())
     assert env.stepped_together.all()
+    assert not missions.are_plain.any()
     assert ended
     assert contacts or overrides
 
@@ -118,8 +124,9 @@ def test_missions_that_are_stepped_together_have_the_records_of_single_ones(over
 class LinkReward(SearchReward):
     """Looks at L of eq. (16)."""
 
-    def of_step(self, record):
-        return super().of_step(record) + record.network.link.sum()
+    def of_step(self, steps):
+        links = [record.network.link.sum() for record in steps.records]
+        return super().of_step(steps) + np.array(links)[:, None]
 
 
 def test_links_by_distance_beside_links_by_signal_are_those_of_each_alone():
@@ -141,15 +148,15 @@ def test_memory_of_states_is_used_again_while_missions_are_quiet_and_begin_again
         if step % 2:
             env.begin(np.arange(4) == step // 2 % 4)
         env.step(np.zeros((4, 3, 2)))
-        places.add(env.episodes[0].record.state.true_pose.ctypes.data)
+        places.add(env.record(0).state.true_pose.ctypes.data)
     assert len(places) <= 8  # each beginning has a state of its own until its first step
 
 
 class FailsLater(SearchReward):
-    def of_step(self, record):
-        if record.step_index == 9:
+    def of_step(self, steps):
+        if any(record.step_index == 9 for record in steps.records):
             raise RuntimeError("no reward")
-        return super().of_step(record)
+        return super().of_step(steps)
 
 
 def test_batch_that_an_error_has_stopped_in_the_middle_needs_a_reset():
@@ -186,7 +193,7 @@ def test_search_is_rewarded_while_all_robots_of_a_size_have_left():
     larger = setup.robots[2].model_copy(update={"radius_m": 0.3})
     setup = dataclasses.replace(setup, robots=(*setup.robots[:2], larger))
     simulation, reward = Simulation(setup), SearchReward(setup, [0, 1, 2])
-    rewards = [reward.of_step(simulation.step()) for _ in range(10)]
+    rewards = [reward.of_step(Steps.of(simulation.step(), reward.robot_ids)) for _ in range(10)]
     assert np.isfinite(rewards).all()
     assert simulation.world.present.tolist() == [True, True, False]
 
@@ -319,9 +326,9 @@ def test_missions_to_begin_are_bool_in_the_shape_of_the_batch(batch_of_three, wh
     with pytest.raises(LearningError, match=r"^which: .*, shape \(.*\); expected bool, shape \(3,\)$"):
         batch.begin(which)
     batch.begin([False] * 3)
-    assert [episode.setup.scenario.run.seed for episode in batch.episodes] == [1, 2, 3]
+    assert [batch.setup(i).scenario.run.seed for i in range(batch.num_envs)] == [1, 2, 3]
     batch.begin(np.array([False, True, False]))
-    first, second, third = (episode.setup.scenario.run.seed for episode in batch.episodes)
+    first, second, third = (batch.setup(i).scenario.run.seed for i in range(batch.num_envs))
     assert (first, third) == (1, 3)
     assert second != 2
 
@@ -378,7 +385,7 @@ def test_actions_that_are_understood_for_one_mission_only_are_an_error():
 def test_seed_of_numpy_does_not_overflow():
     env = BatchEnv(scenario(), 8)
     env.reset(np.uint8(250))
-    assert [episode.setup.scenario.run.seed for episode in env.episodes] == list(range(250, 258))
+    assert [env.setup(i).scenario.run.seed for i in range(env.num_envs)] == list(range(250, 258))
 
 
 def test_wrong_actions_name_mission_and_robot():

@@ -27,8 +27,8 @@ def scenario(name="garage_sar", *overrides):
 class Without(Reward):
     """A reward that is not a number."""
 
-    def of_step(self, record):
-        return np.full(3, np.nan)
+    def of_step(self, steps):
+        return np.full((1, 3), np.nan)
 
 
 class Blind(Observe):
@@ -38,7 +38,7 @@ class Blind(Observe):
         return [("nothing", 1, "not a number")]
 
     def vectors(self, percepts):
-        return np.full((1, 1), np.nan, np.float32)
+        return np.full((1, 1, 1), np.nan, np.float32)
 
 
 class Overdriven(Observe):
@@ -60,7 +60,7 @@ class Listed(Observe):
 class Scalar(Reward):
     """One reward for all."""
 
-    def of_step(self, record):
+    def of_step(self, steps):
         return 1.0
 
 
@@ -180,7 +180,7 @@ class WithoutCounting(Observe):
         (lambda _: parallel_env("garage_sar", act=None), "act: None; expected a class derived from Act"),
         (
             lambda _: parallel_env(scenario(), reward=Without).reset(seed=1),
-            "rewards[0]: nan; expected finite numbers",
+            "rewards[0, 0]: nan; expected finite numbers",
         ),
         (
             lambda _: parallel_env(scenario("tutorial_arena"), observe=Blind).reset(seed=1),
@@ -192,11 +192,12 @@ class WithoutCounting(Observe):
         ),
         (
             lambda _: parallel_env(scenario("tutorial_arena"), observe=Listed).reset(seed=1),
-            "observations array([[0.]]), shape (1, 1); expected float32 within [-1, 1], shape (1, 194)",
+            "observations array([[0.]]), shape (1, 1); expected float32 within [-1, 1], shape (1, 1, 194)",
         ),
         (
             lambda _: parallel_env(scenario("tutorial_arena"), observe=WithoutCounting).reset(seed=1),
-            "observations array([[0.]], dtype=float32), shape (1, 1); expected float32 within [-1, 1], shape (1, 2)",
+            "observations array([[[0.]]], dtype=float32), shape (1, 1, 1); "
+            "expected float32 within [-1, 1], shape (1, 1, 2)",
         ),
         (
             lambda _: parallel_env(scenario("tutorial_arena"), observe=WithForgetful).reset(seed=1),
@@ -209,7 +210,7 @@ class WithoutCounting(Observe):
         (lambda _: parallel_env(scenario(), act=Binary), "act: space MultiBinary(2); expected a Box or Discrete"),
         (
             lambda _: parallel_env(scenario(), reward=Scalar).reset(seed=1),
-            "rewards: array(1.), shape (); expected finite numbers, shape (3,)",
+            "rewards: array(1.), shape (); expected finite numbers, shape (1, 3)",
         ),
         (
             lambda _: still(parallel_env(scenario("tutorial_arena"), act=Nowhere)),

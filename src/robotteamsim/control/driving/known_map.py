@@ -65,16 +65,16 @@ class KnownMap:
         length_m = self.grid.value_at(distances, start) if distances is not None and start is not None else math.inf
         return length_m if math.isfinite(length_m) else UNREACHABLE_M + math.dist(goal, position)
 
-    def distances_m(self, goal: Vector, positions_m: np.ndarray) -> list[float]:
-        """Return `distance_m` of each of several positions, shape (n, 2) [m]."""
+    def distances_m(self, goal: Vector, positions_m: np.ndarray) -> np.ndarray:
+        """Return `distance_m` of each of several positions, shape (..., 2) [m]; shape (...)."""
         distances = self._distance_map(goal)
         if distances is None:
-            return [UNREACHABLE_M + math.dist(goal, place) for place in positions_m.tolist()]
-        lengths_m = self.grid.values_near(distances, positions_m, 1.0)
-        return [
-            length_m if math.isfinite(length_m) else UNREACHABLE_M + math.dist(goal, place)
-            for length_m, place in zip(lengths_m, positions_m.tolist(), strict=True)
-        ]
+            return np.asarray(UNREACHABLE_M + np.linalg.norm(positions_m - goal, axis=-1))
+        lengths_m = self.grid.values_near(distances, positions_m.reshape(-1, 2), 1.0).reshape(positions_m.shape[:-1])
+        are_lost = ~np.isfinite(lengths_m)
+        if are_lost.any():
+            lengths_m[are_lost] = UNREACHABLE_M + np.linalg.norm(positions_m[are_lost] - goal, axis=-1)
+        return lengths_m
 
     def reaches(self, start: Vector, center: Vector, radius_m: float) -> bool:
         """Whether a free path leads from a free place into a disc. Places in `map` [m]."""

@@ -1,0 +1,428 @@
+"""Missions whose robots obey actions: what all environments are made of."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from gymnasium.spaces import Box, Discrete
+
+from robotteamsim import _core
+from robotteamsim._core.state import DOOR_MOVED, LINKS_CHANGED, PLACE_REACHED, VOICE_CHANGED
+from robotteamsim.interface import Decision, Message
+from robotteamsim.learning.act import Commands
+from robotteamsim.learning.arrays import numbers_of
+from robotteamsim.learning.driven import DrivenControllers
+from robotteamsim.learning.errors import LearningError
+from robotteamsim.learning.observe import area_of, cos_sin
+from robotteamsim.learning.reward import Steps
+from robotteamsim.learning.rules import AnyScenario, Rules
+from robotteamsim.learning.senses import Rows, Senses
+from robotteamsim.mission.status import END_TEXTS, OUT_OF_DANGER
+from robotteamsim.network.delivery import deliver_at_once, is_instant
+from robotteamsim.network.messages import NO_TRAFFIC, NetworkState, Traffic
+from robotteamsim.rng import stream
+from robotteamsim.scenario import Scenario, load
+from robotteamsim.sensing.robots import RobotSensors
+from robotteamsim.setup import Setup, check_headless, resolve
+from robotteamsim.simulation import Simulation, StepRecord
+from robotteamsim.world.world import World
+
+LARGEST_SEED = 2**53
+
+LONGEST_MESSAGE, LONGEST_NUMBER = 80, 26
+"""Bytes of a message that says no numbers, and of each of its numbers, at most."""
+
+_JUDGED = PLACE_REACHED | LINKS_CHANGED | VOICE_CHANGED | DOOR_MOVED
+"""What makes a mission look at a step."""
+
+
+class Outcome(NamedTuple):
+    """What a step of the agents of k missions has led to; arrays have shape (k, n), the last one (k,).
+
+    is_over: the mission has ended, its time or `max_cycles` is over, or no agent is left.
+    """
+
+    rewards: np.ndarray
+    terminated: np.ndarray
+    truncated: np.ndarray
+    is_over: np.ndarray
+
+
+class _Sent(NamedTuple):
+    """The messages of all agents that arrive in a step: what they say, and from where, in `map` [m]."""
+
+    commands: Commands
+    positions_m: np.ndarray
+
+    def decisions(self, mission: int, robot_ids: Sequence[int]) -> list[Decision]:
+        """Return the decisions of the agents of a mission."""
+        return self.commands.of(mission).decisions(robot_ids, self.positions_m[mission])
+
+
+class _Mission:
+    """What is no array of one mission.
+
+    sensed:  the last step that the simulation has made itself.
+    is_here: whether that is the one to be judged next; else it is in the state of the batch.
+    """
+
+    sensed: StepRecord
+
+    def __init__(self, scenario: Scenario, seed: int) -> None:
+        run = scenario.run.model_copy(update={"seed": seed})
+        self.setup = resolve(scenario.model_copy(update={"run": run}))
+        self.controllers = DrivenControllers(self.setup)
+        self.simulation = Simulation(self.setup, controllers=self.controllers)
+        self.is_here = True
+        self.record: StepRecord | None = None
+
+    @property
+    def sensors(self) -> RobotSensors:
+        """Those of the robots."""
+        sensors = self.simulation.sensors
+        assert isinstance(sensors, RobotSensors)
+        return sensors
+
+
+class Missions:
+    """Missions of one scenario whose robots obey actions; base, relays, firefighters, command centre are no agents.
+
+    A step is `every` steps of the simulation. Its reward is that of their records; that of the steps before the mission
+    begins counts in the first one. The same seed and actions give the same bits, alone or beside others.
+
+    Where nothing acts but robots that obey, world, lasers, odometry, voices and links of all missions are one call, a
+    mission judges a step only if something has happened in it, and its record is made only if somebody asks for it.
+    """
+
+    def __init__(self, scenario: AnyScenario, rules: Rules, number: int = 1, threads: int = 1) -> None:
+        """Args: threads: that step missions in one call, 0: one per core.
+
+        Raises: RobotTeamSimError: one line: the scenario is invalid, or has no robot that can be driven.
+        """
+        scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
+        check_headless(scenario)
+        self.scenario, self.rules, self.number, self._threads = scenario, rules, number, threads
+        self.robot_ids = list(scenario.searcher_ids)
+        """The agents."""
+        if not self.robot_ids:
+            raise LearningError(scenario.origin.line("robots.count: no robot can be driven", "robots.count"))
+        arriving = [f"schedule.{i}.spawn" for i, event in enumerate(scenario.schedule) if event.spawn is not None]
+        if arriving or not all(scenario.present_at_start):
+            key = arriving[0] if arriving else "robots"
+            text = f"{key}: a robot arrives later; expected robots that are present from the start"
+            raise LearningError(scenario.origin.line(text, key))
+        if lack := rules.reward.lack_of(scenario):
+            raise LearningError(scenario.origin.line(lack, lack.partition(":")[0]))
+        self._setup = resolve(scenario)
+        self.observe = rules.observe(self._setup, self.robot_ids, rules.said, rules.teammates)
+        self.act = rules.act(self._setup, self.robot_ids, rules.said)
+        if not isinstance(self.act.space, Box | Discrete):
+            raise LearningError(f"act: space {self.act.space!r:.60}; expected a Box or Discrete")
+        self.watch: Callable[[Simulation, StepRecord], None] | None = None
+        """Is called when a mission begins and after each of its steps."""
+        shape = number, len(self.robot_ids)
+        self.present = np.zeros(shape, bool)
+        """Whether each agent is present."""
+        self.are_plain = np.zeros(number, bool)
+        """Whether nothing but robots that obey acts in a mission, as of its beginning, and no message is lost."""
+        self._rngs = [stream(scenario.run.seed, "episodes") for _ in range(number)]
+        self._missions: list[_Mission | None] = [None] * number
+        self._senses = Senses(self._setup, self.observe, number)
+        self._reward = rules.reward(self._setup, self.robot_ids, number)
+        self._was_present, self._earned, self._cycles = np.zeros(shape, bool), np.zeros(shape), np.zeros(number, int)
+        """Who was present in the agents' last step; their rewards since then; and how many steps they have made."""
+        self._now = Steps(
+            self._last_record,
+            np.arange(number),
+            self.present,
+            np.zeros(shape, bool),
+            np.zeros((*shape, 2)),
+            np.zeros(number, int),
+            np.zeros(number, int),
+            np.zeros((number, 3)),
+        )
+        """The last step of the simulation, with areas and victims as of the one before, which was judged."""
+        self._times_ns, self._quiet_until_ns = np.zeros((2, number), np.int64)
+        """Its stamp; and before which stamp the mission judges no step in which nothing has happened."""
+        self._has_ended, self._is_late = np.zeros((2, number), bool)
+        # Of plain missions, which are stepped together.
+        self._core = _core.simulation.Batch(number, len(self.robot_ids), self.observe.beams, threads)
+        self._twists, self._must_judge = np.zeros((*shape, 3)), np.zeros(number, bool)
+        self._passed, self._noise_left = np.zeros((2, number), int)
+        """How many judged steps the simulation of a mission has not heard of, and for how many there is noise."""
+        self._state = self._judged = _core.state.State(1)
+        """The last step, and the one before it, which was judged."""
+        self._arriving: _Sent | None = None
+        self._arrived: _Sent | None = None
+        """The messages that arrived in each."""
+        self._decided: tuple[_Sent, bool] | None = None
+        """What the agents did in the one that was judged, and whether they sent their messages."""
+
+    def __reduce__(self) -> tuple[type[Missions], tuple[Any, ...]]:
+        """Let missions be pickled and copied. Raises: LearningError: one is under way."""
+        if any(mission is not None for mission in self._missions):
+            raise LearningError(
+                "a mission that is under way cannot be pickled or copied; do so before reset or after close"
+            )
+        return type(self), (self.scenario, self.rules, self.number, self._threads)
+
+    def begin(self, which: int, seed: Any = None) -> None:
+        """Begin a mission; without a seed, with the next one of a sequence that begins with the last seed.
+
+        The seed is `run.seed`, so it decides about random victims, voices and noise.
+
+        Raises: RobotTeamSimError: one line: the seed is out of range, or the mission cannot begin.
+        """
+        if seed is not None and not (isinstance(seed, int | np.integer) and 0 <= seed <= LARGEST_SEED):
+            raise LearningError(f"seed: {seed!r}; expected a whole number from 0 to {LARGEST_SEED}")
+        if seed is not None:
+            self._rngs[which] = stream(int(seed), "episodes")
+        self._missions[which] = None
+        mission = _Mission(self.scenario, int(self._rngs[which].integers(LARGEST_SEED) if seed is None else seed))
+        mission.simulation.mission.start()
+        self._senses.begin(which, mission.setup)
+        self._reward.begin(which, mission.setup)
+        self._cycles[which] = self._passed[which] = 0
+        self._earned[which] = 0.0
+        self._sense(which, mission)
+        while not mission.sensed.task.running:
+            record = self._decide(which, mission)
+            if self._has_ended[which]:
+                raise LearningError(f"the mission ends before it begins: {END_TEXTS[record.mission.end]}")
+            self._sense(which, mission)
+        self._was_present[which] = self.present[which]
+        self._senses.perceive_team(which, mission.sensed)
+        self._missions[which] = mission
+        self.are_plain[which] = self._is_plain(mission)
+        if self.are_plain[which]:
+            self._must_judge[which] = True
+            self._put(which, mission)
+        if self.watch is not None and mission.record is not None:
+            self.watch(mission.simulation, mission.record)
+
+    def step(self, which: Sequence[int], commands: Commands) -> Outcome:
+        """Let the agents of some missions act. Args: commands: of all missions, those of others are ignored.
+
+        Raises: LearningError: one of them has not begun. After any other error, all must begin again.
+        """
+        rows = self._rows(np.array(which, int))
+        together = [i for i in which if self.are_plain[i]]
+        for i in which:
+            self.check_begun(i)
+        try:
+            if together:
+                self._step_together(np.array(together), commands)
+            for i in which:
+                if not self.are_plain[i]:
+                    self._step_alone(i, commands.of(i))
+        except BaseException:  # some missions have made a part of a step
+            self.end()
+            raise
+        self._cycles[rows] += 1
+        was_present, present, is_late = self._was_present[rows].copy(), self.present[rows], self._is_late[rows]
+        has_ended = self._has_ended[rows] & ~is_late
+        is_cut = is_late | (self._cycles[rows] == self.rules.max_cycles)
+        terminated = was_present & (has_ended[:, None] | ~present)
+        truncated = was_present & is_cut[:, None] & ~terminated
+        rewards = self._earned[rows] * was_present
+        self._was_present[rows], self._earned[rows] = present, 0.0
+        return Outcome(rewards, terminated, truncated, has_ended | is_cut | ~present.any(1))
+
+    def record(self, which: int) -> StepRecord | None:
+        """Return the last complete step of a mission; None before the first one, and if there is no mission."""
+        mission = self._missions[which]
+        return None if mission is None or mission.record is None else self._last_record(which)
+
+    def vectors(self) -> np.ndarray:
+        """Return the observations of all agents, see `Senses.vectors`."""
+        return self._senses.vectors(self.present)
+
+    def setup(self, which: int) -> Setup:
+        """Return the setup of a mission, with its seed. Raises: LearningError: it has not begun."""
+        return self.check_begun(which).setup
+
+    def check_begun(self, which: int) -> _Mission:
+        """Return a mission. Raises: LearningError: it has not begun."""
+        mission = self._missions[which]
+        if mission is None:
+            raise LearningError("the mission has not begun; call reset first")
+        return mission
+
+    def end(self) -> None:
+        """Forget all missions."""
+        self._missions = [None] * self.number
+
+    def _last_record(self, which: int) -> StepRecord:
+        """Return the last complete step of a mission that has made one."""
+        mission = self.check_begun(which)
+        if self._passed[which]:
+            mission.record = mission.simulation.pass_quietly(self._followed(which), self._decisions(which))
+        assert mission.record is not None
+        return mission.record
+
+    def _step_alone(self, which: int, commands: Commands) -> None:
+        mission = self.check_begun(which)
+        mission.controllers.command(commands.decisions(self.robot_ids, self._senses.percepts.poses[which, :, :2]))
+        for _ in range(self.rules.every):
+            record = self._decide(which, mission)
+            if self.watch is not None:
+                self.watch(mission.simulation, record)
+            self._sense(which, mission)
+            if self._has_ended[which]:
+                break
+        self._senses.perceive_team(which, mission.sensed)
+
+    def _sense(self, which: int, mission: _Mission) -> None:
+        """Let a simulation make a step, up to what is perceived in it."""
+        mission.sensed = sensed = mission.simulation.sense()
+        present, ids = sensed.present[self.robot_ids], self.robot_ids
+        self.present[which], self._now.contact[which] = present, sensed.state.contact[ids]
+        self._now.positions_m[which] = np.where(present[:, None], sensed.state.positions_m[ids], 0.0)
+        self._times_ns[which] = sensed.sim_time_ns
+        self._senses.note_team(which, sensed)
+
+    def _decide(self, which: int, mission: _Mission) -> StepRecord:
+        """Complete the step of a simulation, and reward it."""
+        mission.record = record = mission.simulation.decide(mission.sensed)
+        self._note_judged(which, mission.simulation)
+        self._add_rewards(np.array([which]), lambda _: record)
+        return record
+
+    def _note_judged(self, which: int, simulation: Simulation) -> None:
+        mission, now = simulation.mission, self._now
+        status = mission.status
+        now.explored[which], now.saved[which] = status.areas_explored, status.victims_saved
+        now.areas[which] = area_of(status.task)
+        self._has_ended[which], self._is_late[which] = status.state == "ended", status.end == "time_limit"
+        self._quiet_until_ns[which] = mission.quiet_until_ns
+
+    def _add_rewards(self, which: np.ndarray, record_of: Callable[[int], StepRecord]) -> None:
+        rows, (_, _, *arrays) = self._rows(which), self._now
+        rewards = self._reward.of_step(Steps(record_of, which, *(array[rows].copy() for array in arrays)))
+        self._earned[rows] += numbers_of("rewards", rewards, (len(which), len(self.robot_ids)))
+
+    def _step_together(self, which: np.ndarray, commands: Commands) -> None:
+        """Let the agents of plain missions act."""
+        going, rows, now, senses = which, self._rows(which), self._now, self._senses
+        self._twists[rows] = commands.twists[rows]
+        sent = _Sent(commands, senses.percepts.poses[..., :2].copy())
+        for k in range(self.rules.every):
+            self._judge_together(going, sent, is_first=k == 0)
+            self._core.move(self._twists, going.tolist())
+            self._state = state = self._core.sense(going.tolist())
+            self._arriving = sent if k == 0 else None
+            self._must_judge[rows] = state.happened[rows] & _JUDGED != 0
+            now.contact[rows], now.positions_m[rows] = state.contact[rows], state.positions_m[rows]
+            self._times_ns[rows] += self.scenario.run.step_ns
+            self._noise_left[rows] -= 1
+            for i in going[self._noise_left[rows] == 0].tolist():
+                self._noise_left[i] = self.check_begun(i).sensors.draw()
+            if k == 0:
+                hears = state.hop_count[rows] > 0  # links are symmetric
+                senses.hear(rows, hears, sent.positions_m[rows], commands.say[rows], self._times_ns[rows])
+            if k + 1 == self.rules.every:
+                senses.perceive_together(rows, state, now.areas[rows], self._times_ns[rows])
+            elif (ended := self._has_ended[rows]).any():
+                done = going[ended]
+                senses.perceive_together(done, state, now.areas[done], self._times_ns[done])
+                going = going[~ended]
+                rows = self._rows(going)
+                if not going.size:
+                    break
+
+    def _judge_together(self, which: np.ndarray, sent: _Sent, *, is_first: bool) -> None:
+        """Complete the last step of plain missions, in which their agents decide this.
+
+        Args: is_first: whether the messages are sent; else only the velocities are held.
+        """
+        self._judged, self._arrived, self._decided = self._state, self._arriving, (sent, is_first)
+        rows = self._rows(which)
+        self._passed[rows] += 1
+        for i in which[self._must_judge[rows] | (self._times_ns[rows] >= self._quiet_until_ns[rows])].tolist():
+            mission = self.check_begun(i)
+            simulation, sensed = mission.simulation, mission.sensed if mission.is_here else self._followed(i)
+            mission.is_here, self._passed[i] = False, 0
+            mission.record = simulation.judge(sensed, self._decisions(i))
+            self._note_judged(i, simulation)
+            if simulation.silence():
+                self._put(i, mission)
+                self._quiet_until_ns[i] = 0  # the record of the next step has the voice map
+        self._add_rewards(which, self._last_record)
+
+    def _followed(self, which: int) -> StepRecord:
+        """Return what the last judged step of a plain mission knew before anybody decided."""
+        state, traffic = self._judged.of(which), NO_TRAFFIC
+        inboxes: Sequence[Sequence[Message]] = [()] * len(self.robot_ids)
+        if self._arrived is not None:
+            outboxes = [decision.outbox for decision in self._arrived.decisions(which, self.robot_ids)]
+            inboxes = deliver_at_once(state.hop_count, outboxes, state.fiedler_value > 0.0)
+            count, robots = int(np.count_nonzero(state.hop_count > 0)), len(outboxes)
+            delay_s = self.scenario.run.step_ns / 1e9 if count else 0.0
+            traffic = Traffic(delivered=count, cut_off=robots * (robots - 1) - count, mean_delay_s=delay_s)
+        steps, self._passed[which] = int(self._passed[which]), 0
+        return self.check_begun(which).simulation.follow(steps, state, NetworkState(state, traffic), inboxes)
+
+    def _decisions(self, which: int) -> tuple[Decision, ...]:
+        """Return what the agents of a plain mission decided in the last step that was judged."""
+        assert self._decided is not None
+        sent, is_first = self._decided
+        decisions = sent.decisions(which, self.robot_ids)
+        return tuple(decisions if is_first else (Decision(one.twist) for one in decisions))
+
+    def _put(self, which: int, mission: _Mission) -> None:
+        """Let a plain mission take part in the steps of the batch, as it is now."""
+        simulation, world = mission.simulation, mission.simulation.world
+        assert isinstance(world, World)
+        links, ear = simulation.network.network.links, simulation.hearing.sensor.core()
+        self._core.put(which, world.core, mission.sensors.core, links, ear, simulation.mission.places)
+        self._noise_left[which] = mission.sensors.core.noise_left
+
+    def _is_plain(self, mission: _Mission) -> bool:
+        """Whether nothing but robots that obey acts in a mission, and no message is lost."""
+        scenario, robots = mission.setup.scenario, mission.setup.robots
+        others = scenario.fire is not None or scenario.schedule or scenario.base is not None or scenario.mission.exits
+        walk = scenario.moves_people or any(victim.path for victim in scenario.mission.victims)
+        doors = any(door.motion != "instant" for door in scenario.plan.doors)
+        carried = any(robot.sensors or robot.laser.noise_m > 0.0 for robot in robots)
+        return (
+            self.watch is None
+            and scenario.run.world == "box2d"
+            and self.robot_ids == list(range(len(robots)))
+            and not (others or walk or doors or carried or scenario.mission.saved_by == "firefighter")
+            and is_instant(scenario.network, len(robots), scenario.run.step_ns)
+            and scenario.network.max_message_bytes >= LONGEST_MESSAGE + LONGEST_NUMBER * self.rules.said
+            and not self._senses.looks
+        )
+
+    def _rows(self, which: np.ndarray) -> Rows:
+        """Return missions as an index; all of them as a slice, which NumPy does not copy."""
+        return slice(None) if len(which) == self.number else which
+
+    def state(self, which: int) -> np.ndarray:
+        """Return the state of a mission, for central critics, float32, within [-1, 1].
+
+        Per member of the team: present, x and y in the building, cosine and sine of the yaw; per victim: saved, safe or
+        dead, x and y, of those from the start; per area: explored; then the share of the time limit that is over. It is
+        that of the last complete step of the simulation, one before the observations.
+        """
+        self.check_begun(which)
+        record, num_victims = self.record(which), len(self._setup.scenario.mission.victims)
+        assert record is not None
+        poses = np.where(record.present[:, None], record.state.true_pose, 0.0)
+        team = np.column_stack((np.ones(len(poses)), self.observe.in_bounds(poses[:, :2]), *cos_sin(poses)))
+        team[~record.present] = 0.0
+        status = record.mission
+        done = np.array([victim in OUT_OF_DANGER for victim in status.victims[:num_victims]], float)
+        victims_m = np.array([victim.position for victim in record.victims[:num_victims]]).reshape(-1, 2)
+        victims = np.column_stack((done, self.observe.in_bounds(victims_m)))
+        time = status.time_s / self.scenario.mission.time_limit_s
+        parts = (team.ravel(), victims.ravel(), np.array(status.explored, float), (time,))
+        return np.clip(np.concatenate(parts), -1.0, 1.0).astype(np.float32)
+
+    @property
+    def state_size(self) -> int:
+        """The size of `state`."""
+        mission = self._setup.scenario.mission
+        return 5 * len(self._setup.robots) + 3 * len(mission.victims) + len(mission.areas) + 1
