@@ -12,6 +12,7 @@
 #include "bindings.hpp"
 #include "casters.hpp"
 #include "fields.hpp"
+#include "mission_state.hpp"
 #include "robotteamsim/control/cell_paths.hpp"
 #include "robotteamsim/control/clearance.hpp"
 #include "robotteamsim/control/navigator.hpp"
@@ -20,6 +21,7 @@
 #include "robotteamsim/control/victim_belief.hpp"
 #include "robotteamsim/control/voice_fix.hpp"
 #include "robotteamsim/control/voice_losses.hpp"
+#include "robotteamsim/state/pose_reading.hpp"
 
 namespace nanobind::detail {
 
@@ -58,15 +60,29 @@ using Floats = Array<const float, -1>;
 using SharedGrid = std::shared_ptr<const plan::PlanningGrid>;
 using SharedLosses = std::shared_ptr<const VoiceLosses>;
 
-base::Twist Drive(Navigator& navigator, const SharedGrid& grid, const base::Pose& pose, const Floats& ranges_m,
-                  const base::Point& goal_m, double speed_mps, std::int64_t sim_time_ns,
-                  const nb::typed<nb::callable, std::map<int, base::Point>()>& teammates) {
+base::Twist Drive(Navigator& navigator, const SharedGrid& grid, const base::Pose& pose, const control::Ranges& ranges,
+                  const base::Point& goal_m, double speed_mps, std::int64_t sim_time_ns, nb::handle teammates) {
   const auto ask = [&teammates] {
     const auto places = nb::cast<std::map<int, base::Point>>(teammates());
     return Navigator::Teammates(places.begin(), places.end());
   };
   const double time_s = static_cast<double>(sim_time_ns) * 1e-9;
-  return navigator.Drive(grid, pose, {ranges_m.data(), ranges_m.size()}, goal_m, speed_mps, time_s, ask);
+  return navigator.Drive(grid, pose, ranges, goal_m, speed_mps, time_s, ask);
+}
+
+/// Returns the commands of robots that only drive. Args: courses: a `Course` of each.
+std::vector<base::Twist> DriveTeam(const MissionState& of, const std::vector<nb::tuple>& courses,
+                                   std::int64_t sim_time_ns) {
+  const state::State& state = of.state();
+  std::vector<base::Twist> commands;
+  for (const nb::tuple& course : courses) {
+    const std::size_t row = of.Row(nb::cast<std::size_t>(course[0]));
+    const float* const ranges_m = state.ranges_m.data() + row * state.beams;
+    commands.push_back(Drive(nb::cast<Navigator&>(course[1]), nb::cast<SharedGrid>(course[2]),
+                             state::PoseOf(state.true_pose[row]), {ranges_m, state.beams_of[row]},
+                             nb::cast<base::Point>(course[3]), nb::cast<double>(course[4]), sim_time_ns, course[5]));
+  }
+  return commands;
 }
 
 void BindNavigator(nb::module_& m) {
@@ -85,8 +101,17 @@ void BindNavigator(nb::module_& m) {
           },
           nb::kw_only(), "robot_id"_a, "radius_m"_a, "laser"_a, "max_speed_mps"_a, "max_turn_radps"_a, "is_car"_a,
           "by_path"_a, "parameters"_a)
-      .def("drive", &Drive, "grid"_a, "pose"_a, "ranges_m"_a, "goal_m"_a, "speed_mps"_a, "sim_time_ns"_a,
-           "teammates"_a);
+      .def(
+          "drive",
+          [](Navigator& navigator, const SharedGrid& grid, const base::Pose& pose, const Floats& ranges_m,
+             const base::Point& goal_m, double speed_mps, std::int64_t sim_time_ns,
+             const nb::typed<nb::callable, std::map<int, base::Point>()>& teammates) {
+            const control::Ranges ranges{ranges_m.data(), ranges_m.size()};
+            return Drive(navigator, grid, pose, ranges, goal_m, speed_mps, sim_time_ns, teammates);
+          },
+          "grid"_a, "pose"_a, "ranges_m"_a, "goal_m"_a, "speed_mps"_a, "sim_time_ns"_a, "teammates"_a);
+  m.def("drive_team", &DriveTeam, "state"_a, "courses"_a, "sim_time_ns"_a,
+        "Return the commands of robots that only drive, each by its `Course`, from their true poses.");
   nb::class_<Surroundings>(m, "Surroundings")
       .def(nb::init<const control::LaserLayout&, int, double, const std::vector<double>&>(), nb::kw_only(), "laser"_a,
            "stride"_a, "sensing_radius_m"_a, "headings_rad"_a)

@@ -143,15 +143,17 @@ nb::typed<nb::dict, int, nb::typed<nb::tuple, double, nb::ellipsis>> TouchedAngl
   return nb::borrow<nb::typed<nb::dict, int, nb::typed<nb::tuple, double, nb::ellipsis>>>(angles);
 }
 
-nb::list Voices(const MissionState& of) {
+nb::object VoiceOf(const MissionState& of, std::size_t robot) {
   static const nb::handle record = PythonObject("robotteamsim.sensing.readings", "VoiceReading");
   const State& state = of.state();
+  const std::size_t row = of.Row(robot);
+  return record(state.voice_level_db[row], state.voice_heard[row] != 0, state.local_best[row],
+                state.local_best_level_db[row]);
+}
+
+nb::list Voices(const MissionState& of) {
   nb::list voices;
-  const std::size_t first = state.First(of.mission());
-  for (std::size_t row = first; row < first + state.robots; ++row) {
-    voices.append(record(state.voice_level_db[row], state.voice_heard[row] != 0, state.local_best[row],
-                         state.local_best_level_db[row]));
-  }
+  for (std::size_t i = 0; i < of.state().robots; ++i) voices.append(VoiceOf(of, i));
   return voices;
 }
 
@@ -280,6 +282,8 @@ void BindState(nb::module_&& m) {
            nb::sig("def __getitem__(self, robot_id: int) -> robotteamsim.sensing.readings.RobotReading"))
       .def("readings", &Readings, nb::sig("def readings(self) -> list[robotteamsim.sensing.readings.RobotReading]"))
       .def("voices", &Voices, nb::sig("def voices(self) -> list[robotteamsim.sensing.readings.VoiceReading]"))
+      .def("voice_of", &VoiceOf, "robot_id"_a,
+           nb::sig("def voice_of(self, robot_id: int) -> robotteamsim.sensing.readings.VoiceReading"))
       .def("ranges_of", &RangesOf, "robot_id"_a, nb::sig("def ranges_of(self, robot_id: int) -> numpy.ndarray"))
       .def(
           "place",

@@ -101,21 +101,10 @@ class Missions:
 
         Raises: RobotTeamSimError: one line: the scenario is invalid, or has no robot that can be driven.
         """
-        scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
-        check_headless(scenario)
-        self.scenario, self.rules, self.number, self._threads = scenario, rules, number, threads
-        self.robot_ids = list(scenario.searcher_ids)
+        self.scenario, self.rules, self.number, self._threads = _checked(scenario, rules), rules, number, threads
+        self.robot_ids = list(self.scenario.searcher_ids)
         """The agents."""
-        if not self.robot_ids:
-            raise LearningError(scenario.origin.line("robots.count: no robot can be driven", "robots.count"))
-        arriving = [f"schedule.{i}.spawn" for i, event in enumerate(scenario.schedule) if event.spawn is not None]
-        if arriving or not all(scenario.present_at_start):
-            key = arriving[0] if arriving else "robots"
-            text = f"{key}: a robot arrives later; expected robots that are present from the start"
-            raise LearningError(scenario.origin.line(text, key))
-        if lack := rules.reward.lack_of(scenario):
-            raise LearningError(scenario.origin.line(lack, lack.partition(":")[0]))
-        self._setup = resolve(scenario)
+        self._setup = resolve(self.scenario)
         self.observe = rules.observe(self._setup, self.robot_ids, rules.said, rules.teammates)
         self.act = rules.act(self._setup, self.robot_ids, rules.said)
         if not isinstance(self.act.space, Box | Discrete):
@@ -123,27 +112,18 @@ class Missions:
         self.watch: Callable[[Simulation, StepRecord], None] | None = None
         """Is called when a mission begins and after each of its steps."""
         shape = number, len(self.robot_ids)
-        self.present = np.zeros(shape, bool)
-        """Whether each agent is present."""
         self.are_plain = np.zeros(number, bool)
         """Whether nothing but robots that obey acts in a mission, as of its beginning, and no message is lost."""
-        self._rngs = [stream(scenario.run.seed, "episodes") for _ in range(number)]
+        self._rngs = [stream(self.scenario.run.seed, "episodes") for _ in range(number)]
         self._missions: list[_Mission | None] = [None] * number
         self._senses = Senses(self._setup, self.observe, number)
         self._reward = rules.reward(self._setup, self.robot_ids, number)
         self._was_present, self._earned, self._cycles = np.zeros(shape, bool), np.zeros(shape), np.zeros(number, int)
         """Who was present in the agents' last step; their rewards since then; and how many steps they have made."""
-        self._now = Steps(
-            self._last_record,
-            np.arange(number),
-            self.present,
-            np.zeros(shape, bool),
-            np.zeros((*shape, 2)),
-            np.zeros(number, int),
-            np.zeros(number, int),
-            np.zeros((number, 3)),
-        )
+        self._now = Steps.of_nothing(self._last_record, *shape)
         """The last step of the simulation, with areas and victims as of the one before, which was judged."""
+        self.present = self._now.present
+        """Whether each agent is present."""
         self._times_ns, self._quiet_until_ns = np.zeros((2, number), np.int64)
         """Its stamp; and before which stamp the mission judges no step in which nothing has happened."""
         self._has_ended, self._is_late = np.zeros((2, number), bool)
@@ -426,3 +406,19 @@ class Missions:
         """The size of `state`."""
         mission = self._setup.scenario.mission
         return 5 * len(self._setup.robots) + 3 * len(mission.victims) + len(mission.areas) + 1
+
+
+def _checked(scenario: AnyScenario, rules: Rules) -> Scenario:
+    """Return a scenario. Raises: RobotTeamSimError: it is invalid, or no mission of agents with these rules."""
+    scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
+    check_headless(scenario)
+    if not scenario.searcher_ids:
+        raise LearningError(scenario.origin.line("robots.count: no robot can be driven", "robots.count"))
+    arriving = [f"schedule.{i}.spawn" for i, event in enumerate(scenario.schedule) if event.spawn is not None]
+    if arriving or not all(scenario.present_at_start):
+        key = arriving[0] if arriving else "robots"
+        text = f"{key}: a robot arrives later; expected robots that are present from the start"
+        raise LearningError(scenario.origin.line(text, key))
+    if lack := rules.reward.lack_of(scenario):
+        raise LearningError(scenario.origin.line(lack, lack.partition(":")[0]))
+    return scenario

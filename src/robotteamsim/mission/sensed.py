@@ -89,6 +89,13 @@ class Sensed(msgspec.Struct, kw_only=True, eq=False, dict=True):
         """Whether a robot is present."""
         return bool(self.present[robot_id])
 
+    def observation(self, robot_id: int) -> Observation:
+        """Return what a member of the team perceives."""
+        state, made = self.state, self.__dict__
+        reading = made["readings"][robot_id] if "readings" in made else state[robot_id]
+        voice = made["voices"][robot_id] if "voices" in made else state.voice_of(robot_id)
+        return Observation(robot_id, self.sim_time_ns, reading, voice)
+
     def observations(self) -> list[Observation]:
         """Return what each member of the team perceives."""
         team = zip(self.readings, self.voices, strict=True)

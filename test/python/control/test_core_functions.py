@@ -197,5 +197,7 @@ def test_lengths_to_several_places_are_those_to_each():
     generator = np.random.default_rng(4)
     known, goal = cluttered_map(generator), (6.0, 6.0)
     places_m = generator.uniform(-2.0, SIZE_M + 2.0, (200, 2))  # some in blocks, some outside
-    assert known.distances_m(goal, places_m) == [known.distance_m(goal, tuple(place)) for place in places_m.tolist()]
-    assert known.distances_m(goal, places_m[:0]) == []
+    expected_m = [known.distance_m(goal, tuple(place)) for place in places_m.tolist()]
+    assert known.distances_m(goal, places_m).tolist() == expected_m
+    assert known.distances_m(goal, places_m.reshape(4, 50, 2)).ravel().tolist() == expected_m
+    assert known.distances_m(goal, places_m[:0]).size == 0

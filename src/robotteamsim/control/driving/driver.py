@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import NamedTuple
 
+from robotteamsim import _core
 from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import Disc, known_map
 from robotteamsim.control.driving.navigation import Navigator
@@ -15,11 +17,30 @@ from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
 
+class Course(NamedTuple):
+    """How a robot drives until its controller decides again: at a time, with a message, or when the task changes.
+
+    A controller in one process with its team may have one in its attribute `course` after a step; it is then not called
+    in between, and the team is driven in one call, to the same bits.
+    """
+
+    robot_id: int
+    navigator: Navigator
+    grid: _core.plan.PlanningGrid
+    goal_m: Vector
+    speed_mps: float
+    teammates: Callable[[], Mapping[int, Vector]]
+    until_ns: int
+
+
 class Driver:
     """Drives one robot over the map that it knows; places in `map` [m]."""
 
     def __init__(self, robot_id: int, setup: Setup) -> None:
         body, control = setup.robots[robot_id], setup.scenario.control
+        self._robot_id = robot_id
+        self._looks = bool(body.sensors) or control.localisation != "ground_truth"
+        """Whether it needs the readings of each step, of a thermal camera or of odometry."""
         self._building, self._reach_m = setup.building, body.reach_m
         self._own_pose = OwnPose(robot_id, setup)
         self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
@@ -72,3 +93,11 @@ class Driver:
         """Return the command of a step; `Navigator` describes the arguments."""
         ranges_m, sim_time_ns = observation.robot.ranges_m, observation.sim_time_ns
         return self._navigator.drive(self.map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, teammates)
+
+    def course(
+        self, goal: Vector, speed_mps: float, teammates: Callable[[], Mapping[int, Vector]], until_ns: int
+    ) -> Course | None:
+        """Return how the robot drives on, if that depends on no more than its true pose and its laser; see `drive`."""
+        if self._looks or self.hot.known:
+            return None
+        return Course(self._robot_id, self._navigator, self.map.grid, goal, speed_mps, teammates, until_ns)

@@ -67,14 +67,13 @@ class KnownMap:
 
     def distances_m(self, goal: Vector, positions_m: np.ndarray) -> np.ndarray:
         """Return `distance_m` of each of several positions, shape (..., 2) [m]; shape (...)."""
-        distances = self._distance_map(goal)
-        if distances is None:
-            return np.asarray(UNREACHABLE_M + np.linalg.norm(positions_m - goal, axis=-1))
-        lengths_m = self.grid.values_near(distances, positions_m.reshape(-1, 2), 1.0).reshape(positions_m.shape[:-1])
-        are_lost = ~np.isfinite(lengths_m)
-        if are_lost.any():
-            lengths_m[are_lost] = UNREACHABLE_M + np.linalg.norm(positions_m[are_lost] - goal, axis=-1)
-        return lengths_m
+        distances, places_m = self._distance_map(goal), positions_m.reshape(-1, 2)
+        lengths_m = np.full(len(places_m), np.inf)
+        if distances is not None:
+            lengths_m = self.grid.values_near(distances, places_m, 1.0)
+        for row in np.flatnonzero(~np.isfinite(lengths_m)).tolist():
+            lengths_m[row] = UNREACHABLE_M + math.dist(goal, places_m[row])
+        return lengths_m.reshape(positions_m.shape[:-1])
 
     def reaches(self, start: Vector, center: Vector, radius_m: float) -> bool:
         """Whether a free path leads from a free place into a disc. Places in `map` [m]."""

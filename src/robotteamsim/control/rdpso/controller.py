@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 import msgspec
 
 from robotteamsim import swarm
-from robotteamsim.control.driving.driver import Driver
+from robotteamsim.control.driving.driver import Course, Driver
 from robotteamsim.control.driving.wander import Wander
 from robotteamsim.control.rdpso.context import ContextMeter
 from robotteamsim.control.rdpso.door_beliefs import DoorBeliefs
@@ -82,9 +82,13 @@ class RdpsoController:
         self._speed_mps = control.max_step_speed_mps
         self._standing = self._decide_to_stand()
         """The decision to stand still."""
+        self.course: Course | None = None
+        """How the robot drives on until the next iteration, once its next point is chosen."""
+        self._is_called_each_step = type(self).step is not RdpsoController.step
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """Return the command and, once per iteration, the message of this step."""
+        self.course = None
         self._driver.hot.look(observation.robot)
         if inbox:
             self._team = self._team.after(batch_of(inbox))
@@ -111,6 +115,8 @@ class RdpsoController:
         way_out = self._driver.way_out((pose.x_m, pose.y_m))
         if way_out is not None:
             goal, speed_mps = way_out, self._control.max_step_speed_mps
+        elif self._goal is not None and self._own is None and not self._is_called_each_step:
+            self.course = self._driver.course(goal, speed_mps, self._teammates, self._iteration_ends_ns)
         twist = self._driver.drive(observation, pose, goal, speed_mps, self._teammates)
         return msgspec.structs.replace(self._standing, twist=twist, outbox=outbox, goal_m=goal)
 

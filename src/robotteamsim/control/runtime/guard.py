@@ -13,6 +13,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from robotteamsim.control.driving.driver import Course
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.geometry import Twist
 from robotteamsim.interface import EVERYBODY, OUTSIDE, Controller, Decision, Message, Observation, SwarmContext, Task
@@ -59,6 +60,11 @@ class Guard:
             raise
         except BaseException as error:
             self._stop(error)
+
+    @property
+    def course(self) -> Course | None:
+        """How the robot drives on without its controller."""
+        return None if self.fault else getattr(self.controller, "course", None)
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """Return the controller's decision; once it has failed, that is to stand still, with the reason."""
