@@ -1,5 +1,6 @@
 """The floor that the team has covered, as far as one robot knows, and the message about it."""
 
+import functools
 import math
 from collections.abc import Collection, Sequence
 
@@ -15,6 +16,9 @@ from robotteamsim.swarm import Vector
 
 CELL_M = BLOCK_M
 """Cells are the blocks of `HotPlaces`. Updates contain one bit per cell: 600 hexadecimal digits for 60 x 40 m."""
+
+_KEPT_LENGTHS = 256
+"""Cells whose path lengths to all others are kept: 5 MB for 60 x 40 m, of 46 MB for all cells."""
 
 Disc = tuple[Vector, float]
 """Centre in `map` and radius [m]."""
@@ -41,24 +45,20 @@ class _Floor:
         cells = np.floor((np.array(found) - self.origin_m) / GRID_RESOLUTION_M).astype(np.int64)
         self._columns, self._rows = cells[..., 0], cells[..., 1]
         self._has_place = np.array([[place is not None for place in row] for row in self.places])
-        self._lengths: dict[tuple[int, int], np.ndarray] = {}
+        self.lengths_m = functools.lru_cache(_KEPT_LENGTHS)(self._lengths_of)
 
     def reachable(self, start: Vector) -> np.ndarray:
         """Return which cells can be reached from a place in `map` [m], bool, shape (rows, cols)."""
         free = self.grid.nearest_free(start, 1.0)
         return np.isfinite(self._lengths_from(free)) if free else np.zeros(self.shape, dtype=bool)
 
-    def lengths_m(self, cell: tuple[int, int]) -> np.ndarray | None:
+    def _lengths_of(self, cell: tuple[int, int]) -> np.ndarray | None:
         """Return the lengths of free paths from one cell's place to those of all cells, shape (rows, cols) [m].
 
         None if the cell has no free place.
         """
         place = self.places[cell[0]][cell[1]]
-        if place is None:
-            return None
-        if cell not in self._lengths:
-            self._lengths[cell] = self._lengths_from(place)
-        return self._lengths[cell]
+        return None if place is None else self._lengths_from(place)
 
     def _lengths_from(self, start: Vector) -> np.ndarray:
         field = self.grid.distance_map(start)
