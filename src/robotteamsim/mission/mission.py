@@ -63,7 +63,7 @@ class Mission:
         self._heard_places_m: set[Point] = set()
         """Loudest places that have been processed since the victims last changed."""
 
-        self._world, self._links = WorldMonitor(scenario), LinkMonitor()
+        self._world, self._links = WorldMonitor(scenario), LinkMonitor(scenario.team_size)
         base = () if scenario.base is None else (scenario.base,)
         self._team = TeamMonitor({*base, *scenario.firefighter_ids})
         self._refusals: set[Refusal] = set()

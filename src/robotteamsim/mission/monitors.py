@@ -30,7 +30,6 @@ from robotteamsim.mission.events import (
     SwarmFounded,
 )
 from robotteamsim.mission.sensed import Sensed
-from robotteamsim.network.graph import newly_endangered
 from robotteamsim.network.messages import NetworkState
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.world.contract import Mishap
@@ -198,21 +197,26 @@ def _new_faults(before: list[str], now: list[str]) -> Iterator[Happening]:
 class LinkMonitor:
     """Compares the network of each step with that of the step before."""
 
-    def __init__(self) -> None:
+    def __init__(self, num_robots: int) -> None:
         self._version: int | None = None
-        self._before: list[np.ndarray] = []
-        """Links, endangered links and hops as of this version: copies, because a state holds the numbers of a step."""
+        self._was_there = np.zeros(num_robots, bool)
+        self._was_safe = np.zeros((num_robots, num_robots), bool)
+        """Who was present, and which links were at or above the threshold, as of this version."""
         self.num_endangered = 0
         """How often a link fell below the threshold of endangered links so far, lost or not."""
 
     def news(self, network: NetworkState) -> list[LinkEndangered]:
-        """Return the links that are newly endangered or lost."""
+        """Return the links that are newly endangered or lost, see `newly_endangered`."""
         if network.version == self._version:
             return []
-        before, self._version = self._before, network.version
-        self._before = now = [network.adjacency.copy(), network.endangered.copy(), network.hop_count.copy()]
-        both = [np.stack(pair) for pair in zip(before, now, strict=True)] if before else [part[None] for part in now]
-        pairs = np.argwhere(np.triu(newly_endangered(*both)[-1], 1)).tolist()
+        is_there, is_safe = np.diagonal(network.hop_count) >= 0, network.adjacency & ~network.endangered
+        begun = self._was_safe & ~is_safe
+        if not np.array_equal(is_there, self._was_there):
+            were_both, are_both = (there[:, None] & there for there in (self._was_there, is_there))
+            begun = np.where(were_both, begun, network.endangered) & are_both
+        self._version, self._was_there, self._was_safe = network.version, is_there, is_safe
+        rows, columns = np.nonzero(begun)
+        pairs = [(i, j) for i, j in zip(rows.tolist(), columns.tolist(), strict=True) if i < j]
         self.num_endangered += len(pairs)
         return [
             LinkEndangered(i, j, not network.adjacency[i, j], float(network.rssi_dbm[i, j]))  # as of this step
