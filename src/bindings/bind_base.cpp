@@ -25,6 +25,13 @@ Array<double, -1> HypotOf(const Array<const double, -1>& x, const Array<const do
 void BindBase(nb::module_&& m) {
   m.def("hypot", &HypotOf, "x"_a, "y"_a);
   m.def("nearest_point", &base::NearestPoint, "position_m"_a, "points_m"_a);
+  m.def(
+      "nearest_other",
+      [](const base::Point& position, const Points& points_m, int own) {
+        const std::vector<base::Point> points = RecordsOf<base::Point>(points_m);
+        return base::NearestOther(position, points.data(), points.size(), own);
+      },
+      "position_m"_a, "points_m"_a, "own"_a, "Return the nearest of all points but one, whose row may be -1 for none.");
   nb::class_<base::Places>(m, "Places")
       .def(nb::init<std::vector<base::Point>, std::vector<double>>(), "places_m"_a, "reaches_m"_a)
       .def(

@@ -136,7 +136,7 @@ void BindRuledOut(nb::module_& m) {
             ruled_out.Add(control::HeardNote{position, loudest});
           },
           "position_m"_a, "loudest_m"_a.none())
-      .def("add_all", nb::overload_cast<const control::HeardNotes&>(&RuledOut::Add), "heard"_a)
+      .def("add_all", nb::overload_cast<control::HeardNotes*>(&RuledOut::Add), "heard"_a)
       .def("covers", &RuledOut::Covers, "place_m"_a);
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <utility>
 #include <vector>
 
@@ -10,6 +11,10 @@ namespace robotteamsim::base {
 /// Returns the point nearest to a position; the first of equally near points.
 /// Throws std::invalid_argument if there are no points.
 Point NearestPoint(const Point& position, const std::vector<Point>& points);
+
+/// Returns the point nearest to a position of all but one, whose index may be -1 for none.
+/// Throws std::invalid_argument if there are no others.
+Point NearestOther(const Point& position, const Point* points, std::size_t count, int own);
 
 /// Places that are reached by a point within their reach.
 class Places {

@@ -12,17 +12,22 @@
 namespace robotteamsim::base {
 
 Point NearestPoint(const Point& position, const std::vector<Point>& points) {
-  if (points.empty()) throw std::invalid_argument("points must not be empty");
+  return NearestOther(position, points.data(), points.size(), -1);
+}
+
+Point NearestOther(const Point& position, const Point* points, std::size_t count, int own) {
   Check(position, "position");
-  const Point* nearest = &points.front();
+  const Point* nearest = nullptr;
   double least = std::numeric_limits<double>::infinity();
-  for (const Point& point : points) {
-    const double distance = Hypot(point.x - position.x, point.y - position.y);
-    if (distance < least) {
-      nearest = &point;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (static_cast<int>(i) == own) continue;
+    const double distance = Hypot(points[i].x - position.x, points[i].y - position.y);
+    if (distance < least || nearest == nullptr) {
+      nearest = &points[i];
       least = distance;
     }
   }
+  if (nearest == nullptr) throw std::invalid_argument("points must not be empty");
   Check(*nearest, "points");
   return *nearest;
 }

@@ -110,37 +110,80 @@ def test_scans_are_read_equally_from_any_array():
         assert surroundings.clearest_place(pose, other) == expected
 
 
-@pytest.mark.parametrize("together", [True, False])
-def test_ruled_out_cells_equal_those_of_a_straightforward_search(together):
-    rng = np.random.default_rng(5)
-    ruled_out = _core.control.RuledOut(radius_m=1.5, cell_m=0.25, next_to_m=0.75)
-    notes, answers = {}, []
+Note = tuple[tuple[float, float], tuple[float, float] | None]
 
-    def is_covered(x: float, y: float) -> bool:
-        for position, loudest in notes.values():
-            away_m = math.dist((x, y), position)
-            is_loudest = loudest is not None and math.dist((x, y), loudest) < 0.125
+
+class Listener:
+    """The notes of a robot, searched in a straightforward way, beside those of the core."""
+
+    def __init__(self) -> None:
+        self.core = _core.control.RuledOut(radius_m=1.5, cell_m=0.25, next_to_m=0.75)
+        self._notes: dict[tuple, Note] = {}
+
+    def add(self, note: Note, *, to_core: bool = False) -> None:
+        # Of robots that hear the same close together, only the first counts.
+        (x, y), loudest = note
+        self._notes.setdefault((round(x / 0.25), round(y / 0.25), loudest), note)
+        if to_core:
+            self.core.add(*note)
+
+    def covers(self, place: tuple[float, float]) -> bool:
+        for position, loudest in self._notes.values():
+            away_m = math.dist(place, position)
+            is_loudest = loudest is not None and math.dist(place, loudest) < 0.125
             if away_m < 0.75 or (away_m < 1.5 and not is_loudest):
                 return True
         return False
 
+
+def notes(rng: np.random.Generator, count: int) -> list[Note]:
+    """Return notes, some near each other, some of robots that hear nothing."""
+    cells = (np.floor(rng.uniform(-8.0, 8.0, (count, 2)) / 0.25) * 0.25 + 0.125).tolist()
+    return [((x + float(rng.normal(0.0, 0.05)), y), (x, y) if rng.random() < 0.6 else None) for x, y in cells]
+
+
+def places(rng: np.random.Generator, near: list[Note]) -> list[tuple[float, float]]:
+    return [position for position, _ in near] + list(map(tuple, rng.uniform(-9.0, 9.0, (20, 2)).tolist()))
+
+
+@pytest.mark.parametrize("together", [True, False])
+def test_ruled_out_cells_equal_those_of_a_straightforward_search(together):
+    rng, robot, answers = np.random.default_rng(5), Listener(), []
     for _ in range(15):
-        cells = (np.floor(rng.uniform(-8.0, 8.0, (20, 2)) / 0.25) * 0.25 + 0.125).tolist()
-        # Some are near those of earlier rounds, some hear nothing.
-        heard = [((x + float(rng.normal(0.0, 0.05)), y), (x, y) if rng.random() < 0.6 else None) for x, y in cells]
-        for position, loudest in heard:
-            # Of robots that hear the same close together, only the first counts.
-            notes.setdefault((round(position[0] / 0.25), round(position[1] / 0.25), loudest), (position, loudest))
-            if not together:
-                ruled_out.add(position, loudest)
+        heard = notes(rng, 20)
+        for note in heard:
+            robot.add(note, to_core=not together)
         if together:
-            ruled_out.add_all(_core.control.HeardNotes(heard))
-        for x, y in cells + rng.uniform(-9.0, 9.0, (20, 2)).tolist():
-            answers.append(is_covered(x, y))
-            assert ruled_out.covers((x, y)) == answers[-1]
+            robot.core.add_all(_core.control.HeardNotes(heard))
+        for place in places(rng, heard):
+            answers.append(robot.covers(place))
+            assert robot.core.covers(place) == answers[-1]
     assert 0.2 < np.mean(answers) < 0.95
-    ruled_out.clear()
-    assert not any(ruled_out.covers((x, y)) for x, y in cells)
+    robot.core.clear()
+    assert not any(robot.core.covers(place) for place in places(rng, heard))
+
+
+def test_robots_that_hear_different_teammates_rule_out_what_each_of_them_heard():
+    rng, robots, answers = np.random.default_rng(6), [Listener() for _ in range(6)], []
+    for turn in range(40):
+        own = notes(rng, len(robots))
+        for robot, note in zip(robots, own, strict=True):
+            robot.add(note, to_core=True)
+        # The team splits into other groups, in some turns not at all; a robot may miss a turn.
+        groups = rng.integers(0, 1 + turn % 4, len(robots))
+        for group in set(groups.tolist()):
+            members = np.flatnonzero(groups == group).tolist()
+            heard = _core.control.HeardNotes([own[i] for i in members])
+            for i in members if rng.random() < 0.9 else members[1:]:
+                robots[i].core.add_all(heard)
+                for k in members:
+                    robots[i].add(own[k])
+        for place in places(rng, own):
+            answers += [robot.covers(place) for robot in robots]
+            assert [robot.core.covers(place) for robot in robots] == answers[-len(robots) :]
+        if turn == 20:
+            robots[2] = Listener()
+    assert 0.2 < np.mean(answers) < 0.95
 
 
 @pytest.mark.parametrize("seed", range(4))

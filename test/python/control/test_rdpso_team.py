@@ -173,7 +173,11 @@ def test_each_swarm_has_its_members_and_the_memory_of_the_lowest():
         (update(0, 3, 1), update(1, 3, 0, local_best=Best(-2.0, (0.0, 0.0))), update(2, 3, 1), update(3, 3, OUTSIDE))
     )
     assert view.values == {1: {0: float("-inf"), 2: float("-inf")}, 0: {1: -2.0}, OUTSIDE: {3: float("-inf")}}
-    assert view.positions[1] == {0: (0.0, 3.0), 2: (2.0, 3.0)}
+    assert view.places[1].by_id == {0: (0.0, 3.0), 2: (2.0, 3.0)}
+    assert dict(view.others(1, own_id=2)) == {0: (0.0, 3.0)}
+    assert view.others(1, own_id=2).nearest((2.0, 3.0)) == (0.0, 3.0)
+    assert len(view.others(1, own_id=1)) == 2
+    assert not view.others(7, own_id=0)
     assert {swarm_id: state.search_counter for swarm_id, state in view.states.items()} == {1: 0, 0: 1, OUTSIDE: 3}
 
 

@@ -236,7 +236,7 @@ class RdpsoController:
         """Return v[t+1] of eq. (25), before the speed limit."""
         position, ranges_m = (pose.x_m, pose.y_m), observation.robot.ranges_m
         obstacle = self._surroundings.clearest_place(pose, ranges_m)
-        heard, missing = self._heard(view), self._missing(team, view)
+        heard, missing = view.others(self._membership.swarm_id, self._robot_id), self._missing(team, view)
         weights, c4 = self._weights, self._control.c4
         if self._meter is not None:
             places = {**heard, self._robot_id: position}
@@ -267,11 +267,6 @@ class RdpsoController:
         control, self._context = self._control, context
         self._momentum.coefficients = swarm.memory_coefficients(control.memory, context.alpha, control.memory_terms)
         return swarm.Weights(context.c1, context.c2, context.c3, 0.0)
-
-    def _heard(self, view: CommonView) -> Mapping[int, Vector]:
-        """Return the positions of the other members of the swarm that sent an update in this iteration, by robot id."""
-        members = view.positions.get(self._membership.swarm_id, {})
-        return {robot_id: place for robot_id, place in members.items() if robot_id != self._robot_id}
 
     def _missing(self, team: TeamMemory, view: CommonView) -> Mapping[int, Vector]:
         """Return the last positions of members that sent no update now but did recently, by robot id."""

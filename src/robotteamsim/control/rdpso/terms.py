@@ -10,7 +10,7 @@ import numpy as np
 from robotteamsim import _core, swarm
 from robotteamsim.control.driving.known_map import GRID_RESOLUTION_M, KnownMap
 from robotteamsim.control.driving.navigation import laser_layout
-from robotteamsim.control.rdpso.team import Best
+from robotteamsim.control.rdpso.team import Best, OtherPlaces
 from robotteamsim.network import fiedler_value
 from robotteamsim.propagation import shared_radio_field
 from robotteamsim.scenario.controllers.swarms import RdpsoControl
@@ -234,7 +234,11 @@ class LinkKeeper:
         if self._keeps_tree and not missing:
             neighbour = self._weakest_of_tree(position, list(heard.values()))
         else:
-            neighbour = _core.base.nearest_point(position, list(members.values()))
+            neighbour = (
+                members.nearest(position)
+                if isinstance(members, OtherPlaces)
+                else _core.base.nearest_point(position, list(members.values()))
+            )
         proximity, endangered, signal_dbm = self._link_to(position, neighbour)
         if missing and self._is_gated and proximity >= endangered:
             # No place has a better link to it: it is lost, or somewhere else.
