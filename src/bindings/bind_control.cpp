@@ -1,9 +1,9 @@
 // _core.control: driving, the memory of a robot, and the belief over places of victims.
 #include <algorithm>
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -57,14 +57,21 @@ using control::CellPaths, control::Navigator, control::RuledOut, control::Surrou
     control::VoiceFix, control::VoiceLosses;
 using Flags = Array<const bool, -1>;
 using Floats = Array<const float, -1>;
+using Ids = Array<const std::int32_t, -1>;
 using SharedGrid = std::shared_ptr<const plan::PlanningGrid>;
 using SharedLosses = std::shared_ptr<const VoiceLosses>;
 
 base::Twist Drive(Navigator& navigator, const SharedGrid& grid, const base::Pose& pose, const control::Ranges& ranges,
                   const base::Point& goal_m, double speed_mps, std::int64_t sim_time_ns, nb::handle teammates) {
-  const auto ask = [&teammates] {
-    const auto places = nb::cast<std::map<int, base::Point>>(teammates());
-    return Navigator::Teammates(places.begin(), places.end());
+  const auto ask = [&teammates, &navigator] {
+    const auto [ids, places] = nb::cast<std::pair<Ids, Points>>(teammates());
+    if (ids.size() != places.shape(0)) throw std::invalid_argument("teammates: expected as many ids as places");
+    Navigator::Teammates others;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      if (ids.data()[i] != navigator.robot_id())
+        others.emplace_back(ids.data()[i], base::Point{places(i, 0), places(i, 1)});
+    }
+    return others;
   };
   const double time_s = static_cast<double>(sim_time_ns) * 1e-9;
   return navigator.Drive(grid, pose, ranges, goal_m, speed_mps, time_s, ask);
@@ -105,7 +112,7 @@ void BindNavigator(nb::module_& m) {
           "drive",
           [](Navigator& navigator, const SharedGrid& grid, const base::Pose& pose, const Floats& ranges_m,
              const base::Point& goal_m, double speed_mps, std::int64_t sim_time_ns,
-             const nb::typed<nb::callable, std::map<int, base::Point>()>& teammates) {
+             const nb::typed<nb::callable, std::pair<Ids, Points>()>& teammates) {
             const control::Ranges ranges{ranges_m.data(), ranges_m.size()};
             return Drive(navigator, grid, pose, ranges, goal_m, speed_mps, sim_time_ns, teammates);
           },

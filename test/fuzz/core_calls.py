@@ -168,8 +168,8 @@ _SCAN = np.array([1.0, 2.0, 0.4, 2.0, 5.0], np.float32)
 class Teammates:
     """Where a navigator's teammates are; the places are leaves of no tree, so they are odd already."""
 
-    def __call__(self) -> dict[int, tuple[float, float]]:
-        return {0: (math.nan, math.inf), 3: (1e308, -1e308), 5: (0.0, 2.4)}
+    def __call__(self) -> tuple[np.ndarray, np.ndarray]:
+        return np.array([0, 3, 5], np.int32), np.array([(math.nan, math.inf), (1e308, -1e308), (0.0, 2.4)])
 
 
 def _control() -> Iterator[Call]:

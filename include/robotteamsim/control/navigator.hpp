@@ -92,6 +92,8 @@ class Navigator {
   /// Args: by_path: whether it plans paths on the map; else it drives straight towards its goals.
   Navigator(const NavigatorBody& body, bool by_path, const NavigatorParameters& parameters);
 
+  int robot_id() const { return body_.robot_id; }
+
   /// Returns the command of this step. A goal [m, map] inside an obstacle is replaced by the nearest free point that
   /// can be reached. `speed_mps` is not exceeded. The path is planned again if the grid or the goal has changed.
   base::Twist Drive(const std::shared_ptr<const plan::PlanningGrid>& grid, const base::Pose& pose, const Ranges& ranges,

@@ -215,8 +215,7 @@ class LinkMonitor:
             were_both, are_both = (there[:, None] & there for there in (self._was_there, is_there))
             begun = np.where(were_both, begun, network.endangered) & are_both
         self._version, self._was_there, self._was_safe = network.version, is_there, is_safe
-        rows, columns = np.nonzero(begun)
-        pairs = [(i, j) for i, j in zip(rows.tolist(), columns.tolist(), strict=True) if i < j]
+        pairs = [(i, j) for i, j in (divmod(k, len(begun)) for k in np.flatnonzero(begun).tolist()) if i < j]
         self.num_endangered += len(pairs)
         return [
             LinkEndangered(i, j, not network.adjacency[i, j], float(network.rssi_dbm[i, j]))  # as of this step

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 import pytest
 
+from robotteamsim.control.driving.driver import places_of
 from robotteamsim.control.driving.known_map import KnownMap
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.geometry import Twist
@@ -79,7 +80,7 @@ class Drivers:
                     goal,
                     0.5,
                     self.world.sim_time_ns,
-                    lambda others=others: others,
+                    places_of(lambda others=others: others),
                 )
 
     @property

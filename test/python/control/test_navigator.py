@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from robotteamsim.control.driving.driver import places_of
 from robotteamsim.control.driving.known_map import KnownMap
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.geometry import Pose, Twist
@@ -44,7 +45,8 @@ class Driver:
             angles_rad = np.linspace(laser.angle_min_rad, laser.angle_max_rad, laser.beams)
             ranges_m[(low_rad <= angles_rad) & (angles_rad <= high_rad)] = range_m
         stamp_ns = round(time_s * 1e9)
-        return self.navigator.drive(self.grid, pose, ranges_m, goal, speed_mps, stamp_ns, lambda: self.teammates)
+        others = places_of(lambda: self.teammates)
+        return self.navigator.drive(self.grid, pose, ranges_m, goal, speed_mps, stamp_ns, others)
 
     def headings_after(self, goal, end_s) -> dict[float, float]:
         """Return the turn rates of a robot that does not move, by time [s] in steps of 0.5 s."""

@@ -165,7 +165,7 @@ def test_view_holds_the_updates_of_its_iteration_and_memory_the_swarms_of_all():
     memory = TeamMemory().after(batch(update(0, 4, 1), update(1, 3, 2), update(2, 4, 1)))
     assert memory.view(4).updates == (update(0, 4, 1), update(2, 4, 1))
     assert memory.swarm_ids == {1, 2}
-    assert memory.positions(without=2) == {0: (0.0, 4.0), 1: (1.0, 3.0)}
+    assert {i: memory.places.by_id[i] for i in (0, 1)} == {0: (0.0, 4.0), 1: (1.0, 3.0)}
 
 
 def test_each_swarm_has_its_members_and_the_memory_of_the_lowest():

@@ -25,7 +25,7 @@ def calls_of(do: Callable[[], object], times: int) -> float:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("robots", "most_per_step"), [(3, 210), (100, 4_100)])
+@pytest.mark.parametrize(("robots", "most_per_step"), [(3, 170), (100, 3_500)])
 def test_step_of_the_garage_mission_makes_few_calls(robots, most_per_step):
     simulation = Simulation(load("garage_sar", [f"robots.count={robots}", "robots.spacing_m=0.45"]))
     simulation.mission.start()

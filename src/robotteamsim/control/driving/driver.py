@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
+import numpy as np
+
 from robotteamsim import _core
 from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import Disc, known_map
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.control.driving.own_pose import OwnPose
+from robotteamsim.control.driving.places import OtherPlaces, Places
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.interface import Observation, Task
 from robotteamsim.scenario.building import Doors
@@ -29,7 +32,7 @@ class Course(NamedTuple):
     grid: _core.plan.PlanningGrid
     goal_m: Vector
     speed_mps: float
-    teammates: Callable[[], Mapping[int, Vector]]
+    teammates: Callable[[], tuple[np.ndarray, np.ndarray]]
     until_ns: int
 
 
@@ -90,9 +93,12 @@ class Driver:
         speed_mps: float,
         teammates: Callable[[], Mapping[int, Vector]],
     ) -> Twist:
-        """Return the command of a step; `Navigator` describes the arguments."""
-        ranges_m, sim_time_ns = observation.robot.ranges_m, observation.sim_time_ns
-        return self._navigator.drive(self.map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, teammates)
+        """Return the command of a step, see `Navigator`.
+
+        Args: teammates: returns the last known positions of other robots, in `map` [m], by id.
+        """
+        ranges_m, sim_time_ns, others = observation.robot.ranges_m, observation.sim_time_ns, places_of(teammates)
+        return self._navigator.drive(self.map.grid, pose, ranges_m, goal, speed_mps, sim_time_ns, others)
 
     def course(
         self, goal: Vector, speed_mps: float, teammates: Callable[[], Mapping[int, Vector]], until_ns: int
@@ -100,4 +106,19 @@ class Driver:
         """Return how the robot drives on, if that depends on no more than its true pose and its laser; see `drive`."""
         if self._looks or self.hot.known:
             return None
-        return Course(self._robot_id, self._navigator, self.map.grid, goal, speed_mps, teammates, until_ns)
+        others = places_of(teammates)
+        return Course(self._robot_id, self._navigator, self.map.grid, goal, speed_mps, others, until_ns)
+
+
+def places_of(teammates: Callable[[], Mapping[int, Vector]]) -> Callable[[], tuple[np.ndarray, np.ndarray]]:
+    """Return a function that returns the teammates as `Navigator` takes them: ids, and positions, shape (n, 2) [m].
+
+    Those of `OtherPlaces` are shared, and have the robot itself, too, which its navigator leaves out.
+    """
+
+    def places() -> tuple[np.ndarray, np.ndarray]:
+        others = teammates()
+        known = others.places if isinstance(others, OtherPlaces) else Places(dict(sorted(others.items())))
+        return known.ids, known.points_m
+
+    return places

@@ -7,6 +7,7 @@ import msgspec
 
 from robotteamsim import swarm
 from robotteamsim.control.driving.driver import Course, Driver
+from robotteamsim.control.driving.places import OtherPlaces
 from robotteamsim.control.driving.wander import Wander
 from robotteamsim.control.rdpso.context import ContextMeter
 from robotteamsim.control.rdpso.door_beliefs import DoorBeliefs
@@ -122,7 +123,7 @@ class RdpsoController:
 
     def _teammates(self) -> Mapping[int, Vector]:
         """Return the last known positions of the other robots, in `map` [m], by id."""
-        return self._team.positions(without=self._robot_id)
+        return OtherPlaces(self._team.places, self._robot_id)
 
     def _has_waited_enough(self, sim_time_ns: int) -> bool:
         """Whether all senders of the last iteration have sent an update in this one, or the timeout has expired."""
@@ -170,9 +171,7 @@ class RdpsoController:
         # A new swarm starts with the best of the excluded robots.
         global_best = self._known_best = bests.get(self._membership.swarm_id, bests.get(OUTSIDE))
         self._doors.hear(view.doors)
-        for update in view.updates:
-            if update.hot:
-                self._driver.hot.hear(update.hot)
+        self._driver.hot.hear(view.hot)
         # A best that is discarded here still leads in this iteration: without it, the robot would lose its momentum.
         self._update_map(observation.sim_time_ns)
         if self._membership.excluded or global_best is None or self._local_best is None:

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import functools
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from functools import cached_property
 from types import MappingProxyType
 from typing import Annotated, NamedTuple
 
 import msgspec
-import numpy as np
 
 from robotteamsim import _core
+from robotteamsim.control.driving.places import OtherPlaces, Places
 from robotteamsim.interface import OUTSIDE
 from robotteamsim.interface.payload import Index, Point, Update, update_reader
 from robotteamsim.network.messages import Batch, Message
@@ -104,46 +104,6 @@ class Comparable(NamedTuple):
     bests: dict[int, Bests]
 
 
-class Places:
-    """Where the members of a swarm are, in `map` [m], in the order of their ids. Robots share it."""
-
-    def __init__(self) -> None:
-        self.by_id: dict[int, Vector] = {}
-
-    @cached_property
-    def points_m(self) -> np.ndarray:
-        """All of them, shape (n, 2); they do not change any more."""
-        return np.array(list(self.by_id.values())).reshape(-1, 2)
-
-    @cached_property
-    def rows(self) -> dict[int, int]:
-        """The row of each robot."""
-        return {robot_id: row for row, robot_id in enumerate(self.by_id)}
-
-
-class OtherPlaces(Mapping[int, Vector]):
-    """The places of all members of a swarm but one robot, who need not be one."""
-
-    def __init__(self, places: Places, own_id: int) -> None:
-        self._places, self._own_id = places, own_id
-        self._own_row = places.rows.get(own_id, -1)
-
-    def nearest(self, position: Vector) -> Vector:
-        """Return the one nearest to a position, the first of ties. Raises: ValueError: there is none."""
-        return _core.base.nearest_other(position, self._places.points_m, self._own_row)
-
-    def __getitem__(self, robot_id: int) -> Vector:
-        if robot_id == self._own_id:
-            raise KeyError(robot_id)
-        return self._places.by_id[robot_id]
-
-    def __iter__(self) -> Iterator[int]:
-        return (robot_id for robot_id in self._places.by_id if robot_id != self._own_id)
-
-    def __len__(self) -> int:
-        return len(self._places.by_id) - (self._own_row >= 0)
-
-
 class CommonView:
     """The updates of one iteration. Robots share it, so it must not be changed.
 
@@ -151,7 +111,7 @@ class CommonView:
     places:    of the robots, for each swarm.
     states:    each swarm's memory, as sent by its member with the lowest id.
     nearing:   swarms of which a member came nearer to the global best.
-    doors:     all sightings of doors in the updates.
+    doors, hot: all sightings of doors, and all hot blocks, in the updates.
     verdicts:  cached results of `Membership`: the swarm of each robot that changes, and the swarms' memories.
     """
 
@@ -160,18 +120,20 @@ class CommonView:
         self.updates = updates
         self.iteration = updates[0].iteration
         self.values: dict[int, dict[int, float]] = {}
-        self.places: dict[int, Places] = {}
+        places: dict[int, dict[int, Vector]] = {}
         self.states: dict[int, SwarmState] = {}
         doors: dict[Sighting, None] = {}
         self._by_basis: dict[tuple[int, tuple[Sighting, ...]], list[RdpsoUpdate]] = {}
         for update in updates:
             swarm_id = update.swarm_id
             if swarm_id not in self.states:
-                self.states[swarm_id], self.values[swarm_id], self.places[swarm_id] = update.swarm, {}, Places()
+                self.states[swarm_id], self.values[swarm_id], places[swarm_id] = update.swarm, {}, {}
             self.values[swarm_id][update.robot_id] = update.value
-            self.places[swarm_id].by_id[update.robot_id] = update.position
+            places[swarm_id][update.robot_id] = update.position
             doors |= dict.fromkeys(update.doors)
             self._by_basis.setdefault((update.epoch, update.doors), []).append(update)
+        self.places = {swarm_id: Places(by_id) for swarm_id, by_id in places.items()}
+        self.hot = tuple({block for update in updates for block in update.hot or ()})
         self.nearing = frozenset(update.swarm_id for update in updates if update.nearer is True)
         self.doors = tuple(doors)
         self.verdicts: dict[tuple[object, ...], tuple[dict[int, int], dict[int, SwarmState]]] = {}
@@ -179,7 +141,7 @@ class CommonView:
 
     def others(self, swarm_id: int, own_id: int) -> OtherPlaces:
         """Return the places of the other members of a swarm, none if it is not in the updates."""
-        return OtherPlaces(self.places.get(swarm_id, Places()), own_id)
+        return OtherPlaces(self.places.get(swarm_id, Places({})), own_id)
 
     def comparable(self, own: RdpsoUpdate) -> Comparable:
         """Return the common values of the updates with a robot's task and its beliefs about doors."""
@@ -255,9 +217,10 @@ class TeamMemory:
             self._views[iteration] = CommonView(tuple(u for u in self.updates if u.iteration == iteration))
         return self._views[iteration]
 
-    def positions(self, without: int) -> dict[int, Vector]:
-        """Return the last known position of each robot except one, in `map` [m], by id."""
-        return {update.robot_id: update.position for update in self.updates if update.robot_id != without}
+    @cached_property
+    def places(self) -> Places:
+        """The last known position of each robot."""
+        return Places({update.robot_id: update.position for update in self.updates})
 
 
 # Cached, because all robots in one part of the network ask for the same values.

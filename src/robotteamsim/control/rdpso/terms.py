@@ -10,7 +10,8 @@ import numpy as np
 from robotteamsim import _core, swarm
 from robotteamsim.control.driving.known_map import GRID_RESOLUTION_M, KnownMap
 from robotteamsim.control.driving.navigation import laser_layout
-from robotteamsim.control.rdpso.team import Best, OtherPlaces
+from robotteamsim.control.driving.places import OtherPlaces
+from robotteamsim.control.rdpso.team import Best
 from robotteamsim.network import fiedler_value
 from robotteamsim.propagation import shared_radio_field
 from robotteamsim.scenario.controllers.swarms import RdpsoControl

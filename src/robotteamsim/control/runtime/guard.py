@@ -7,6 +7,7 @@ import re
 import traceback
 from collections.abc import Callable, Sequence
 from math import dist, hypot, isfinite
+from operator import attrgetter, is_
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,9 @@ _NUMBERS = (float, int, np.number)
 
 _ADDRESS = re.compile(" at 0x[0-9a-f]+")
 
+_numbers = attrgetter("excluded", "goal_m", "local_best", "local_best_m", "search_counter", "area", "swarm")
+"""The fields of a decision that may have NumPy's numbers."""
+
 _logger = logging.getLogger(__name__)
 
 
@@ -53,7 +57,7 @@ class Guard:
         self.controller: Controller | None = None
         """None where it could not be made."""
         self._before: Decision | None = None
-        """The last decision, if it was returned as it is: one that differs only in its twist needs no other check."""
+        """The last decision, if it was returned as it is: what the next one has of it needs no other check."""
         try:
             self.controller = make()
         except (RobotTeamSimError, KeyboardInterrupt):
@@ -72,9 +76,7 @@ class Guard:
             return Decision(fault=self.fault)
         try:
             decision = self.controller.step(observation, inbox, task)
-            if self._before is not None and _differ_in_twist(decision, self._before) and _is_twist(decision.twist):
-                return decision
-            if problem := problem_of(decision, self._robot_id, self._num_robots):
+            if problem := problem_of(decision, self._robot_id, self._num_robots, self._before):
                 self.fault = f"{problem}{_place_of_step(self.controller)}"
         except KeyboardInterrupt:
             raise
@@ -82,8 +84,7 @@ class Guard:
             self._stop(error)
         if self.fault:
             return Decision(fault=self.fault)
-        plain = _plain(decision)
-        self._before = decision if plain is decision else None
+        self._before = plain = _plain(decision, self._before)
         return plain
 
     def _stop(self, error: BaseException) -> None:
@@ -112,27 +113,13 @@ def _place_of_step(controller: Controller) -> str:
     return f" ({Path(code.co_filename).name}:{code.co_firstlineno})" if code else ""
 
 
-def _differ_in_twist(decision: object, before: Decision) -> bool:
-    """Whether two decisions share all that can be wrong with them but the twist, and nothing is sent."""
-    return (
-        type(decision) is Decision
-        and decision.outbox == ()
-        and decision.belief is None  # whose values may have changed
-        and decision.goal_m is before.goal_m
-        and decision.local_best_m is before.local_best_m
-        and decision.local_best is before.local_best
-        and decision.context is before.context
-        and decision.excluded is before.excluded
-        and decision.swarm is before.swarm
-        and decision.search_counter is before.search_counter
-        and decision.area is before.area
-        and decision.fault is before.fault
-        and decision.done is before.done
-    )
+def _plain(decision: Decision, before: Decision | None) -> Decision:
+    """Return a valid decision with Python's numbers instead of NumPy's, which files and C++ do not take.
 
-
-def _plain(decision: Decision) -> Decision:
-    """Return a valid decision with Python's numbers instead of NumPy's, which files and C++ do not take."""
+    Args: before: one with Python's numbers.
+    """
+    if before is not None and all(map(is_, _numbers(decision), _numbers(before))):
+        return decision
     goal_m, best_m = decision.goal_m, decision.local_best_m
     kinds = type(decision.excluded), type(decision.local_best), type(decision.search_counter), type(decision.swarm)
     are_pythons = kinds == (bool, float, int, int) and type(decision.area) is int
@@ -154,47 +141,24 @@ def _is_plain_point(point_m: Any) -> bool:
     return point_m is None or (type(point_m) is tuple and all(type(number) is float for number in point_m))
 
 
-def problem_of(decision: Any, robot_id: int, num_robots: int) -> str:
-    """Return what is wrong with what a controller decided, in a few words; "" where nothing is."""
+def problem_of(decision: Any, robot_id: int, num_robots: int, before: Decision | None = None) -> str:
+    """Return what is wrong with what a controller decided, in a few words; "" where nothing is.
+
+    Args: before: a valid decision: what this one has of it is not looked at again.
+    """
     if not isinstance(decision, Decision):
         return f"step returned {_shown(decision)}; expected a Decision"
-    twist = decision.twist
-    if not _is_twist(twist):
-        return f"step returned {twist!r:.120}; expected a Twist of finite numbers"
-    if decision.goal_m is not None and not _is_point(decision.goal_m):
-        return f"step returned the goal {_shown(decision.goal_m)}; expected finite (x, y), or None"
-    if decision.local_best_m is not None and not _is_point(decision.local_best_m):
-        return f"step returned the local best {_shown(decision.local_best_m)}; expected finite (x, y), or None"
-    if decision.context is not None and not _is_context(decision.context):
-        return f"step returned the context {_shown(decision.context)}; expected a finite SwarmContext, or None"
-    if decision.belief is not None and not _is_field(decision.belief):
+    for name, is_valid, found in _FIELDS:
+        value = getattr(decision, name)
+        if (before is None or value is not getattr(before, name)) and not is_valid(value):
+            return f"step returned {found(value)}"
+    if decision.belief is not None and not _is_field(decision.belief):  # its values may have changed
         return f"step returned the belief {_shown(decision.belief)}; expected a finite FieldMap, or None"
     if not isinstance(decision.outbox, (tuple, list)):
         return f"step returned the outbox {_shown(decision.outbox)}; expected a tuple of Messages"
     for message in decision.outbox:
-        problem = _problem_of_message(message, robot_id, num_robots)
-        if problem:
+        if problem := _problem_of_message(message, robot_id, num_robots):
             return problem
-    return _problem_of_status(decision)
-
-
-def _problem_of_status(decision: Decision) -> str:
-    """Return what is wrong with the status in a decision, which ROS messages and bags hold as it is."""
-    if not isinstance(decision.excluded, _TRUTHS):
-        return f"step returned excluded = {decision.excluded!r:.60}; expected True or False"
-    if not isinstance(decision.swarm, _WHOLE) or not OUTSIDE <= decision.swarm <= _LARGEST:
-        return f"step returned swarm = {decision.swarm!r:.60}; expected a number from 0 on, or {OUTSIDE} for none"
-    if not isinstance(decision.search_counter, _WHOLE) or not 0 <= decision.search_counter <= _LARGEST:
-        return f"step returned search_counter = {decision.search_counter!r:.60}; expected a number from 0 on"
-    if not isinstance(decision.area, _WHOLE) or not -1 <= decision.area <= _LARGEST:
-        return f"step returned area = {decision.area!r:.60}; expected the index of an area, or -1 for none"
-    if not _is_number(decision.local_best):
-        return f"step returned local_best = {decision.local_best!r:.60}; expected a number"
-    for name, text in (("fault", decision.fault), ("done", decision.done)):
-        if not isinstance(text, str):
-            return f"step returned {name} = {text!r:.60}; expected text"
-        if text and not _has_utf8(text):
-            return f"step returned {name} = {text!r:.60}, which cannot be encoded as UTF-8"
     return ""
 
 
@@ -236,6 +200,10 @@ def _is_point(value: Any) -> bool:
         return False
 
 
+def _is_index(value: Any, least: int) -> bool:
+    return bool(isinstance(value, _WHOLE) and least <= value <= _LARGEST)
+
+
 def _problem_of_message(message: object, robot_id: int, num_robots: int) -> str:
     if not isinstance(message, Message) or not isinstance(message.payload, str):
         return f"step returned {_shown(message)} to send; expected a Message with text"
@@ -262,3 +230,39 @@ def _has_utf8(text: str) -> bool:
     except UnicodeEncodeError:
         return False
     return True
+
+
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str) and (not value or _has_utf8(value))
+
+
+def _the(name: str, expected: str) -> Callable[[object], str]:
+    return lambda value: f"the {name} {_shown(value)}; expected {expected}"
+
+
+def _number(name: str, expected: str) -> Callable[[object], str]:
+    return lambda value: f"{name} = {value!r:.60}; expected {expected}"
+
+
+def _text(name: str) -> Callable[[object], str]:
+    def found(value: object) -> str:
+        wrong = ", which cannot be encoded as UTF-8" if isinstance(value, str) else "; expected text"
+        return f"{name} = {value!r:.60}{wrong}"
+
+    return found
+
+
+_FIELDS: tuple[tuple[str, Callable[[Any], bool], Callable[[Any], str]], ...] = (
+    ("twist", _is_twist, lambda twist: f"{twist!r:.120}; expected a Twist of finite numbers"),
+    ("goal_m", lambda place: place is None or _is_point(place), _the("goal", "finite (x, y), or None")),
+    ("local_best_m", lambda place: place is None or _is_point(place), _the("local best", "finite (x, y), or None")),
+    ("context", lambda of: of is None or _is_context(of), _the("context", "a finite SwarmContext, or None")),
+    ("excluded", lambda of: isinstance(of, _TRUTHS), _number("excluded", "True or False")),
+    ("swarm", lambda of: _is_index(of, OUTSIDE), _number("swarm", f"a number from 0 on, or {OUTSIDE} for none")),
+    ("search_counter", lambda of: _is_index(of, 0), _number("search_counter", "a number from 0 on")),
+    ("area", lambda of: _is_index(of, -1), _number("area", "the index of an area, or -1 for none")),
+    ("local_best", _is_number, _number("local_best", "a number")),
+    ("fault", _is_text, _text("fault")),
+    ("done", _is_text, _text("done")),
+)
+"""Fields of decisions that need no others: whether a value is valid, and what is said of one that is not."""
