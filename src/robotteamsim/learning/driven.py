@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 
-from robotteamsim.control import Guard, make_controller
 from robotteamsim.control.runtime.base_station import StandingBase, with_base
 from robotteamsim.interface import Controller, Decision, Message, Observation, Task
 from robotteamsim.mission import Sensed
 from robotteamsim.setup import Setup
+from robotteamsim.simulation.controllers import TeamControllers
 
 
 class _Obeying:
@@ -23,7 +22,7 @@ class _Obeying:
         return self._commanded[self._robot_id]
 
 
-class DrivenControllers:
+class DrivenControllers(TeamControllers):
     """Driven robots obey the decisions of `command`; relays, base and people have the controllers of any other mission.
 
     Discoveries are announced to the base in any case.
@@ -31,20 +30,9 @@ class DrivenControllers:
 
     def __init__(self, setup: Setup) -> None:
         """Make the controllers. Raises: RobotTeamSimError: the user's mistake."""
-        scenario, robots = setup.scenario, range(len(setup.robots))
-        self._driven = scenario.searcher_ids
-        self._commanded = [Decision() for _ in robots]
-        deciding = [i for i in robots if i not in self._driven or scenario.base is not None]
-        self._deciding = {i: self._controller(i, setup) for i in deciding}
-        """The controllers that do more than obey."""
-        self.faults: Sequence[str] = ("",) * len(robots)
-
-    def _controller(self, robot_id: int, setup: Setup) -> Controller:
-        scenario, is_driven = setup.scenario, robot_id in self._driven
-        if not is_driven and (robot_id != scenario.base or scenario.firefighters is not None):
-            return Guard(robot_id, len(setup.robots), partial(make_controller, robot_id, setup))
-        controller = _Obeying(self._commanded, robot_id) if is_driven else StandingBase()
-        return controller if scenario.base is None else with_base(controller, robot_id, scenario)
+        self._driven = setup.scenario.searcher_ids
+        self._commanded = [Decision() for _ in setup.robots]
+        super().__init__(setup)
 
     def command(self, decisions: Sequence[Decision]) -> None:
         """Set what the driven robots, in id order, do until the next call; messages are sent once."""
@@ -53,13 +41,13 @@ class DrivenControllers:
 
     def step(self, sensed: Sensed) -> tuple[Decision, ...]:
         """As for all controllers."""
-        present = sensed.present.tolist()
-        commanded = zip(self._commanded, present, strict=True)
-        decisions = [decision if is_present else Decision() for decision, is_present in commanded]
-        if self._deciding:
-            observations = sensed.observations()
-            for i, controller in self._deciding.items():
-                if present[i]:
-                    decisions[i] = controller.step(observations[i], sensed.inboxes[i], sensed.task)
+        decisions = super().step(sensed)
         self._commanded[:] = [Decision(one.twist) for one in self._commanded]
-        return tuple(decisions)
+        return decisions
+
+    def _controller(self, robot_id: int, setup: Setup, arrival: int) -> Controller:
+        scenario, is_driven = setup.scenario, robot_id in self._driven
+        if not is_driven and (robot_id != scenario.base or scenario.firefighters is not None):
+            return super()._controller(robot_id, setup, arrival)
+        controller = _Obeying(self._commanded, robot_id) if is_driven else StandingBase()
+        return controller if scenario.base is None else with_base(controller, robot_id, scenario)

@@ -12,7 +12,7 @@ from robotteamsim import _core
 from robotteamsim.control import Guard, make_controller
 from robotteamsim.control.driving.driver import Course
 from robotteamsim.errors import ScenarioError
-from robotteamsim.interface import Decision, Task
+from robotteamsim.interface import Controller, Decision, Task
 from robotteamsim.mission.sensed import Sensed
 from robotteamsim.scenario import Scenario
 from robotteamsim.setup import Setup
@@ -93,4 +93,8 @@ class TeamControllers:
         self._arrivals = arrivals
 
     def _guard(self, robot_id: int, arrival: int) -> Guard:
-        return Guard(robot_id, len(self._setup.robots), partial(make_controller, robot_id, self._setup, arrival))
+        return Guard(robot_id, len(self._setup.robots), partial(self._controller, robot_id, self._setup, arrival))
+
+    def _controller(self, robot_id: int, setup: Setup, arrival: int) -> Controller:
+        """Make the controller of a robot. Args: arrival: how often it has arrived."""
+        return make_controller(robot_id, setup, arrival)
