@@ -34,7 +34,7 @@ FLOORS = (
     ("view",),
     ("nodes",),
     ("cli", "learning", "notebook", "ros", "ros2"),
-    ("__main__",),  # runs cli
+    ("__main__", "testing"),  # runs cli; checks learning
 )
 FLOOR_OF = {part: floor for floor, parts in enumerate(FLOORS) for part in parts}
 
