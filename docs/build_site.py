@@ -65,6 +65,7 @@ SECTIONS = {
         "network",
         "swarm",
         "search",
+        "testing",
         "reliability",
         "study/README",
         "SECURITY",

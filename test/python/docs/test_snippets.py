@@ -90,7 +90,7 @@ def test_example_names_a_bag_that_is_missing_in_one_line(tmp_path: Path) -> None
 
 
 def test_each_page_with_python_has_a_test_that_runs_it() -> None:
-    here = {"README.md", "docs/experiments.md", "docs/python.md", "docs/viewer.md"}
+    here = {"README.md", "docs/experiments.md", "docs/python.md", "docs/testing.md", "docs/viewer.md"}
     pages = ["README.md", *(f"docs/{path.name}" for path in (ROOT / "docs").glob("*.md"))]
     assert {page for page in pages if blocks(page)} == here | set(ELSEWHERE)
     for page, test in ELSEWHERE.items():
@@ -98,7 +98,7 @@ def test_each_page_with_python_has_a_test_that_runs_it() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", ["docs/experiments.md", "docs/python.md", "docs/viewer.md"])
+@pytest.mark.parametrize("page", ["docs/experiments.md", "docs/python.md", "docs/testing.md", "docs/viewer.md"])
 def test_each_block_of_a_page_runs(page: str, folder: Path) -> None:
     for block in blocks(page):
         if block.startswith(ON_A_CLUSTER):

@@ -1,0 +1,190 @@
+"""Checks of a user's own controllers and environments, for tests: see `docs/testing.md`."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterator, Sequence
+from contextlib import redirect_stdout
+from io import StringIO
+from itertools import islice
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import numpy as np
+
+from robotteamsim.interface import EVERYBODY, Decision, Message
+from robotteamsim.mission import Sensed
+from robotteamsim.rng import stream
+from robotteamsim.scenario import Scenario, load
+from robotteamsim.setup import Setup, resolve
+from robotteamsim.simulation import Simulation
+from robotteamsim.simulation.controllers import TeamControllers
+
+if TYPE_CHECKING:
+    from robotteamsim.learning import TeamEnv
+
+STRANGE = ("?", "", "null", "[]", "{}", '{"level_db": "loud"}', "\u00e9")
+"""Messages of other programs, which may use the same network."""
+
+_Team = tuple[Decision, ...]
+
+
+def check_controller(
+    controller: type | str, scenario: str | Scenario = "garage_sar", overrides: Sequence[str] = (), steps: int = 100
+) -> None:
+    """Check that a controller drives the robots of missions as `Controller` says.
+
+    It returns what a `Decision` may be; the same with the same seed, also beside another team; stands still while no
+    mission runs; and goes on with messages of other programs, and when a robot leaves and comes back.
+
+    Args:   controller: a class of a module, or a name as of `control.algorithm`.
+            scenario, overrides: as of `load`; the robots must be present from the start.  steps: of each mission.
+    Raises: AssertionError: one line that says what it does instead, and in which step.
+            RobotTeamSimError: it cannot be made, or the scenario is invalid.
+    """
+    name = controller if isinstance(controller, str) else f"{controller.__module__}:{controller.__qualname__}"
+    loaded = scenario if isinstance(scenario, Scenario) else load(scenario, [f"control.algorithm={name}", *overrides])
+    setup, other = resolve(loaded), resolve(_with_seed(loaded, loaded.run.seed + 1))
+    team = list(islice(_decisions(name, _mission(setup)), steps))
+    _check_same(name, team, islice(_decisions(name, _mission(setup)), steps), "in a second mission with the same seed")
+    beside = zip(_decisions(name, _mission(setup)), _decisions(name, _mission(other)), strict=False)
+    _check_same(name, team, (one for one, _ in islice(beside, steps)), "beside another team")
+    _check_pause(name, setup)
+    for _ in islice(_decisions(name, _mission(setup, with_strangers=True)), steps):
+        pass
+    mission = _mission(setup)
+    left = _decisions(name, mission)
+    next(left)
+    mission.remove_robot(0)
+    next(left)
+    mission.spawn_robot(0)
+    for _ in islice(left, steps):
+        pass
+
+
+class _WithStrangers(TeamControllers):
+    """The controllers of a scenario, whose robots also hear other programs."""
+
+    def step(self, sensed: Sensed) -> _Team:
+        text, robots = STRANGE[sensed.step_index % len(STRANGE)], len(sensed.inboxes)
+        sensed.inboxes = [
+            (*inbox, Message((i + 1) % robots, EVERYBODY, text)) for i, inbox in enumerate(sensed.inboxes)
+        ]
+        return super().step(sensed)
+
+
+def _mission(setup: Setup, *, with_strangers: bool = False) -> Simulation:
+    """Return a mission that runs."""
+    simulation = Simulation(setup, controllers=_WithStrangers(setup) if with_strangers else None)
+    simulation.mission.start()
+    return simulation
+
+
+def _with_seed(scenario: Scenario, seed: int) -> Scenario:
+    return scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": seed})})
+
+
+def _decisions(name: str, simulation: Simulation) -> Iterator[_Team]:
+    """Return what the team decides, step by step. Raises: AssertionError: a controller was stopped."""
+    while True:
+        record = simulation.step()
+        for robot_id, decision in enumerate(record.decisions):
+            assert not decision.fault, f"{name}: robot {robot_id}, step {record.step_index}: {decision.fault}"
+        yield tuple(record.decisions)
+
+
+def _check_pause(name: str, setup: Setup) -> None:
+    """Raises: AssertionError: a robot moves while its mission is paused."""
+    mission = _mission(setup)
+    decisions = _decisions(name, mission)
+    for _ in islice(decisions, 12):
+        pass
+    mission.mission.pause()
+    next(decisions)  # controllers know the task as of the step before
+    for team in islice(decisions, 5):
+        for robot_id, decision in enumerate(team):
+            stands = not any(msgspec.structs.astuple(decision.twist))
+            assert stands, f"{name}: robot {robot_id} moves while the mission is paused"
+
+
+def _check_same(name: str, expected: Sequence[_Team], found: Iterator[_Team], where: str) -> None:
+    """Raises: AssertionError: a decision differs."""
+    for step, (before, now) in enumerate(zip(expected, found, strict=True), start=1):
+        for robot_id, (one, other) in enumerate(zip(before, now, strict=True)):
+            for field in one.__struct_fields__:
+                values = getattr(one, field), getattr(other, field)
+                is_same = field == "belief" or values[0] == values[1]  # a belief is a picture
+                assert is_same, (
+                    f"{name}: robot {robot_id}, step {step}: {field} {values[1]!r:.60} {where}, {values[0]!r:.60} "
+                    "before; expected the same: random numbers from stream(), nothing shared by robots"
+                )
+
+
+def check_env(scenario: str | Scenario, steps: int = 60, **rules: Any) -> None:
+    """Check that observations, actions and rewards make an environment, alone and as one of many missions.
+
+    It passes PettingZoo's test of a `ParallelEnv`; has the same numbers for the same seed and actions, also in its
+    second mission, which begins anew; and a `BatchEnv` has those of single missions.
+
+    Args:   scenario, rules: as of `parallel_env`, such as a task: `check_env(**task("explore"))`.  steps: of agents.
+    Raises: AssertionError: one line that says what differs, and in which step. RobotTeamSimError: see `parallel_env`.
+    """
+    # Late, because only environments need it.
+    from pettingzoo.test import parallel_api_test
+
+    from robotteamsim.learning import BatchEnv, parallel_env
+
+    env, again = (parallel_env(scenario, **rules) for _ in range(2))
+    with redirect_stdout(StringIO()):
+        parallel_api_test(env, num_cycles=steps)
+    alone = _episode(env, 7, steps)
+    _check_equal(alone, _episode(again, 7, steps), "with the same seed in a second environment")
+    _check_equal(alone, _episode(env, 7, steps), "with the same seed in a second mission")
+    batch = BatchEnv(scenario, 2, **rules)
+    observations = batch.reset(6)
+    generator, agents = stream(7, "check_env"), env.possible_agents
+    found = [{agent: (observations[1, row].copy(), 0.0) for row, agent in enumerate(agents)}]
+    while len(found) < len(alone):
+        actions = np.zeros((2, len(agents), *(batch.act.space.shape or ())), batch.act.space.dtype)
+        actions[1] = _actions(env, generator)
+        step = batch.step(actions)
+        found.append({agent: (step.observations[1, k].copy(), step.rewards[1, k]) for k, agent in enumerate(agents)})
+    _check_equal(alone, found, "as the second mission of a batch")
+
+
+_Episode = list[dict[str, tuple[np.ndarray, float]]]
+
+
+def _actions(env: TeamEnv, generator: np.random.Generator) -> list[np.ndarray]:
+    """Return an action of each agent."""
+    spaces = [copy.deepcopy(env.action_space(agent)) for agent in env.possible_agents]
+    for space in spaces:
+        space.seed(int(generator.integers(2**31)))
+    return [np.asarray(space.sample()) for space in spaces]
+
+
+def _episode(env: TeamEnv, seed: int, steps: int) -> _Episode:
+    """Return observation and reward of each agent, at the beginning and after each step, until the mission is over."""
+    generator, (vectors, _) = stream(seed, "check_env"), env.reset(seed)
+    found = [{agent: (vector.copy(), 0.0) for agent, vector in vectors.items()}]
+    for _ in range(steps):
+        if not env.agents:
+            break
+        actions = dict(zip(env.possible_agents, _actions(env, generator), strict=True))
+        vectors, rewards, *_ = env.step({agent: actions[agent] for agent in env.agents})
+        found.append({agent: (vector.copy(), rewards[agent]) for agent, vector in vectors.items()})
+    return found
+
+
+def _check_equal(expected: _Episode, found: _Episode, where: str) -> None:
+    """Raises: AssertionError: a number differs."""
+    assert len(expected) == len(found), f"{len(found) - 1} steps {where}, {len(expected) - 1} before"
+    for step, (before, now) in enumerate(zip(expected, found, strict=True)):
+        for agent, (vector, reward) in before.items():
+            number = np.flatnonzero(vector != now[agent][0])
+            assert not number.size, (
+                f"{agent}, step {step}: number {number[0]} of the observation is {now[agent][0][number[0]]} {where}, "
+                f"{vector[number[0]]} before"
+            )
+            same = np.float32(reward) == np.float32(now[agent][1])
+            assert same, f"{agent}, step {step}: reward {now[agent][1]:g} {where}, {reward:g} before; see Reward.begin"
