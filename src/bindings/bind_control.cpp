@@ -77,17 +77,19 @@ base::Twist Drive(Navigator& navigator, const SharedGrid& grid, const base::Pose
   return navigator.Drive(grid, pose, ranges, goal_m, speed_mps, time_s, ask);
 }
 
-/// Returns the commands of robots that only drive. Args: courses: a `Course` of each.
-std::vector<base::Twist> DriveTeam(const MissionState& of, const std::vector<nb::tuple>& courses,
+/// A `Course` of Python: robot, navigator, grid, goal [m], speed limit [m/s], teammates, and until when.
+using Course = std::tuple<int, Navigator*, SharedGrid, base::Point, double, nb::callable, std::int64_t>;
+
+std::vector<base::Twist> DriveTeam(const MissionState& of, const std::vector<Course>& courses,
                                    std::int64_t sim_time_ns) {
   const state::State& state = of.state();
   std::vector<base::Twist> commands;
-  for (const nb::tuple& course : courses) {
-    const std::size_t row = of.Row(nb::cast<std::size_t>(course[0]));
-    const float* const ranges_m = state.ranges_m.data() + row * state.beams;
-    commands.push_back(Drive(nb::cast<Navigator&>(course[1]), nb::cast<SharedGrid>(course[2]),
-                             state::PoseOf(state.true_pose[row]), {ranges_m, state.beams_of[row]},
-                             nb::cast<base::Point>(course[3]), nb::cast<double>(course[4]), sim_time_ns, course[5]));
+  for (const auto& [robot, navigator, grid, goal_m, speed_mps, teammates, until_ns] : courses) {
+    if (robot < 0) throw std::out_of_range("no such robot");
+    const std::size_t row = of.Row(static_cast<std::size_t>(robot));
+    const control::Ranges ranges{state.ranges_m.data() + row * state.beams, state.beams_of[row]};
+    const base::Pose pose = state::PoseOf(state.true_pose[row]);
+    commands.push_back(Drive(*navigator, grid, pose, ranges, goal_m, speed_mps, sim_time_ns, teammates));
   }
   return commands;
 }

@@ -126,6 +126,7 @@ def _of(made: Call, *methods: tuple[Any, ...]) -> Iterator[Call]:
 def _plan() -> Iterator[Call]:
     yield new("base.hypot", np.array([3.0]), np.array([4.0]))
     yield new("base.nearest_point", (1.0, 2.0), [(3.0, 4.0), (5.0, 6.0)])
+    yield new("base.nearest_other", (1.0, 2.0), np.array([(3.0, 4.0), (5.0, 6.0)]), 0)
     yield new("base.Places", [(3.0, 4.0)], [5.0]).of(("reached", np.array([[1.0, 2.0]])))
     yield from _of(
         _GRID,
@@ -187,6 +188,8 @@ def _control() -> Iterator[Call]:
         )
         drive = ("drive", _GRID, Pose(-0.6, 2.4, 0.3), _SCAN, _TO, 0.5)
         yield navigator.of((*drive, 0, Teammates()), (*drive, 2_000_000_000, Teammates()))
+        state = new("state.State", 2, 5).of(*(("place", robot_id, Pose(-0.6, 2.4, 0.3)) for robot_id in (0, 1)))
+        yield new("control.drive_team", state, [(1, navigator, _GRID, _TO, 0.5, Teammates(), 10)], 0)
     surroundings = new(
         "control.Surroundings", laser=_LAYOUT, stride=1, sensing_radius_m=3.0, headings_rad=[-1.0, 0.0, 1.0]
     )
@@ -411,6 +414,7 @@ def _states() -> Iterator[Call]:
         *((name,) for name in numbers),
         ("readings",),
         ("voices",),
+        ("voice_of", 1),
         ("ranges_of", 1),
     )
     yield new("state.States", 2, 3, 4).of(("next",))

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 
 import msgspec
 
@@ -113,17 +114,14 @@ class RdpsoController:
         if goal is None:
             goal = self._wander.goal(self._driver.map, (pose.x_m, pose.y_m), sim_time_ns * 1e-9)
             speed_mps = self._control.max_step_speed_mps
+        teammates = partial(_teammates, self._team, self._robot_id)
         way_out = self._driver.way_out((pose.x_m, pose.y_m))
         if way_out is not None:
             goal, speed_mps = way_out, self._control.max_step_speed_mps
         elif self._goal is not None and self._own is None and not self._is_called_each_step:
-            self.course = self._driver.course(goal, speed_mps, self._teammates, self._iteration_ends_ns)
-        twist = self._driver.drive(observation, pose, goal, speed_mps, self._teammates)
+            self.course = self._driver.course(goal, speed_mps, teammates, self._iteration_ends_ns)
+        twist = self._driver.drive(observation, pose, goal, speed_mps, teammates)
         return msgspec.structs.replace(self._standing, twist=twist, outbox=outbox, goal_m=goal)
-
-    def _teammates(self) -> Mapping[int, Vector]:
-        """Return the last known positions of the other robots, in `map` [m], by id."""
-        return OtherPlaces(self._team.places, self._robot_id)
 
     def _has_waited_enough(self, sim_time_ns: int) -> bool:
         """Whether all senders of the last iteration have sent an update in this one, or the timeout has expired."""
@@ -305,3 +303,8 @@ class RdpsoController:
             swarm=membership.swarm_id,
             context=self._context,
         )
+
+
+def _teammates(team: TeamMemory, robot_id: int) -> OtherPlaces:
+    """Return the last known positions of the other robots. It knows no controller, which may keep it in its course."""
+    return OtherPlaces(team.places, robot_id)
