@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import copy
+import os
 from collections.abc import Iterator, Sequence
 from contextlib import redirect_stdout
 from io import StringIO
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
+from robotteamsim.errors import ScenarioError
 from robotteamsim.interface import EVERYBODY, Decision, Message
 from robotteamsim.mission import Sensed
 from robotteamsim.rng import stream
@@ -30,7 +32,10 @@ _Team = tuple[Decision, ...]
 
 
 def check_controller(
-    controller: type | str, scenario: str | Scenario = "garage_sar", overrides: Sequence[str] = (), steps: int = 100
+    controller: type | str,
+    scenario: str | os.PathLike[str] = "garage_sar",
+    overrides: Sequence[str] = (),
+    steps: int = 100,
 ) -> None:
     """Check that a controller drives the robots of missions as `Controller` says.
 
@@ -38,12 +43,16 @@ def check_controller(
     mission runs; and goes on with messages of other programs, and when a robot leaves and comes back.
 
     Args:   controller: a class of a module, or a name as of `control.algorithm`.
-            scenario, overrides: as of `load`; the robots must be present from the start.  steps: of each mission.
+            scenario, overrides: as of `load`; the robots must be present from the start.
+            steps: of each mission, at least 1.
     Raises: AssertionError: one line that says what it does instead, and in which step.
             RobotTeamSimError: it cannot be made, or the scenario is invalid.
     """
     name = controller if isinstance(controller, str) else f"{controller.__module__}:{controller.__qualname__}"
-    loaded = scenario if isinstance(scenario, Scenario) else load(scenario, [f"control.algorithm={name}", *overrides])
+    if "<locals>" in name or steps < 1:
+        what = f"{name}: expected a class of a module" if "<locals>" in name else f"steps: {steps}; expected at least 1"
+        raise ScenarioError(f"check_controller: {what}")
+    loaded = load(scenario, [f"control.algorithm={name}", *overrides])
     setup, other = resolve(loaded), resolve(_with_seed(loaded, loaded.run.seed + 1))
     team = list(islice(_decisions(name, _mission(setup)), steps))
     _check_same(name, team, islice(_decisions(name, _mission(setup)), steps), "in a second mission with the same seed")
@@ -66,7 +75,7 @@ class _WithStrangers(TeamControllers):
     """The controllers of a scenario, whose robots also hear other programs."""
 
     def step(self, sensed: Sensed) -> _Team:
-        text, robots = STRANGE[sensed.step_index % len(STRANGE)], len(sensed.inboxes)
+        text, robots = STRANGE[sensed.step_index % len(STRANGE)], max(len(sensed.inboxes), 2)
         sensed.inboxes = [
             (*inbox, Message((i + 1) % robots, EVERYBODY, text)) for i, inbox in enumerate(sensed.inboxes)
         ]
@@ -145,14 +154,13 @@ def check_env(scenario: str | Scenario, steps: int = 60, **rules: Any) -> None:
     generator, agents = stream(7, "check_env"), env.possible_agents
     found = [{agent: (observations[1, row].copy(), 0.0) for row, agent in enumerate(agents)}]
     while len(found) < len(alone):
-        actions = np.zeros((2, len(agents), *(batch.act.space.shape or ())), batch.act.space.dtype)
-        actions[1] = _actions(env, generator)
+        actions = np.stack([[batch.act.rest] * len(agents), _actions(env, generator)])
         step = batch.step(actions)
         found.append({agent: (step.observations[1, k].copy(), step.rewards[1, k]) for k, agent in enumerate(agents)})
     _check_equal(alone, found, "as the second mission of a batch")
 
 
-_Episode = list[dict[str, tuple[np.ndarray, float]]]
+_Numbers = list[dict[str, tuple[np.ndarray, float]]]
 
 
 def _actions(env: TeamEnv, generator: np.random.Generator) -> list[np.ndarray]:
@@ -163,7 +171,7 @@ def _actions(env: TeamEnv, generator: np.random.Generator) -> list[np.ndarray]:
     return [np.asarray(space.sample()) for space in spaces]
 
 
-def _episode(env: TeamEnv, seed: int, steps: int) -> _Episode:
+def _episode(env: TeamEnv, seed: int, steps: int) -> _Numbers:
     """Return observation and reward of each agent, at the beginning and after each step, until the mission is over."""
     generator, (vectors, _) = stream(seed, "check_env"), env.reset(seed)
     found = [{agent: (vector.copy(), 0.0) for agent, vector in vectors.items()}]
@@ -176,7 +184,7 @@ def _episode(env: TeamEnv, seed: int, steps: int) -> _Episode:
     return found
 
 
-def _check_equal(expected: _Episode, found: _Episode, where: str) -> None:
+def _check_equal(expected: _Numbers, found: _Numbers, where: str) -> None:
     """Raises: AssertionError: a number differs."""
     assert len(expected) == len(found), f"{len(found) - 1} steps {where}, {len(expected) - 1} before"
     for step, (before, now) in enumerate(zip(expected, found, strict=True)):

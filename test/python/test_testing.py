@@ -6,10 +6,12 @@ import itertools
 
 import numpy as np
 import pytest
+from gymnasium.spaces import Box
 
 import robotteamsim as rts
 from robotteamsim.control.runtime.registry import algorithm_names
-from robotteamsim.learning import TASKS, DiscreteAct, Observe, Reward, task
+from robotteamsim.errors import ScenarioError
+from robotteamsim.learning import TASKS, Act, DiscreteAct, Observe, Reward, task
 from robotteamsim.scenario import load
 from robotteamsim.testing import check_controller, check_env
 
@@ -116,6 +118,32 @@ def test_controller_with_a_mistake_is_found(controller, message):
         return
     with pytest.raises(AssertionError, match=f"^test_testing:{controller.__name__}: {message}"):
         check_controller(controller, "tutorial_arena", ["robots.count=2"])
+
+
+def test_what_cannot_be_checked_is_said():
+    class Local(Ahead):
+        pass
+
+    with pytest.raises(ScenarioError, match=r"^check_controller: .*<locals>\.Local: expected a class of a module$"):
+        check_controller(Local)
+    with pytest.raises(ScenarioError, match=r"^check_controller: steps: 0; expected at least 1$"):
+        check_controller(Ahead, steps=0)
+
+
+class Brisk(Act):
+    """Has a rest of its own, because 0 is no action."""
+
+    def __init__(self, setup, robot_ids, said=0):
+        super().__init__(setup, robot_ids, said)
+        self.space = Box(0.1, 1.0, (2,), np.float32)
+
+    @property
+    def rest(self):
+        return np.full(2, 0.1, np.float32)
+
+
+def test_actions_without_zero_pass():
+    check_env("tutorial_arena", act=Brisk, steps=5)
 
 
 class Remembering(Reward):

@@ -127,7 +127,7 @@ class BatchEnv:
         return masks
 
     def record(self, mission: int) -> StepRecord | None:
-        """Return the last complete step of a mission, for own measures; None before the first one."""
+        """Return the last complete step of a mission, for own measures; None before the first, and after an error."""
         group, which = self._place(mission)
         return group.record(which)
 
@@ -197,7 +197,9 @@ class BatchEnv:
         return zip(self._groups, self._same, strict=True)
 
     def _place(self, mission: int) -> tuple[Missions, int]:
-        """Return where a mission is."""
+        """Return where a mission is. Raises: LearningError: there is no such mission."""
+        if mission not in range(self.num_envs):
+            raise LearningError(f"there is no mission {mission!r:.60}; expected 0 to {self.num_envs - 1}")
         return self._groups[mission % len(self._groups)], mission // len(self._groups)
 
     def _begin(self, mission: int, seed: int | None = None) -> None:
@@ -207,7 +209,7 @@ class BatchEnv:
     def _check_begun(self) -> None:
         """Raises: LearningError: `reset` was not called, or did not end."""
         for group in self._groups:
-            group.check_begun(group.number - 1)
+            group.check_all_begun()
 
     def _commands(self, group: Missions, same: slice, actions: np.ndarray) -> Commands:
         """Return the commands of the missions of a scenario. Raises: LearningError: an action is not of the space."""

@@ -61,11 +61,23 @@ class _Sent(NamedTuple):
         return self.commands.of(mission).decisions(robot_ids, self.positions_m[mission])
 
 
+class _RecordsOfStep:
+    """Returns the records of the missions while a reward judges a step."""
+
+    def __init__(self, record_of: Callable[[int], StepRecord]) -> None:
+        self._record_of, self.is_over = record_of, False
+
+    def __call__(self, mission: int) -> StepRecord:
+        if self.is_over:
+            raise LearningError("records: of a step that is over; expected to be asked for in of_step")
+        return self._record_of(mission)
+
+
 class _Mission:
     """What is no array of one mission.
 
     sensed:  the last step that the simulation has made itself.
-    is_here: whether that is the one to be judged next; else it is in the state of the batch.
+    is_here: whether that is the one to be judged next; if not, the batch has made it.
     """
 
     sensed: StepRecord
@@ -92,8 +104,13 @@ class Missions:
     A step is `every` steps of the simulation. Its reward is that of their records; that of the steps before the mission
     begins counts in the first one. The same seed and actions give the same bits, alone or beside others.
 
-    Where nothing acts but robots that obey, world, lasers, odometry, voices and links of all missions are one call, a
-    mission judges a step only if something has happened in it, and its record is made only if somebody asks for it.
+    Missions in which nothing acts but robots that obey are *plain*, and are stepped together:
+
+    - World, lasers, odometry, voices and links of all are one call, `Batch.move` and `Batch.sense`.
+    - A step that was sensed is judged when the agents have decided again: first the mission, but only if something has
+      happened in it, then the reward.
+    - Until then its record can be made from the state, if somebody asks for it. World and mission of a `Simulation`
+      hear of several quiet steps at once: they lag behind by `_passed` steps.
     """
 
     def __init__(self, scenario: AnyScenario, rules: Rules, number: int = 1, threads: int = 1) -> None:
@@ -127,7 +144,7 @@ class Missions:
         self._times_ns, self._quiet_until_ns = np.zeros((2, number), np.int64)
         """Its stamp; and before which stamp the mission judges no step in which nothing has happened."""
         self._has_ended, self._is_late = np.zeros((2, number), bool)
-        # Of plain missions, which are stepped together.
+        # Of plain missions:
         self._core = _core.simulation.Batch(number, len(self.robot_ids), self.observe.beams, threads)
         self._twists, self._must_judge = np.zeros((*shape, 3)), np.zeros(number, bool)
         self._passed, self._noise_left = np.zeros((2, number), int)
@@ -175,7 +192,7 @@ class Missions:
         self._was_present[which] = self.present[which]
         self._senses.perceive_team(which, mission.sensed)
         self._missions[which] = mission
-        self.are_plain[which] = self._is_plain(mission)
+        self.are_plain[which] = self._is_plain(which, mission)
         if self.are_plain[which]:
             self._must_judge[which] = True
             self._put(which, mission)
@@ -230,6 +247,11 @@ class Missions:
             raise LearningError("the mission has not begun; call reset first")
         return mission
 
+    def check_all_begun(self) -> None:
+        """Raises: LearningError: a mission has not begun, or all were ended by an error."""
+        for which in range(self.number) if None in self._missions else ():
+            self.check_begun(which)
+
     def end(self) -> None:
         """Forget all missions."""
         self._missions = [None] * self.number
@@ -238,7 +260,7 @@ class Missions:
         """Return the last complete step of a mission that has made one."""
         mission = self.check_begun(which)
         if self._passed[which]:
-            mission.record = mission.simulation.pass_quietly(self._followed(which), self._decisions(which))
+            mission.record = mission.simulation.pass_quietly(self._follow(which), self._decisions(which))
         assert mission.record is not None
         return mission.record
 
@@ -279,8 +301,9 @@ class Missions:
         self._quiet_until_ns[which] = mission.quiet_until_ns
 
     def _add_rewards(self, which: np.ndarray, record_of: Callable[[int], StepRecord]) -> None:
-        rows, (_, _, *arrays) = self._rows(which), self._now
-        rewards = self._reward.of_step(Steps(record_of, which, *(array[rows].copy() for array in arrays)))
+        rows, (_, _, *arrays), records = self._rows(which), self._now, _RecordsOfStep(record_of)
+        rewards = self._reward.of_step(Steps(records, which.copy(), *(array[rows].copy() for array in arrays)))
+        records.is_over = True
         self._earned[rows] += numbers_of("rewards", rewards, (len(which), len(self.robot_ids)))
 
     def _step_together(self, which: np.ndarray, commands: Commands) -> None:
@@ -322,7 +345,7 @@ class Missions:
         self._passed[rows] += 1
         for i in which[self._must_judge[rows] | (self._times_ns[rows] >= self._quiet_until_ns[rows])].tolist():
             mission = self.check_begun(i)
-            simulation, sensed = mission.simulation, mission.sensed if mission.is_here else self._followed(i)
+            simulation, sensed = mission.simulation, mission.sensed if mission.is_here else self._follow(i)
             mission.is_here, self._passed[i] = False, 0
             mission.record = simulation.judge(sensed, self._decisions(i))
             self._note_judged(i, simulation)
@@ -331,8 +354,8 @@ class Missions:
                 self._quiet_until_ns[i] = 0  # the record of the next step has the voice map
         self._add_rewards(which, self._last_record)
 
-    def _followed(self, which: int) -> StepRecord:
-        """Return what the last judged step of a plain mission knew before anybody decided."""
+    def _follow(self, which: int) -> StepRecord:
+        """Let the simulation of a plain mission catch up with its last judged step, and return what that has sensed."""
         state, traffic = self._judged.of(which), NO_TRAFFIC
         inboxes: Sequence[Sequence[Message]] = [()] * len(self.robot_ids)
         if self._arrived is not None:
@@ -359,7 +382,7 @@ class Missions:
         self._core.put(which, world.core, mission.sensors.core, links, ear, simulation.mission.places)
         self._noise_left[which] = mission.sensors.core.noise_left
 
-    def _is_plain(self, mission: _Mission) -> bool:
+    def _is_plain(self, which: int, mission: _Mission) -> bool:
         """Whether nothing but robots that obey acts in a mission, and no message is lost."""
         scenario, robots = mission.setup.scenario, mission.setup.robots
         others = scenario.fire is not None or scenario.schedule or scenario.base is not None or scenario.mission.exits
@@ -373,7 +396,7 @@ class Missions:
             and not (others or walk or doors or carried or scenario.mission.saved_by == "firefighter")
             and is_instant(scenario.network, len(robots), scenario.run.step_ns)
             and scenario.network.max_message_bytes >= LONGEST_MESSAGE + LONGEST_NUMBER * self.rules.said
-            and not self._senses.looks
+            and not self._senses.looks(which)
         )
 
     def _rows(self, which: np.ndarray) -> Rows:

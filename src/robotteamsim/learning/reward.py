@@ -19,9 +19,9 @@ from robotteamsim.simulation import StepRecord
 
 
 class Steps(NamedTuple):
-    """A complete step of each of k missions, as a reward looks at it; n agents.
+    """A complete step of each of k missions, as a reward looks at it; n agents. Its arrays may be kept.
 
-    record_of:   returns all about the step of a mission, by its number.
+    record_of:   returns all about the step of a mission, by its number, during `of_step`.
     missions:    their numbers, shape (k,).
     present:     bool, shape (k, n).              contact: whether each touches something, bool, shape (k, n).
     positions_m: true ones in `map`, shape (k, n, 2); those of absent agents mean nothing.
@@ -72,7 +72,9 @@ class Reward:
     PER_CONTACT_S = -0.1
 
     def __init__(self, setup: Setup, robot_ids: Sequence[int], missions: int = 1) -> None:
-        """Args: setup: of the missions, which differ by their seeds.  robot_ids: of the agents.  missions: how many."""
+        """Args: setup: of missions, each of which has another seed: see `begin`.  robot_ids: of the agents.
+        missions: how many.
+        """
         self.setup, self.robot_ids, self.missions = setup, list(robot_ids), missions
 
     @classmethod

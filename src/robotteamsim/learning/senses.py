@@ -45,7 +45,6 @@ class Senses:
         observe: says who the agents are, and what they perceive.
         """
         self._observe, self._ids = observe, list(observe.robot_ids)
-        self._are_all = self._ids == list(range(len(setup.robots)))
         self._by_odometry = setup.scenario.control.localisation == "odometry"
         shape, senders = (missions, len(self._ids)), range(max(len(setup.robots), observe.teammates + 1))
         self._map_T_odom = np.zeros((*shape, 4))
@@ -66,10 +65,9 @@ class Senses:
         )
         """As of the last `perceive` of each mission; numbers of absent agents mean nothing, but are finite."""
 
-    @property
-    def looks(self) -> bool:
-        """Whether the agents look at the readings of each step, see `Memory.looks`."""
-        return self._observe.remembers.looks
+    def looks(self, mission: int) -> bool:
+        """Whether the agents of a mission look at the readings of each step, see `Memory.looks`."""
+        return self._memories[mission].looks
 
     def begin(self, mission: int, setup: Setup) -> None:
         """Let a mission begin, in which nothing has been perceived."""
@@ -89,7 +87,7 @@ class Senses:
 
         Args: inboxes, readings: one per agent.
         """
-        if self.looks:
+        if self.looks(mission):
             self._memories[mission].look(readings)
         agents: dict[Batch, list[int]] = {}
         for agent, inbox in enumerate(inboxes):
@@ -103,7 +101,7 @@ class Senses:
 
     def note_team(self, mission: int, sensed: Sensed) -> None:
         """Note a step of a whole team, see `note`."""
-        readings = [sensed.readings[i] for i in self._ids] if self.looks else ()
+        readings = [sensed.readings[i] for i in self._ids] if self.looks(mission) else ()
         self.note(mission, sensed.sim_time_ns, [sensed.inboxes[i] for i in self._ids], readings)
 
     def hear(

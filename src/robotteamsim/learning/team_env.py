@@ -74,7 +74,7 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
 
     @property
     def record(self) -> StepRecord | None:
-        """The last record of the simulation, for own measures; None before the first step."""
+        """The last record of the simulation, for own measures; None before the first step, and after `close`."""
         return self._missions.record(0)
 
     @property

@@ -171,7 +171,7 @@ class Simulation:
     ) -> StepRecord:
         """As `sense`, after steps that a batch has made, in a mission in which nothing else moves or changes.
 
-        Args: steps: how many, of which the mission has not heard. The others are those of the last one.
+        Args: steps: how many.  state, network, inboxes: of the last one.
         """
         self.world.count_steps(steps)
         return self._sensed(state, network, inboxes, {})

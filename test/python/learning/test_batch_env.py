@@ -15,6 +15,7 @@ from robotteamsim.learning import (
     BatchEnv,
     DiscreteAct,
     LearningError,
+    Memory,
     Observe,
     SearchReward,
     Steps,
@@ -186,6 +187,67 @@ def test_observation_that_keeps_what_it_was_given_has_it_later():
         env.step(np.ones((2, 3, 2), np.float32))
     assert all(np.array_equal(kept, copied) for kept, copied in given)
     assert not np.array_equal(given[0][1], given[-1][1])
+
+
+def test_records_of_a_step_that_is_over_are_refused_and_its_numbers_may_be_kept_or_changed():
+    kept = []
+
+    class Late(SearchReward):
+        def of_step(self, steps):
+            kept.append((steps, [part.copy() for part in steps[1:]]))
+            rewards = super().of_step(steps)
+            kept[-1][0].missions[:] = 0
+            return rewards
+
+    env = BatchEnv(scenario(), 2, reward=Late)
+    env.reset(1)
+    env.step(np.ones((2, 3, 2), np.float32))
+    for steps, copies in kept:
+        assert all(np.array_equal(part, copy) for part, copy in zip(steps[2:], copies[1:], strict=True))
+        with pytest.raises(LearningError, match=r"^records: of a step that is over; expected to be"):
+            steps.records  # noqa: B018 - a property
+
+
+def test_memory_may_decide_itself_whether_it_looks():
+    looked = []
+
+    class Sometimes(Memory):
+        def __init__(self, setup, robot_ids):
+            super().__init__(setup, robot_ids)
+            self.looks = True
+
+        def look(self, readings):
+            looked.append(len(readings))
+
+    class Looking(Observe):
+        remembers = Sometimes
+
+    env = BatchEnv(scenario(), 2, observe=Looking)
+    env.reset(1)
+    env.step(np.zeros((2, 3, 2)))
+    assert looked == [3] * len(looked)
+    assert len(looked) >= 2 * 5
+
+
+def test_mission_that_is_not_there_has_no_record():
+    env = BatchEnv([scenario(), scenario("isr_floor_0_sar")], 3)
+    env.reset(1)
+    assert env.record(0) is None or env.record(0).step_index >= 1
+    for wrong in (-1, 3):
+        with pytest.raises(LearningError, match=f"^there is no mission {wrong}; expected 0 to 2$"):
+            env.record(wrong)
+
+
+def test_batch_of_which_a_mission_could_not_begin_needs_a_reset(monkeypatch):
+    env = BatchEnv(scenario(), 2)
+    env.reset(1)
+    monkeypatch.setattr(SearchReward, "begin", lambda self, mission, setup: 1 / (mission != 0))
+    with pytest.raises(ZeroDivisionError):
+        env.reset(1)
+    monkeypatch.undo()
+    for do in (lambda: env.step(np.zeros((2, 3, 2))), lambda: env.begin(np.array([True, True]))):
+        with pytest.raises(LearningError, match="call reset first"):
+            do()
 
 
 def test_search_is_rewarded_while_all_robots_of_a_size_have_left():

@@ -21,11 +21,7 @@ from robotteamsim.swarm import Vector
 
 
 class Course(NamedTuple):
-    """How a robot drives until its controller decides again: at a time, with a message, or when the task changes.
-
-    A controller in one process with its team may have one in its attribute `course` after a step; it is then not called
-    in between, and the team is driven in one call, to the same bits.
-    """
+    """How a robot drives until its controller decides again: at a time, with a message, or when the task changes."""
 
     robot_id: int
     navigator: Navigator
@@ -34,6 +30,16 @@ class Course(NamedTuple):
     speed_mps: float
     teammates: Callable[[], tuple[np.ndarray, np.ndarray]]
     until_ns: int
+
+
+class DrivesOn:
+    """Base class of a controller that need not be called in each step.
+
+    Where it runs in one process with its team, and `course` is not None after a step, the team is driven in one call
+    until then, to the same bits.
+    """
+
+    course: Course | None = None
 
 
 class Driver:

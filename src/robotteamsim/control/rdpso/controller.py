@@ -7,7 +7,7 @@ from functools import partial
 import msgspec
 
 from robotteamsim import swarm
-from robotteamsim.control.driving.driver import Course, Driver
+from robotteamsim.control.driving.driver import Driver, DrivesOn
 from robotteamsim.control.driving.places import OtherPlaces
 from robotteamsim.control.driving.wander import Wander
 from robotteamsim.control.rdpso.context import ContextMeter
@@ -25,7 +25,7 @@ from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
 
-class RdpsoController:
+class RdpsoController(DrivesOn):
     """One robot of the swarm.
 
     Every iteration has two phases. In its first step the robot evaluates its surroundings and broadcasts an update.
@@ -84,9 +84,6 @@ class RdpsoController:
         self._speed_mps = control.max_step_speed_mps
         self._standing = self._decide_to_stand()
         """The decision to stand still."""
-        self.course: Course | None = None
-        """How the robot drives on until the next iteration, once its next point is chosen."""
-        self._is_called_each_step = type(self).step is not RdpsoController.step
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """Return the command and, once per iteration, the message of this step."""
@@ -118,10 +115,14 @@ class RdpsoController:
         way_out = self._driver.way_out((pose.x_m, pose.y_m))
         if way_out is not None:
             goal, speed_mps = way_out, self._control.max_step_speed_mps
-        elif self._goal is not None and self._own is None and not self._is_called_each_step:
+        elif self._goal is not None and self._own is None and not self._has_own_step():
             self.course = self._driver.course(goal, speed_mps, teammates, self._iteration_ends_ns)
         twist = self._driver.drive(observation, pose, goal, speed_mps, teammates)
         return msgspec.structs.replace(self._standing, twist=twist, outbox=outbox, goal_m=goal)
+
+    def _has_own_step(self) -> bool:
+        """Whether somebody has put another method in place of `step`, which must be called each time."""
+        return type(self).step is not RdpsoController.step or "step" in vars(self)
 
     def _has_waited_enough(self, sim_time_ns: int) -> bool:
         """Whether all senders of the last iteration have sent an update in this one, or the timeout has expired."""

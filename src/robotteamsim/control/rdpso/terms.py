@@ -99,6 +99,7 @@ class RuledOut(_core.control.RuledOut):
     `add` notes the loudest cell that a robot hears at its position, or None; of robots that hear the same within 0.25 m
     of each other, only the first counts. `covers` is whether no victim can be at a cell, although a voice is heard
     there; never with `control.rule_out_places: false`. `clear` discards everything, because the voice map has changed.
+    A robot's own note takes its place among those of `add_all` that contain it.
     """
 
     def __init__(self, scenario: Scenario, is_on: bool = True) -> None:

@@ -14,7 +14,7 @@ from typing import Any
 import msgspec
 import numpy as np
 
-from robotteamsim.control.driving.driver import Course
+from robotteamsim.control.driving.driver import Course, DrivesOn
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.geometry import Twist
 from robotteamsim.interface import EVERYBODY, OUTSIDE, Controller, Decision, Message, Observation, SwarmContext, Task
@@ -35,7 +35,7 @@ _NUMBERS = (float, int, np.number)
 
 _ADDRESS = re.compile(" at 0x[0-9a-f]+")
 
-_numbers = attrgetter("excluded", "goal_m", "local_best", "local_best_m", "search_counter", "area", "swarm")
+_of_numbers = attrgetter("excluded", "goal_m", "local_best", "local_best_m", "search_counter", "area", "swarm")
 """The fields of a decision that may have NumPy's numbers."""
 
 _logger = logging.getLogger(__name__)
@@ -68,7 +68,7 @@ class Guard:
     @property
     def course(self) -> Course | None:
         """How the robot drives on without its controller."""
-        return None if self.fault else getattr(self.controller, "course", None)
+        return self.controller.course if isinstance(self.controller, DrivesOn) and not self.fault else None
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """Return the controller's decision; once it has failed, that is to stand still, with the reason."""
@@ -118,7 +118,7 @@ def _plain(decision: Decision, before: Decision | None) -> Decision:
 
     Args: before: one with Python's numbers.
     """
-    if before is not None and all(map(is_, _numbers(decision), _numbers(before))):
+    if before is not None and all(map(is_, _of_numbers(decision), _of_numbers(before))):
         return decision
     goal_m, best_m = decision.goal_m, decision.local_best_m
     kinds = type(decision.excluded), type(decision.local_best), type(decision.search_counter), type(decision.swarm)
@@ -236,15 +236,19 @@ def _is_text(value: Any) -> bool:
     return isinstance(value, str) and (not value or _has_utf8(value))
 
 
-def _the(name: str, expected: str) -> Callable[[object], str]:
+def _or_none(is_valid: Callable[[Any], bool]) -> Callable[[Any], bool]:
+    return lambda value: value is None or is_valid(value)
+
+
+def _wrong_thing(name: str, expected: str) -> Callable[[object], str]:
     return lambda value: f"the {name} {_shown(value)}; expected {expected}"
 
 
-def _number(name: str, expected: str) -> Callable[[object], str]:
+def _wrong_value(name: str, expected: str) -> Callable[[object], str]:
     return lambda value: f"{name} = {value!r:.60}; expected {expected}"
 
 
-def _text(name: str) -> Callable[[object], str]:
+def _wrong_text(name: str) -> Callable[[object], str]:
     def found(value: object) -> str:
         wrong = ", which cannot be encoded as UTF-8" if isinstance(value, str) else "; expected text"
         return f"{name} = {value!r:.60}{wrong}"
@@ -254,15 +258,27 @@ def _text(name: str) -> Callable[[object], str]:
 
 _FIELDS: tuple[tuple[str, Callable[[Any], bool], Callable[[Any], str]], ...] = (
     ("twist", _is_twist, lambda twist: f"{twist!r:.120}; expected a Twist of finite numbers"),
-    ("goal_m", lambda place: place is None or _is_point(place), _the("goal", "finite (x, y), or None")),
-    ("local_best_m", lambda place: place is None or _is_point(place), _the("local best", "finite (x, y), or None")),
-    ("context", lambda of: of is None or _is_context(of), _the("context", "a finite SwarmContext, or None")),
-    ("excluded", lambda of: isinstance(of, _TRUTHS), _number("excluded", "True or False")),
-    ("swarm", lambda of: _is_index(of, OUTSIDE), _number("swarm", f"a number from 0 on, or {OUTSIDE} for none")),
-    ("search_counter", lambda of: _is_index(of, 0), _number("search_counter", "a number from 0 on")),
-    ("area", lambda of: _is_index(of, -1), _number("area", "the index of an area, or -1 for none")),
-    ("local_best", _is_number, _number("local_best", "a number")),
-    ("fault", _is_text, _text("fault")),
-    ("done", _is_text, _text("done")),
+    ("goal_m", _or_none(_is_point), _wrong_thing("goal", "finite (x, y), or None")),
+    (
+        "local_best_m",
+        _or_none(_is_point),
+        _wrong_thing("local best", "finite (x, y), or None"),
+    ),
+    (
+        "context",
+        _or_none(_is_context),
+        _wrong_thing("context", "a finite SwarmContext, or None"),
+    ),
+    ("excluded", lambda value: isinstance(value, _TRUTHS), _wrong_value("excluded", "True or False")),
+    (
+        "swarm",
+        lambda value: _is_index(value, OUTSIDE),
+        _wrong_value("swarm", f"a number from 0 on, or {OUTSIDE} for none"),
+    ),
+    ("search_counter", lambda value: _is_index(value, 0), _wrong_value("search_counter", "a number from 0 on")),
+    ("area", lambda value: _is_index(value, -1), _wrong_value("area", "the index of an area, or -1 for none")),
+    ("local_best", _is_number, _wrong_value("local_best", "a number")),
+    ("fault", _is_text, _wrong_text("fault")),
+    ("done", _is_text, _wrong_text("done")),
 )
 """Fields of decisions that need no others: whether a value is valid, and what is said of one that is not."""
