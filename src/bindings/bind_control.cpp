@@ -58,19 +58,22 @@ using control::CellPaths, control::Navigator, control::RuledOut, control::Surrou
 using Flags = Array<const bool, -1>;
 using Floats = Array<const float, -1>;
 using Ids = Array<const std::int32_t, -1>;
+
+/// The last known places of robots [m, map], by ascending id; those who share them may be among them.
+struct Places {
+  Navigator::Teammates by_id;
+};
+
 using SharedGrid = std::shared_ptr<const plan::PlanningGrid>;
 using SharedLosses = std::shared_ptr<const VoiceLosses>;
 
 base::Twist Drive(Navigator& navigator, const SharedGrid& grid, const base::Pose& pose, const control::Ranges& ranges,
                   const base::Point& goal_m, double speed_mps, std::int64_t sim_time_ns, nb::handle teammates) {
   const auto ask = [&teammates, &navigator] {
-    const auto [ids, places] = nb::cast<std::pair<Ids, Points>>(teammates());
-    if (ids.size() != places.shape(0)) throw std::invalid_argument("teammates: expected as many ids as places");
-    Navigator::Teammates others;
-    for (std::size_t i = 0; i < ids.size(); ++i) {
-      if (ids.data()[i] != navigator.robot_id())
-        others.emplace_back(ids.data()[i], base::Point{places(i, 0), places(i, 1)});
-    }
+    Navigator::Teammates others = nb::cast<const Places&>(teammates()).by_id;
+    others.erase(std::remove_if(others.begin(), others.end(),
+                                [&](const auto& one) { return one.first == navigator.robot_id(); }),
+                 others.end());
     return others;
   };
   const double time_s = static_cast<double>(sim_time_ns) * 1e-9;
@@ -95,6 +98,17 @@ std::vector<base::Twist> DriveTeam(const MissionState& of, const std::vector<Cou
 }
 
 void BindNavigator(nb::module_& m) {
+  nb::class_<Places>(m, "Places")
+      .def(
+          "__init__",
+          [](Places* self, const Ids& ids, const Points& places_m) {
+            if (ids.size() != places_m.shape(0)) throw std::invalid_argument("expected as many ids as places");
+            new (self) Places;
+            for (std::size_t i = 0; i < ids.size(); ++i) {
+              self->by_id.emplace_back(ids.data()[i], base::Point{places_m(i, 0), places_m(i, 1)});
+            }
+          },
+          "ids"_a, "places_m"_a);
   nb::class_<control::NavigatorParameters> parameters(m, "NavigatorParameters");
   std::apply([&](const auto&... fields) { DefineFields(parameters, fields...); }, control::kNavigatorFields);
   nb::class_<control::LaserLayout>(m, "LaserLayout")
@@ -114,7 +128,7 @@ void BindNavigator(nb::module_& m) {
           "drive",
           [](Navigator& navigator, const SharedGrid& grid, const base::Pose& pose, const Floats& ranges_m,
              const base::Point& goal_m, double speed_mps, std::int64_t sim_time_ns,
-             const nb::typed<nb::callable, std::pair<Ids, Points>()>& teammates) {
+             const nb::typed<nb::callable, Places()>& teammates) {
             const control::Ranges ranges{ranges_m.data(), ranges_m.size()};
             return Drive(navigator, grid, pose, ranges, goal_m, speed_mps, sim_time_ns, teammates);
           },

@@ -166,14 +166,18 @@ _PARAMETERS = new(
 _SCAN = np.array([1.0, 2.0, 0.4, 2.0, 5.0], np.float32)
 
 
+_ODD_M = np.array([(math.nan, math.inf), (1e308, -1e308), (0.0, 2.4)])
+
+
 class Teammates:
     """Where a navigator's teammates are; the places are leaves of no tree, so they are odd already."""
 
-    def __call__(self) -> tuple[np.ndarray, np.ndarray]:
-        return np.array([0, 3, 5], np.int32), np.array([(math.nan, math.inf), (1e308, -1e308), (0.0, 2.4)])
+    def __call__(self) -> Any:
+        return _core.control.Places(np.array([0, 3, 5], np.int32), _ODD_M)
 
 
 def _control() -> Iterator[Call]:
+    yield new("control.Places", np.array([0, 3], np.int32), np.array([(1.0, 2.0), (3.0, 4.0)]))
     for by_path in (True, False):
         navigator = new(
             "control.Navigator",

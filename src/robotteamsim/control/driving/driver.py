@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import NamedTuple
 
-import numpy as np
-
 from robotteamsim import _core
 from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import Disc, known_map
@@ -28,7 +26,7 @@ class Course(NamedTuple):
     grid: _core.plan.PlanningGrid
     goal_m: Vector
     speed_mps: float
-    teammates: Callable[[], tuple[np.ndarray, np.ndarray]]
+    teammates: Callable[[], _core.control.Places]
     until_ns: int
 
 
@@ -116,15 +114,15 @@ class Driver:
         return Course(self._robot_id, self._navigator, self.map.grid, goal, speed_mps, others, until_ns)
 
 
-def places_of(teammates: Callable[[], Mapping[int, Vector]]) -> Callable[[], tuple[np.ndarray, np.ndarray]]:
-    """Return a function that returns the teammates as `Navigator` takes them: ids, and positions, shape (n, 2) [m].
+def places_of(teammates: Callable[[], Mapping[int, Vector]]) -> Callable[[], _core.control.Places]:
+    """Return a function that returns the teammates as `Navigator` takes them.
 
     Those of `OtherPlaces` are shared, and have the robot itself, too, which its navigator leaves out.
     """
 
-    def places() -> tuple[np.ndarray, np.ndarray]:
+    def places() -> _core.control.Places:
         others = teammates()
         known = others.places if isinstance(others, OtherPlaces) else Places(dict(sorted(others.items())))
-        return known.ids, known.points_m
+        return known.core
 
     return places

@@ -13,7 +13,7 @@ class Navigator(_core.control.Navigator):
     `drive` returns the command of a step. Its arguments are the grid of the known map, the robot's pose, the ranges of
     its laser, the goal in `map` [m] (one inside an obstacle is replaced by the nearest reachable point), the limit of
     the speed, the stamp of the observation, and a function that returns the last known positions of other robots, as
-    ids, int32, ascending, and places in `map` [m], shape (n, 2), which is called if the robot is stuck.
+    `_core.control.Places` in `map` [m], which is called if the robot is stuck.
     """
 
     def __init__(self, body: Robot, robot_id: int, mode: Literal["path", "straight"], tuning: NavigatorTuning) -> None:

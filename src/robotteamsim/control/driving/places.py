@@ -18,9 +18,9 @@ class Places:
         self.by_id = by_id
 
     @cached_property
-    def ids(self) -> np.ndarray:
-        """The ids, int32, shape (n,)."""
-        return np.array(list(self.by_id), np.int32)
+    def core(self) -> _core.control.Places:
+        """These places, as navigators take them."""
+        return _core.control.Places(np.array(list(self.by_id), np.int32), self.points_m)
 
     @cached_property
     def points_m(self) -> np.ndarray:
