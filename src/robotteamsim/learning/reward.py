@@ -143,10 +143,11 @@ class SearchReward(Reward):
     def _gained_m(self, steps: Steps) -> np.ndarray:
         """Return by how much each team has come nearer to its area, shape (k,); 0 if it has another one."""
         which, areas, lengths_m = steps.missions, steps.areas, np.full(len(steps.missions), UNREACHABLE_M)
-        for is_there, *center_m in set(map(tuple, areas.tolist())):
+        wanted = set(map(tuple, areas.tolist()))
+        for is_there, *center_m in wanted:
             if not is_there:
                 continue
-            rows = (areas == (is_there, *center_m)).all(1)
+            rows = slice(None) if len(wanted) == 1 else (areas == (is_there, *center_m)).all(1)
             positions_m, present = steps.positions_m[rows], steps.present[rows]
             for known, agents in self._sharing:
                 away_m = known.distances_m(tuple(center_m), positions_m[:, agents])
