@@ -133,7 +133,7 @@ def check_env(scenario: str | Scenario, steps: int = 60, **rules: Any) -> None:
     """Check that observations, actions and rewards make an environment, alone and as one of many missions.
 
     It passes PettingZoo's test of a `ParallelEnv`; has the same numbers for the same seed and actions, also in its
-    second mission, which begins anew; and a `BatchEnv` has those of single missions.
+    second mission, which has nothing of the first; and a `BatchEnv` has those of single missions.
 
     Args:   scenario, rules: as of `parallel_env`, such as a task: `check_env(**task("explore"))`.  steps: of agents.
     Raises: AssertionError: one line that says what differs, and in which step. RobotTeamSimError: see `parallel_env`.

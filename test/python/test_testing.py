@@ -147,7 +147,7 @@ def test_actions_without_zero_pass():
 
 
 class Remembering(Reward):
-    """Forgets to begin anew."""
+    """Keeps something of the mission before."""
 
     def __init__(self, setup, robot_ids, missions=1):
         super().__init__(setup, robot_ids, missions)
