@@ -41,7 +41,6 @@ class NoteLog {
 
   std::uint64_t id() const { return id_; }
   std::size_t size() const { return notes_.size(); }
-  const HeardNote& operator[](std::size_t index) const { return notes_[index]; }
 
   /// Adds a note, unless it is a duplicate.
   void Add(const HeardNote& note, const HeardKey& key);
