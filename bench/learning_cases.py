@@ -178,6 +178,37 @@ def ir_sim(building: Building, *, collision_mode: str) -> Step:
     return step
 
 
+def jaxnav(_: Building, *, missions: int, steps: int) -> Step:
+    """Step JaxNav, compiled, many steps in a call; a mission begins again as it was, since drawing others takes longer.
+
+    Its buildings are grids of 11 x 11 cells of 1 m.
+    """
+    import jax
+    from jaxmarl.environments.jaxnav.jaxnav_env import JaxNav
+
+    lidar = {"lidar_num_beams": BEAMS, "lidar_max_range": RANGE_M, "lidar_angle_factor": 0.5}
+    env = JaxNav(ROBOTS, **lidar)
+    drawn = np.random.default_rng(1).uniform(-1.0, 1.0, (steps, missions, ROBOTS, 2)).astype(np.float32)
+    actions = {agent: drawn[:, :, i] for i, agent in enumerate(env.agents)}
+    first = jax.vmap(env.reset)(jax.random.split(jax.random.key(2), missions))[1]
+
+    def one(carried: Any, chosen: Any) -> tuple[Any, Any]:
+        key, key_of_step = jax.random.split(carried[0])
+        seen, state, rewards, done, _ = jax.vmap(env.step)(
+            jax.random.split(key_of_step, missions), carried[1], chosen, first
+        )
+        return (key, state), (seen, rewards, done)
+
+    many = jax.jit(lambda carried: jax.lax.scan(one, carried, actions))
+    carried = jax.random.key(1), first
+
+    def step() -> None:
+        nonlocal carried
+        carried, _ = jax.block_until_ready(many(carried))
+
+    return step
+
+
 VMAS = Case(partial(vmas, missions=1), is_peer=True, computes="walls in lasers; contacts as springs")
 IR_SIM = Case(partial(ir_sim, collision_mode="contact"), is_peer=True, computes="walls in lasers; contacts, grip")
 BATCH = Case(partial(batch_env, missions=256), missions=256)
@@ -195,6 +226,13 @@ CASES = {
     "IR-SIM": IR_SIM,
     "IR-SIM, no contacts": replace(
         IR_SIM, make=partial(ir_sim, collision_mode="unobstructed"), computes="walls in lasers"
+    ),
+    "JaxNav of 64": Case(
+        partial(jaxnav, missions=64, steps=10),
+        missions=64,
+        steps=10,
+        is_peer=True,
+        computes="walls in lasers; lasers as points every 5 cm; a contact ends the mission, rewards",
     ),
 }
 """What is compared; ratios are to the first."""

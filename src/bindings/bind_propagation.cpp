@@ -26,17 +26,6 @@ double PathLoss(const FaceSet& faces, const RadioModel& model, const base::Point
   return propagation::PathLossDb(faces, model, RoundToMm(a, "a_m"), RoundToMm(b, "b_m"), floors_crossed);
 }
 
-/// The path losses between the points of two arrays, one by one.
-Array<double, -1> PathLosses(const FaceSet& faces, const RadioModel& model, const Points& from_m, const Points& to_m) {
-  if (from_m.shape(0) != to_m.shape(0)) throw std::invalid_argument("a_m and b_m have different lengths");
-  const auto from = from_m.view(), to = to_m.view();
-  std::vector<double> losses_db(from_m.shape(0));
-  for (std::size_t i = 0; i < losses_db.size(); ++i) {
-    losses_db[i] = PathLoss(faces, model, {from(i, 0), from(i, 1)}, {to(i, 0), to(i, 1)}, 0);
-  }
-  return ArrayOf(std::move(losses_db));
-}
-
 /// Returns the grid of one of `count` maps of equal shape that lie one below the other in an array.
 plan::GridShape GridOf(const base::Point& origin, double resolution_m, const MapView& maps, std::size_t count) {
   return {origin, resolution_m,
@@ -69,7 +58,6 @@ void BindRadio(nb::module_& m) {
       .def(nb::init<double, double, double, double, double, double>(), nb::kw_only(), "tx_power_dbm"_a,
            "constant_loss_db"_a, "slope_db"_a, "min_distance_m"_a, "floor_loss_db"_a, "floor_exponent"_a);
   m.def("path_loss_db", &PathLoss, "faces"_a, "model"_a, "a_m"_a, "b_m"_a, "floors_crossed"_a = 0);
-  m.def("path_losses_db", &PathLosses, "faces"_a, "model"_a, "a_m"_a, "b_m"_a);
   m.def(
       "rssi_matrix_dbm",
       [](const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions_m) {

@@ -20,5 +20,6 @@ void BindNetwork(nb::module_&& m);
 void BindSwarm(nb::module_&& m);
 void BindControl(nb::module_&& m);
 void BindSimulation(nb::module_&& m);
+void BindLearning(nb::module_&& m);
 
 }  // namespace robotteamsim::bindings

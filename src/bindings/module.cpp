@@ -18,4 +18,5 @@ NB_MODULE(_core, m) {
   BindSwarm(m.def_submodule("swarm", "Velocities of a robotic swarm."));
   BindControl(m.def_submodule("control", "Driving, and the memory of a robot."));
   BindSimulation(m.def_submodule("simulation", "Totals over a trial."));
+  BindLearning(m.def_submodule("learning", "What agents perceive."));
 }

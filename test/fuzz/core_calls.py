@@ -265,7 +265,6 @@ _LINKED = np.array([[False, True], [True, False]])
 def _signals() -> Iterator[Call]:
     yield _FACES.of(("weight_between", (0.0, 1.0), (4.0, 1.0)), ("set_active", 0, False))
     yield new("propagation.path_loss_db", _FACES, _RADIO, (0.0, 1.0), (3.0, 1.0), 2)
-    yield new("propagation.path_losses_db", _FACES, _RADIO, np.zeros((2, 2)), np.ones((2, 2)))
     yield new("propagation.rssi_matrix_dbm", _FACES, _RADIO, _TEAM)
     yield new("propagation.rssi_matrix_dbm", _FACES, _RADIO, np.tile(_TEAM, (4, 1)))
     radio = (_FACES, _RADIO, [(0.2, 0.3), (3.0, 2.0)], 1, _ORIGIN, _RESOLUTION_M)
@@ -426,6 +425,16 @@ def _states() -> Iterator[Call]:
     yield totals.of(("add_step", state, [False, True], True), ("totals",))
 
 
+def _learning() -> Iterator[Call]:
+    limits = {"range_max_m": [6.0, 6.0], "max_speed_mps": [0.7, 0.5], "max_turn_radps": [2.0, 1.0]}
+    plan = {"low_m": (-1.0, -1.0), "extent_m": (10.0, 8.0), "diagonal_m": 12.8, "voice_radius_m": 2.5}
+    ranges_m, poses = np.full((1, 2, 7), 2.0, np.float32), np.array([[[0.5, 1.5, 0.0, 1.0], [3.0, 1.5, 0.6, 0.8]]])
+    heard = np.array([[[[1.0, 2.0, 3.0, 0.1, 0.5]], [[0.0, 0.0, 0.0, 0.0, 0.0]]]])
+    of_robots = ranges_m, poses, np.full((1, 2, 3), 0.1), np.full((1, 2, 4), 1.0)
+    percepts = *of_robots, np.array([[[1.0, 2.0, 3.0]]]), heard, np.zeros((1, 2, 0))
+    yield new("learning.vectors", new("learning.Units", **limits, **plan), _FACES, _RADIO, 1, *percepts)
+
+
 _BURNING = new(
     "hazards.BurningFloor",
     np.ones((8, 12), np.bool_),
@@ -459,4 +468,14 @@ def _hazards() -> Iterator[Call]:
 
 def calls() -> tuple[Call, ...]:
     """Return the valid calls of all submodules."""
-    return (*_plan(), *_control(), *_search(), *_signals(), *_world(), *_sensors(), *_states(), *_hazards())
+    return (
+        *_plan(),
+        *_control(),
+        *_search(),
+        *_signals(),
+        *_world(),
+        *_sensors(),
+        *_states(),
+        *_learning(),
+        *_hazards(),
+    )

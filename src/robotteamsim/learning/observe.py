@@ -9,22 +9,13 @@ from typing import NamedTuple
 import numpy as np
 from gymnasium.spaces import Box
 
+from robotteamsim import _core
 from robotteamsim.interface import Task
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.propagation import shared_radio_field
 from robotteamsim.scenario.scenario import MAX_ROBOTS
 from robotteamsim.sensing.readings import RobotReading
 from robotteamsim.setup import Setup
-
-LOUDEST_DB = 100.0
-"""Voice levels are divided by this."""
-
-WEAKEST_DBM, STRONGEST_DBM = -100.0, -20.0
-"""Signals become 0 to 1 between these."""
-
-OLDEST_S = 10.0
-"""The age of a message becomes 0 to 1 up to this [s]."""
-
 
 LARGEST_PART = 10**6
 """Numbers in a part of the vector, and in a message."""
@@ -140,15 +131,18 @@ class Observe:
         self.setup, self.robot_ids, self.said = setup, tuple(robot_ids), said
         self.teammates = setup.scenario.num_robots - 1 if teammates is None else teammates
         self.beams = max(robot.laser.beams for robot in setup.robots)
-        self._range_max_m = np.array([[robot.laser.range_max_m] for robot in robots], np.float32)
-        drives = [robot.drive for robot in robots]
-        self._fastest = np.array([(drive.max_speed_mps, drive.max_turn_radps) for drive in drives])
         self._low_m, self._extent_m = np.array(bounds.min), np.array(bounds.max) - bounds.min
-        self._diagonal_m = math.dist(bounds.min, bounds.max)
-        voice_radius_m = setup.scenario.voice.local_best_radius_m + setup.scenario.voice.map_resolution_m
-        self._units_m = np.array((voice_radius_m, self._diagonal_m, *(self._diagonal_m,) * self.teammates))
-        self._radio = shared_radio_field(setup.building, setup.scenario.radio)
-        self._tx_power_dbm = setup.scenario.radio.tx_power_dbm
+        self._units = _core.learning.Units(
+            range_max_m=[robot.laser.range_max_m for robot in robots],
+            max_speed_mps=[robot.drive.max_speed_mps for robot in robots],
+            max_turn_radps=[robot.drive.max_turn_radps for robot in robots],
+            low_m=bounds.min,
+            extent_m=tuple(self._extent_m),
+            diagonal_m=math.dist(bounds.min, bounds.max),
+            voice_radius_m=setup.scenario.voice.local_best_radius_m + setup.scenario.voice.map_resolution_m,
+        )
+        radio = shared_radio_field(setup.building, setup.scenario.radio)
+        self._radio = radio.core_faces, radio.core_model
         own, remembered = self.parts_of(), self.remembers.parts_of(setup)
         self.parts = tuple(self._placed([*own, *remembered]))
         self.remembered = sum(part.size for part in self.parts[len(own) :])
@@ -180,48 +174,9 @@ class Observe:
 
     def vectors(self, percepts: Percepts) -> np.ndarray:
         """Return the vector of each agent, shape (..., n, size of the space); the same inputs give the same bits."""
-        shape, seen = percepts.poses.shape[:-1], self._seen(percepts)
-        numbers = np.empty((*shape, 13))
-        numbers[..., 0:2] = self.in_bounds(percepts.poses[..., :2])
-        numbers[..., 2], numbers[..., 3] = cos_sin(percepts.poses)
-        numbers[..., 4:6] = percepts.twists[..., ::2] / self._fastest
-        numbers[..., 6] = percepts.voices[..., 0]
-        numbers[..., 7] = percepts.voices[..., 1] / LOUDEST_DB
-        numbers[..., 8:10] = seen[..., 0, :]
-        numbers[..., 10] = percepts.area[..., 0]
-        numbers[..., 11:13] = seen[..., 1, :]
-        teammates = self._of_teammates(percepts, seen[..., 2:, :]).reshape(*shape, -1)
-        parts = percepts.ranges_m / self._range_max_m, numbers, teammates, percepts.remembered
-        vectors = np.concatenate(parts, -1, dtype=np.float32)
-        return np.maximum(np.minimum(vectors, 1.0), -1.0)
+        vectors = _core.learning.vectors(self._units, *self._radio, self.said, *percepts)
+        return vectors.reshape(*percepts.poses.shape[:-1], -1)
 
     def in_bounds(self, places_m: np.ndarray) -> np.ndarray:
         """Return places in `map` [m], shape (..., 2), from -1 to 1 between the bounds of the plan."""
         return np.asarray(2.0 * (places_m - self._low_m) / self._extent_m - 1.0)
-
-    def _seen(self, percepts: Percepts) -> np.ndarray:
-        """Return the loudest cell, the area and the teammates as x and y from each robot, in their units.
-
-        Shape (..., n, 2 + teammates, 2); 0 for what is not known.
-        """
-        rows = *percepts.poses.shape[:-1], 2 + self.teammates
-        known, places_m = np.empty(rows), np.empty((*rows, 2))
-        known[..., 0], places_m[..., 0, :] = percepts.voices[..., 0], percepts.voices[..., 2:]
-        known[..., 1], places_m[..., 1, :] = percepts.area[..., 0], percepts.area[..., 1:]
-        known[..., 2:], places_m[..., 2:, :] = percepts.heard[..., 0], percepts.heard[..., 1:3]
-        seen = seen_from(percepts.poses, places_m)
-        seen *= (known / self._units_m)[..., None]
-        return seen
-
-    def _of_teammates(self, percepts: Percepts, seen: np.ndarray) -> np.ndarray:
-        """Return the numbers of each teammate, shape (..., n, teammates, 5 + said). Args: seen: their places."""
-        known, places_m = percepts.heard[..., 0], percepts.heard[..., 1:3]
-        positions_m = np.empty(places_m.shape)
-        positions_m[:] = percepts.poses[..., None, :2]
-        signals_dbm = self._tx_power_dbm - self._radio.path_losses_db(positions_m, places_m)
-        numbers = np.empty((*known.shape, 5 + self.said))
-        numbers[..., 0], numbers[..., 1:3] = known, seen
-        numbers[..., 3] = known * np.maximum((signals_dbm - WEAKEST_DBM) / (STRONGEST_DBM - WEAKEST_DBM), 0.0)
-        numbers[..., 4] = known * percepts.heard[..., 3] / OLDEST_S
-        numbers[..., 5:] = percepts.heard[..., 4:]
-        return numbers

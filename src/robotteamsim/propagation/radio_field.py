@@ -47,11 +47,6 @@ class RadioField:
         """
         return _core.propagation.path_loss_db(self.core_faces, self.core_model, a_m, b_m, floors_crossed)
 
-    def path_losses_db(self, a_m: np.ndarray, b_m: np.ndarray) -> np.ndarray:
-        """Return `path_loss_db` between the points of two arrays of the same shape (..., 2), shape (...)."""
-        pairs = (np.ascontiguousarray(points_m, dtype=np.float64).reshape(-1, 2) for points_m in (a_m, b_m))
-        return _core.propagation.path_losses_db(self.core_faces, self.core_model, *pairs).reshape(np.shape(a_m)[:-1])
-
     def rssi_matrix_dbm(self, positions_m: np.ndarray) -> np.ndarray:
         """Return the signal strength between all pairs of robots [dBm].
 

@@ -37,17 +37,6 @@ def test_loss_at_one_metre_is_the_constant():
     assert RadioField(_EMPTY, Radio()).path_loss_db((5.0, 5.0), (6.0, 5.0)) == pytest.approx(47.4)
 
 
-def test_losses_of_many_pairs_are_those_of_each(make_plan):
-    wall = Wall(name="a", start=(5.0, 1.0), end=(5.0, 9.0), thickness_m=0.2)
-    field = RadioField(make_plan(walls=(wall,)), Radio())
-    a_m, b_m = np.random.default_rng(3).uniform(0.0, 10.0, (2, 4, 5, 2))
-    losses_db = field.path_losses_db(a_m, b_m)
-    for place in np.ndindex(4, 5):
-        assert losses_db[place] == field.path_loss_db(tuple(a_m[place]), tuple(b_m[place]))
-    with pytest.raises(ValueError, match=r"^a_m must be finite"):
-        field.path_losses_db(np.full((1, 2), np.nan), np.zeros((1, 2)))
-
-
 @pytest.mark.parametrize(("thickness_m", "loss_db"), [(0.1, 3.8), (0.2, 3.8), (0.4, 3.9), (0.6, 5.7), (0.8, 12.4)])
 @pytest.mark.parametrize("angle_deg", [0, 30, 60, 80])
 @pytest.mark.parametrize("turn_deg", [0, 17, 90])
