@@ -1,4 +1,4 @@
-// _core.simulation: totals over a trial.
+// _core.simulation: missions that make their steps together, and totals over a trial.
 #include <cstddef>
 #include <memory>
 #include <optional>

@@ -133,16 +133,6 @@ nb::list Readings(nb::handle self) {
   return readings;
 }
 
-// The angles of contact of the robots that touch something, by id.
-nb::typed<nb::dict, int, nb::typed<nb::tuple, double, nb::ellipsis>> TouchedAngles(const MissionState& of) {
-  nb::dict angles;
-  const State& state = of.state();
-  for (std::size_t i = 0, row = of.state().First(of.mission()); i < state.robots; ++i, ++row) {
-    if (!state.contact_angles[row].empty()) angles[nb::int_(i)] = nb::tuple(nb::cast(state.contact_angles[row]));
-  }
-  return nb::borrow<nb::typed<nb::dict, int, nb::typed<nb::tuple, double, nb::ellipsis>>>(angles);
-}
-
 nb::object VoiceOf(const MissionState& of, std::size_t robot) {
   static const nb::handle record = PythonObject("robotteamsim.sensing.readings", "VoiceReading");
   const State& state = of.state();
@@ -296,7 +286,6 @@ void BindState(nb::module_&& m) {
       .def_rw("sensors", &MissionState::sensors)
       .def_prop_ro("fiedler_value", [](const MissionState& of) { return of.state().fiedler_value[of.mission()]; })
       .def_prop_ro("links_version", [](const MissionState& of) { return of.state().links_version[of.mission()]; })
-      .def_prop_ro("contact_angles_rad", &TouchedAngles)
       .def_prop_ro("ranges_m",
                    [](const MissionState& of) {
                      return ViewOf<float>(of, of.state().ranges_m.data(), {of.state().robots, of.state().beams});

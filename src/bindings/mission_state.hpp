@@ -25,7 +25,7 @@ class MissionState {
   state::State* written() const { return state_.get(); }
   bool is_of_one() const { return mission_.has_value(); }
 
-  /// The only mission. Throws std::invalid_argument if the state is of several.
+  /// The number of the mission. Throws std::invalid_argument if the state is of several.
   std::size_t mission() const {
     if (!mission_) throw std::invalid_argument("expected the state of one mission: state.of(mission)");
     return *mission_;

@@ -17,6 +17,6 @@ NB_MODULE(_core, m) {
   BindNetwork(m.def_submodule("network", "Links between robots."));
   BindSwarm(m.def_submodule("swarm", "Velocities of a robotic swarm."));
   BindControl(m.def_submodule("control", "Driving, and the memory of a robot."));
-  BindSimulation(m.def_submodule("simulation", "Totals over a trial."));
+  BindSimulation(m.def_submodule("simulation", "Steps of many missions, and totals over a trial."));
   BindLearning(m.def_submodule("learning", "What agents perceive."));
 }

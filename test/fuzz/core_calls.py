@@ -397,7 +397,7 @@ def _states() -> Iterator[Call]:
     state = new("state.State", 2, 7)
     pose, place = PoseReading(0.5, 0.5, 0.0, 1.0), Pose(0.0, 3.0, 0.1)
     reading = RobotReading(pose, Twist(0.1), OdometryReading(pose, Twist()), np.ones(7, np.float32), True, (0.5,))
-    numbers = ("true_pose", "positions_m", "true_twist", "contact", "contact_angles_rad", "odometry_pose")
+    numbers = ("true_pose", "positions_m", "true_twist", "contact", "odometry_pose")
     numbers += ("odometry_twist", "odometry_pose_covariance", "odometry_twist_variances", "ranges_m")
     numbers += (
         "happened",

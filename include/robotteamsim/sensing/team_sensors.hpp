@@ -66,7 +66,7 @@ class TeamSensors {
  private:
   void CheckShape(const state::State& state, std::size_t mission) const;
   base::Table<const double> NextNoise();
-  void Report(const Lasers& lasers, std::size_t index, const double* ranges_m, const base::Pose& pose,
+  void Report(const Lasers& lasers, std::size_t robot_id, const double* ranges_m, const base::Pose& pose,
               state::State* state, std::size_t first_row) const;
 
   std::vector<Lasers> lasers_;

@@ -52,7 +52,7 @@ class Batch {
     Team team;
     std::int64_t doors_version = 0;
     std::int64_t links_version = 0;
-    std::vector<base::Point> loudest;  // cells near the robots in the last step
+    std::vector<base::Point> loudest;  // cells near the robots when they last heard a voice
   };
 
   void CheckMissions(const std::vector<int>& missions) const;

@@ -31,7 +31,7 @@ struct TwistVariances {
 enum Happening : std::uint8_t {
   kPlaceReached = 1,  ///< a robot is at one of the places that its mission watches
   kLinksChanged = 2,  ///< a link has come, gone, or become weak or strong, or somebody has come or gone
-  kVoiceChanged = 4,  ///< the loudest cell near a robot is another one than in the step before
+  kVoiceChanged = 4,  ///< the loudest cell near a robot is another one than when it last heard a voice
   kContact = 8,       ///< a robot touches something
   kDoorMoved = 16,    ///< the state of a door has changed
 };

@@ -59,7 +59,7 @@ void CheckCommands(const std::vector<base::Twist>& commands, std::size_t robots)
 std::vector<DriveSpeed> ReachedSpeeds(const std::vector<DriveSpeed>& now, const std::vector<base::Twist>& commands,
                                       const std::vector<DriveLimits>& limits, double dt_s);
 
-/// Returns the yaw rate of a car at a speed [m/s] and a steering angle [rad/s].
+/// Returns the yaw rate of a car at a speed [m/s] and a steering angle [rad].
 double CarTurn(double forward_mps, double steering_rad, const DriveLimits& limits);
 
 /// Returns the pose after `dt_s` at constant speed: the end of an exact circular arc.

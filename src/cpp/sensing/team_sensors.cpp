@@ -107,17 +107,17 @@ void TeamSensors::Read(const Motion& motion, const std::vector<base::Table<const
   }
 }
 
-void TeamSensors::Report(const Lasers& lasers, std::size_t index, const double* ranges_m, const base::Pose& pose,
+void TeamSensors::Report(const Lasers& lasers, std::size_t robot_id, const double* ranges_m, const base::Pose& pose,
                          state::State* state, std::size_t first_row) const {
   const auto beams = static_cast<std::size_t>(lasers.fan.beams);
-  float* const row = &state->ranges_m[(first_row + index) * state->beams];
+  float* const row = &state->ranges_m[(first_row + robot_id) * state->beams];
   const base::Table<float> reported{row, 1, beams};
   base::Table<const double> added;
-  if (!noise_m_.empty()) added = {&noise_m_[index * beams_], 1, beams};
+  if (!noise_m_.empty()) added = {&noise_m_[robot_id * beams_], 1, beams};
   sensing::Report(lasers.limits, {ranges_m, 1, beams}, added, reported);
   if (haze_ != nullptr) Dim(lasers.fan, {pose}, *haze_, lasers.limits.no_return_m, reported);
   std::fill(row + beams, row + state->beams, std::numeric_limits<float>::infinity());
-  state->beams_of[first_row + index] = beams;
+  state->beams_of[first_row + robot_id] = beams;
 }
 
 }  // namespace robotteamsim::sensing

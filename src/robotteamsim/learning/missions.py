@@ -9,8 +9,9 @@ import numpy as np
 from gymnasium.spaces import Box, Discrete
 
 from robotteamsim import _core
-from robotteamsim._core.state import DOOR_MOVED, LINKS_CHANGED, PLACE_REACHED, VOICE_CHANGED
-from robotteamsim.interface import Decision, Message
+from robotteamsim._core.state import LINKS_CHANGED, PLACE_REACHED, VOICE_CHANGED
+from robotteamsim.geometry import Twist
+from robotteamsim.interface import Decision
 from robotteamsim.learning.act import Commands
 from robotteamsim.learning.arrays import numbers_of
 from robotteamsim.learning.driven import DrivenControllers
@@ -20,8 +21,7 @@ from robotteamsim.learning.reward import Steps
 from robotteamsim.learning.rules import AnyScenario, Rules
 from robotteamsim.learning.senses import Rows, Senses
 from robotteamsim.mission.status import END_TEXTS, OUT_OF_DANGER
-from robotteamsim.network.delivery import deliver_at_once, is_instant
-from robotteamsim.network.messages import NO_TRAFFIC, NetworkState, Traffic
+from robotteamsim.network.delivery import is_instant
 from robotteamsim.rng import stream
 from robotteamsim.scenario import Scenario, load
 from robotteamsim.sensing.robots import RobotSensors
@@ -34,7 +34,7 @@ LARGEST_SEED = 2**53
 LONGEST_MESSAGE, LONGEST_NUMBER = 80, 26
 """Bytes of a message that says no numbers, and of each of its numbers, at most."""
 
-_JUDGED = PLACE_REACHED | LINKS_CHANGED | VOICE_CHANGED | DOOR_MOVED
+_JUDGED = PLACE_REACHED | LINKS_CHANGED | VOICE_CHANGED
 """What makes a mission look at a step."""
 
 
@@ -61,6 +61,13 @@ class _Sent(NamedTuple):
         return self.commands.of(mission).decisions(robot_ids, self.positions_m[mission])
 
 
+class _Made(NamedTuple):
+    """A step that missions have made together: what was measured, and the messages that arrived."""
+
+    state: _core.state.State
+    arriving: _Sent | None
+
+
 class _RecordsOfStep:
     """Returns the records of the missions while a reward judges a step."""
 
@@ -74,20 +81,18 @@ class _RecordsOfStep:
 
 
 class _Mission:
-    """What is no array of one mission.
+    """The objects of a mission.
 
-    sensed:  the last step that the simulation has made itself.
-    is_here: whether that is the one to be judged next; if not, the batch has made it.
+    sensed: the step to be judged next; None if the batch has made it.
+    record: the last complete step that somebody has looked at.
     """
-
-    sensed: StepRecord
 
     def __init__(self, scenario: Scenario, seed: int) -> None:
         run = scenario.run.model_copy(update={"seed": seed})
         self.setup = resolve(scenario.model_copy(update={"run": run}))
         self.controllers = DrivenControllers(self.setup)
         self.simulation = Simulation(self.setup, controllers=self.controllers)
-        self.is_here = True
+        self.sensed: StepRecord | None = None
         self.record: StepRecord | None = None
 
     @property
@@ -109,8 +114,8 @@ class Missions:
     - World, lasers, odometry, voices and links of all are one call, `Batch.move` and `Batch.sense`.
     - A step that was sensed is judged when the agents have decided again: first the mission, but only if something has
       happened in it, then the reward.
-    - Until then its record can be made from the state, if somebody asks for it. World and mission of a `Simulation`
-      hear of several quiet steps at once: they lag behind by `_passed` steps.
+    - From then on, until the next one is judged, its record can be made from the state, if somebody asks for it.
+      World and mission of a `Simulation` hear of several quiet steps at once: they lag behind by `_passed` steps.
     """
 
     def __init__(self, scenario: AnyScenario, rules: Rules, number: int = 1, threads: int = 1) -> None:
@@ -137,23 +142,23 @@ class Missions:
         self._reward = rules.reward(self._setup, self.robot_ids, number)
         self._was_present, self._earned, self._cycles = np.zeros(shape, bool), np.zeros(shape), np.zeros(number, int)
         """Who was present in the agents' last step; their rewards since then; and how many steps they have made."""
-        self._now = Steps.of_nothing(self._last_record, *shape)
-        """The last step of the simulation, with areas and victims as of the one before, which was judged."""
-        self.present = self._now.present
+        self.present = np.zeros(shape, bool)
         """Whether each agent is present."""
+        self._contact, self._positions_m = np.zeros(shape, bool), np.zeros((*shape, 2))
+        """Of the last step of the simulation, as in `Steps`."""
+        self._explored, self._saved, self._areas = np.zeros(number, int), np.zeros(number, int), np.zeros((number, 3))
+        """Of the last step that was judged, as in `Steps`."""
         self._times_ns, self._quiet_until_ns = np.zeros((2, number), np.int64)
         """Its stamp; and before which stamp the mission judges no step in which nothing has happened."""
         self._has_ended, self._is_late = np.zeros((2, number), bool)
         # Of plain missions:
         self._core = _core.simulation.Batch(number, len(self.robot_ids), self.observe.beams, threads)
-        self._twists, self._must_judge = np.zeros((*shape, 3)), np.zeros(number, bool)
+        self._must_judge = np.zeros(number, bool)
         self._passed, self._noise_left = np.zeros((2, number), int)
         """How many judged steps the simulation of a mission has not heard of, and for how many there is noise."""
-        self._state = self._judged = _core.state.State(1)
+        self._last: _Made | None = None
+        self._judged: _Made | None = None
         """The last step, and the one before it, which was judged."""
-        self._arriving: _Sent | None = None
-        self._arrived: _Sent | None = None
-        """The messages that arrived in each."""
         self._decided: tuple[_Sent, bool] | None = None
         """What the agents did in the one that was judged, and whether they sent their messages."""
 
@@ -183,14 +188,12 @@ class Missions:
         self._reward.begin(which, mission.setup)
         self._cycles[which] = self._passed[which] = 0
         self._earned[which] = 0.0
-        self._sense(which, mission)
-        while not mission.sensed.task.running:
+        while not (sensed := self._sense(which, mission)).task.running:
             record = self._decide(which, mission)
             if self._has_ended[which]:
                 raise LearningError(f"the mission ends before it begins: {END_TEXTS[record.mission.end]}")
-            self._sense(which, mission)
         self._was_present[which] = self.present[which]
-        self._senses.perceive_team(which, mission.sensed)
+        self._senses.perceive_team(which, sensed)
         self._missions[which] = mission
         self.are_plain[which] = self._is_plain(which, mission)
         if self.are_plain[which]:
@@ -200,8 +203,10 @@ class Missions:
             self.watch(mission.simulation, mission.record)
 
     def step(self, which: Sequence[int], commands: Commands) -> Outcome:
-        """Let the agents of some missions act. Args: commands: of all missions, those of others are ignored.
+        """Let the agents of some missions act.
 
+        Args:   which: their numbers, ascending; a mission that is left out begins again before its next step.
+                commands: of all missions, those of others are ignored.
         Raises: LearningError: one of them has not begun. After any other error, all must begin again.
         """
         rows = self._rows(np.array(which, int))
@@ -271,53 +276,56 @@ class Missions:
             record = self._decide(which, mission)
             if self.watch is not None:
                 self.watch(mission.simulation, record)
-            self._sense(which, mission)
+            sensed = self._sense(which, mission)
             if self._has_ended[which]:
                 break
-        self._senses.perceive_team(which, mission.sensed)
+        self._senses.perceive_team(which, sensed)
 
-    def _sense(self, which: int, mission: _Mission) -> None:
+    def _sense(self, which: int, mission: _Mission) -> StepRecord:
         """Let a simulation make a step, up to what is perceived in it."""
         mission.sensed = sensed = mission.simulation.sense()
         present, ids = sensed.present[self.robot_ids], self.robot_ids
-        self.present[which], self._now.contact[which] = present, sensed.state.contact[ids]
-        self._now.positions_m[which] = np.where(present[:, None], sensed.state.positions_m[ids], 0.0)
+        self.present[which], self._contact[which] = present, sensed.state.contact[ids]
+        self._positions_m[which] = np.where(present[:, None], sensed.state.positions_m[ids], 0.0)
         self._times_ns[which] = sensed.sim_time_ns
         self._senses.note_team(which, sensed)
+        return sensed
 
     def _decide(self, which: int, mission: _Mission) -> StepRecord:
         """Complete the step of a simulation, and reward it."""
+        assert mission.sensed is not None
         mission.record = record = mission.simulation.decide(mission.sensed)
         self._note_judged(which, mission.simulation)
         self._add_rewards(np.array([which]), lambda _: record)
         return record
 
     def _note_judged(self, which: int, simulation: Simulation) -> None:
-        mission, now = simulation.mission, self._now
+        mission = simulation.mission
         status = mission.status
-        now.explored[which], now.saved[which] = status.areas_explored, status.victims_saved
-        now.areas[which] = area_of(status.task)
+        self._explored[which], self._saved[which] = status.areas_explored, status.victims_saved
+        self._areas[which] = area_of(status.task)
         self._has_ended[which], self._is_late[which] = status.state == "ended", status.end == "time_limit"
         self._quiet_until_ns[which] = mission.quiet_until_ns
 
     def _add_rewards(self, which: np.ndarray, record_of: Callable[[int], StepRecord]) -> None:
-        rows, (_, _, *arrays), records = self._rows(which), self._now, _RecordsOfStep(record_of)
-        rewards = self._reward.of_step(Steps(records, which.copy(), *(array[rows].copy() for array in arrays)))
+        of_robots = self.present[which], self._contact[which], self._positions_m[which]
+        of_teams = self._explored[which], self._saved[which], self._areas[which]
+        records = _RecordsOfStep(record_of)
+        rewards = self._reward.of_step(Steps(records, which.copy(), *of_robots, *of_teams))
         records.is_over = True
-        self._earned[rows] += numbers_of("rewards", rewards, (len(which), len(self.robot_ids)))
+        self._earned[which] += numbers_of("rewards", rewards, (len(which), len(self.robot_ids)))
 
     def _step_together(self, which: np.ndarray, commands: Commands) -> None:
         """Let the agents of plain missions act."""
-        going, rows, now, senses = which, self._rows(which), self._now, self._senses
-        self._twists[rows] = commands.twists[rows]
+        going, rows, senses = which, self._rows(which), self._senses
         sent = _Sent(commands, senses.percepts.poses[..., :2].copy())
         for k in range(self.rules.every):
             self._judge_together(going, sent, is_first=k == 0)
-            self._core.move(self._twists, going.tolist())
-            self._state = state = self._core.sense(going.tolist())
-            self._arriving = sent if k == 0 else None
+            self._core.move(commands.twists, going.tolist())
+            state = self._core.sense(going.tolist())
+            self._last = _Made(state, sent if k == 0 else None)
             self._must_judge[rows] = state.happened[rows] & _JUDGED != 0
-            now.contact[rows], now.positions_m[rows] = state.contact[rows], state.positions_m[rows]
+            self._contact[rows], self._positions_m[rows] = state.contact[rows], state.positions_m[rows]
             self._times_ns[rows] += self.scenario.run.step_ns
             self._noise_left[rows] -= 1
             for i in going[self._noise_left[rows] == 0].tolist():
@@ -326,10 +334,10 @@ class Missions:
                 hears = state.hop_count[rows] > 0  # links are symmetric
                 senses.hear(rows, hears, sent.positions_m[rows], commands.say[rows], self._times_ns[rows])
             if k + 1 == self.rules.every:
-                senses.perceive_together(rows, state, now.areas[rows], self._times_ns[rows])
+                senses.perceive_together(rows, state, self._areas[rows], self._times_ns[rows])
             elif (ended := self._has_ended[rows]).any():
                 done = going[ended]
-                senses.perceive_together(done, state, now.areas[done], self._times_ns[done])
+                senses.perceive_together(done, state, self._areas[done], self._times_ns[done])
                 going = going[~ended]
                 rows = self._rows(going)
                 if not going.size:
@@ -340,13 +348,15 @@ class Missions:
 
         Args: is_first: whether the messages are sent; else only the velocities are held.
         """
-        self._judged, self._arrived, self._decided = self._state, self._arriving, (sent, is_first)
+        self._judged, self._decided = self._last, (sent, is_first)
         rows = self._rows(which)
         self._passed[rows] += 1
         for i in which[self._must_judge[rows] | (self._times_ns[rows] >= self._quiet_until_ns[rows])].tolist():
             mission = self.check_begun(i)
-            simulation, sensed = mission.simulation, mission.sensed if mission.is_here else self._follow(i)
-            mission.is_here, self._passed[i] = False, 0
+            simulation, sensed = mission.simulation, mission.sensed
+            if sensed is None:
+                sensed = self._follow(i)
+            mission.sensed, self._passed[i] = None, 0
             mission.record = simulation.judge(sensed, self._decisions(i))
             self._note_judged(i, simulation)
             if simulation.silence():
@@ -356,23 +366,20 @@ class Missions:
 
     def _follow(self, which: int) -> StepRecord:
         """Let the simulation of a plain mission catch up with its last judged step, and return what that has sensed."""
-        state, traffic = self._judged.of(which), NO_TRAFFIC
-        inboxes: Sequence[Sequence[Message]] = [()] * len(self.robot_ids)
-        if self._arrived is not None:
-            outboxes = [decision.outbox for decision in self._arrived.decisions(which, self.robot_ids)]
-            inboxes = deliver_at_once(state.hop_count, outboxes, state.fiedler_value > 0.0)
-            count, robots = int(np.count_nonzero(state.hop_count > 0)), len(outboxes)
-            delay_s = self.scenario.run.step_ns / 1e9 if count else 0.0
-            traffic = Traffic(delivered=count, cut_off=robots * (robots - 1) - count, mean_delay_s=delay_s)
         steps, self._passed[which] = int(self._passed[which]), 0
-        return self.check_begun(which).simulation.follow(steps, state, NetworkState(state, traffic), inboxes)
+        assert self._judged is not None
+        state, sent = self._judged
+        decisions = () if sent is None else sent.decisions(which, self.robot_ids)
+        outboxes = [decision.outbox for decision in decisions]
+        return self.check_begun(which).simulation.follow(steps, state.of(which), outboxes)
 
     def _decisions(self, which: int) -> tuple[Decision, ...]:
         """Return what the agents of a plain mission decided in the last step that was judged."""
         assert self._decided is not None
         sent, is_first = self._decided
-        decisions = sent.decisions(which, self.robot_ids)
-        return tuple(decisions if is_first else (Decision(one.twist) for one in decisions))
+        if is_first:
+            return tuple(sent.decisions(which, self.robot_ids))
+        return tuple(Decision(Twist(*twist)) for twist in sent.commands.twists[which].tolist())
 
     def _put(self, which: int, mission: _Mission) -> None:
         """Let a plain mission take part in the steps of the batch, as it is now."""

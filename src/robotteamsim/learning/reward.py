@@ -39,14 +39,6 @@ class Steps(NamedTuple):
     areas: np.ndarray
 
     @classmethod
-    def of_nothing(cls, record_of: Callable[[int], StepRecord], missions: int, agents: int) -> Steps:
-        """Return a step in which nothing is known of so many missions, for values to be written."""
-        of_robots = [np.zeros((missions, agents), bool) for _ in range(2)]
-        of_team = [np.zeros(missions, int) for _ in range(2)]
-        positions_m, areas = np.zeros((missions, agents, 2)), np.zeros((missions, 3))
-        return cls(record_of, np.arange(missions), *(*of_robots, positions_m, *of_team, areas))
-
-    @classmethod
     def of(cls, record: StepRecord, robot_ids: Sequence[int]) -> Steps:
         """Return a step of a single mission, with these robots as agents."""
         status, ids = record.mission, list(robot_ids)

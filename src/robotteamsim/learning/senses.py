@@ -63,7 +63,7 @@ class Senses:
             np.zeros((*shape, observe.teammates, 4 + observe.said)),
             np.zeros((*shape, observe.remembered)),
         )
-        """As of the last `perceive` of each mission; numbers of absent agents mean nothing, but are finite."""
+        """What was perceived last in each mission; numbers of absent agents mean nothing, but are finite."""
 
     def looks(self, mission: int) -> bool:
         """Whether the agents of a mission look at the readings of each step, see `Memory.looks`."""
@@ -130,9 +130,10 @@ class Senses:
 
     def perceive_team(self, mission: int, sensed: Sensed) -> None:
         """Let the agents of a mission perceive a step."""
-        ranges_m, poses, *others = self._measured(sensed.state, self._ids)
-        poses[~sensed.present[self._ids]] = 0.0
-        self._perceive_alone(mission, (ranges_m, poses, *others), sensed.task, sensed.sim_time_ns)
+        measured, are_absent = self._measured(sensed.state, self._ids), ~sensed.present[self._ids]
+        for part in measured:
+            part[are_absent] = 0.0  # not NaN
+        self._perceive_alone(mission, measured, sensed.task, sensed.sim_time_ns)
 
     def perceive_robot(self, observation: Observation, task: Task) -> None:
         """Let the only agent of the only mission perceive, by the observation of its controller."""

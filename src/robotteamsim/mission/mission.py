@@ -80,8 +80,6 @@ class Mission:
         """Whether the task has changed in this step without an event."""
         self._quiet: tuple[Any, ...] | None = None
         """What was judged last, if nothing came of it; None: everything is judged in any case."""
-        self.task = Task()
-        """The current task of the team."""
         self.status = self._make_status()
         """The current status of the mission."""
 
@@ -390,9 +388,9 @@ class Mission:
         )
 
     def _make_task(self) -> Task:
-        """Return the task of the team, and store it."""
+        """Return the task of the team."""
         area = self._order.area
-        self.task = Task(
+        return Task(
             running=self._state == "running",
             epoch=self._epoch,
             area_center_m=area.center if area else None,
@@ -401,4 +399,3 @@ class Mission:
             assistance=() if self._rescue is None else self._rescue.assistance,
             explored_by=self._order.explored_by,
         )
-        return self.task

@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from robotteamsim import rng
+from robotteamsim._core.state import State
 from robotteamsim.network.graph import next_hop
-from robotteamsim.network.messages import EVERYBODY, NO_TRAFFIC, Batch, Inbox, Message, NetworkState, Refusal, Traffic
+from robotteamsim.network.messages import EVERYBODY, NO_TRAFFIC, Batch, Inbox, Message, Refusal, Traffic
 from robotteamsim.scenario.sections import Network as NetworkSection
 
 Inboxes = Sequence[Sequence[Message]]
@@ -76,7 +77,7 @@ class Delivery:
 
     def step(
         self,
-        network: NetworkState,
+        state: State,
         outboxes: Sequence[Sequence[Message]],
         refused: tuple[Refusal, ...],
     ) -> tuple[Inboxes, Traffic]:
@@ -86,11 +87,11 @@ class Delivery:
         """
         self._step += 1
         if not self._is_instant:
-            return self._carry(network, outboxes, refused)
+            return self._carry(state, outboxes, refused)
         if not outboxes:
             return [()] * self._num_robots, NO_TRAFFIC
-        reach_all = self._everybody and network.fiedler_value > 0.0
-        inboxes = deliver_at_once(network.hop_count, outboxes, reach_all)
+        reach_all = self._everybody and state.fiedler_value > 0.0
+        inboxes = deliver_at_once(state.hop_count, outboxes, reach_all)
         delivered = sum(map(len, inboxes))
         return inboxes, Traffic(
             delivered=delivered,
@@ -107,7 +108,7 @@ class Delivery:
         )
 
     def _carry(
-        self, links: NetworkState, outboxes: Sequence[Sequence[Message]], refused: tuple[Refusal, ...]
+        self, links: State, outboxes: Sequence[Sequence[Message]], refused: tuple[Refusal, ...]
     ) -> tuple[Inboxes, Traffic]:
         self._generators.clear()
         loss = loss_probability(links.rssi_dbm, self._section)
@@ -143,7 +144,7 @@ class Delivery:
         reached[message.sender] = True
         return _Flight(message, self._step - 1, number, reached, np.array([message.sender]))
 
-    def _advance(self, flight: _Flight, links: NetworkState, loss: np.ndarray, arrivals: list[list[_Flight]]) -> bool:
+    def _advance(self, flight: _Flight, links: State, loss: np.ndarray, arrivals: list[list[_Flight]]) -> bool:
         """Let a message make the hops that are due and note whom it reaches; return whether it is still under way."""
         time_ns = (self._step - flight.sent_step) * self._step_ns
         due = self._num_robots if self._hop_delay_ns == 0 else time_ns // self._hop_delay_ns
@@ -162,7 +163,7 @@ class Delivery:
                     return False
         return len(flight.holders) > 0
 
-    def _flood(self, flight: _Flight, links: NetworkState, loss: np.ndarray) -> np.ndarray:
+    def _flood(self, flight: _Flight, links: State, loss: np.ndarray) -> np.ndarray:
         """Let all holders pass a message on; return the ids of those who receive it for the first time."""
         heard = links.adjacency[flight.holders] & ~flight.reached
         for row, holder in enumerate(flight.holders.tolist()):
@@ -171,7 +172,7 @@ class Delivery:
         flight.reached |= fresh
         return np.flatnonzero(fresh)
 
-    def _pass_on(self, flight: _Flight, links: NetworkState, loss: np.ndarray) -> np.ndarray:
+    def _pass_on(self, flight: _Flight, links: State, loss: np.ndarray) -> np.ndarray:
         """Let the holder pass a message on towards its receiver; return the id of the next holder, or none."""
         holder = int(flight.holders[0])
         robot_id = next_hop(links.hop_count, links.rssi_dbm, holder, flight.message.receiver)
@@ -190,7 +191,7 @@ class Delivery:
             self._generators[transmitter] = generator
         return np.asarray(generator.random(self._num_robots) >= loss[transmitter])
 
-    def _missed(self, flight: _Flight, links: NetworkState) -> tuple[int, int]:
+    def _missed(self, flight: _Flight, links: State) -> tuple[int, int]:
         """Return how many copies of an ended flight were lost under way, and how many had no path of links."""
         sender, receiver, hops = flight.message.sender, flight.message.receiver, links.hop_count
         if receiver == EVERYBODY:

@@ -59,9 +59,16 @@ class Network:
         Raises: ValueError: wrong number of robots; a position is not finite; a message whose sender is not the owner
                 of the outbox, or whose receiver does not exist.
         """
+        self.links.step(state)
+        return self.deliver(state, outboxes)
+
+    def deliver(
+        self, state: _core.state.State, outboxes: Sequence[Sequence[Message]]
+    ) -> tuple[NetworkState, Sequence[Sequence[Message]]]:
+        """Deliver messages over the links in a state, see `step`; `outboxes` may be empty if nobody sends."""
         if len(state) != self._num_robots:
             raise ValueError(f"the state must have {self._num_robots} robots, got {len(state)}")
-        if len(outboxes) != self._num_robots:
+        if outboxes and len(outboxes) != self._num_robots:
             raise ValueError(f"outboxes must have one sequence per robot: {self._num_robots}, got {len(outboxes)}")
         refused: tuple[Refusal, ...] = ()
         if not any(outboxes):
@@ -71,9 +78,7 @@ class Network:
         if refused:
             limit = self._section.max_message_bytes
             outboxes = [[message for message in outbox if message.num_bytes <= limit] for outbox in outboxes]
-        self.links.step(state)
-        network = NetworkState(state)
-        inboxes, traffic = self._delivery.step(network, outboxes, refused)
+        inboxes, traffic = self._delivery.step(state, outboxes, refused)
         return NetworkState(state, traffic), inboxes
 
     def _check(self, outboxes: Sequence[Sequence[Message]]) -> tuple[Refusal, ...]:

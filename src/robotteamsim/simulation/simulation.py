@@ -149,7 +149,7 @@ class Simulation:
         mission = self.mission
         self._decisions = record.decisions = decisions
         record.events = mission.step(record, decisions)
-        self._task, self._silent = mission.task, mission.silent_victims
+        self._task, self._silent = mission.status.task, mission.silent_victims
         record.mission, record.victims = mission.status, mission.victims
         record.noise_db, record.egress = mission.noise_db, mission.egress
         return record
@@ -166,15 +166,13 @@ class Simulation:
         self.hearing.silence(self._silent)
         return self.hearing.new_map is not None
 
-    def follow(
-        self, steps: int, state: _core.state.State, network: NetworkState, inboxes: Sequence[Sequence[Message]]
-    ) -> StepRecord:
+    def follow(self, steps: int, state: _core.state.State, outboxes: Sequence[Sequence[Message]]) -> StepRecord:
         """As `sense`, after steps that a batch has made, in a mission in which nothing else moves or changes.
 
-        Args: steps: how many.  state, network, inboxes: of the last one.
+        Args: steps: how many.  state: of the last one, with its links.  outboxes: whose messages arrive in it.
         """
         self.world.count_steps(steps)
-        return self._sensed(state, network, inboxes, {})
+        return self._sensed(state, *self.network.network.deliver(state, outboxes), {})
 
     def run(self, observers: Sequence[Observer] = ()) -> Result:
         """Run until the mission has ended, and report each step to the observers; a mission that waits is started.

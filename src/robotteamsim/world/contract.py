@@ -159,7 +159,7 @@ class AnyWorld(ABC):
         """Advance by one step with one command per robot, in id order.
 
         The command of an absent robot is ignored.
-        Args:   twists: as an array float64, shape (n, 3): forward, left [m/s], counter-clockwise [rad/s].
+        Args:   twists: or an array, float64, shape (n, 3): forward, left [m/s], counter-clockwise [rad/s].
         Raises: ValueError: the number of twists is wrong, or one is not finite; then nothing has moved.
         """
         self._physics.step(twists)

@@ -30,12 +30,12 @@ def test_area_that_no_robot_can_reach_comes_after_the_others(course):
     (event,) = course.step(decisions=both_report)
     assert (event.kind, event.subject) == ("area_passed_over", "east")
     assert event.detail == "east is passed over: no robot knows a path to it"
-    assert course.mission.task.area_center_m == WEST_M
+    assert course.mission.status.task.area_center_m == WEST_M
     assert (course.mission.status.target_area, course.mission.status.task.epoch) == (1, 1)
     assert course.kinds() == []  # the last reports are about another area
     assert course.kinds(positions=[WEST_M]) == ["area_explored"]
     assert course.mission.status.explored == (False, True)
-    assert course.mission.task.area_center_m == EAST_M
+    assert course.mission.status.task.area_center_m == EAST_M
     assert course.kinds(decisions=both_report) == []  # no other one is left
     assert course.kinds(positions=[FAR_M, EAST_M]) == ["area_explored", "end"]
     assert course.mission.status.end == "areas_explored"
@@ -76,14 +76,14 @@ def test_areas_that_robots_choose_count_in_any_order(hall_scenario):
     chosen = scenario.mission.model_copy(update={"area_order": "nearest"})
     course = Course(scenario.model_copy(update={"mission": chosen}))
     course.step()
-    assert (course.mission.status.target_area, course.mission.task.explored_by) == (-1, (-1, -1))
-    assert (course.mission.task.area_center_m, course.mission.task.area_radius_m) == (None, 0.0)
+    assert (course.mission.status.target_area, course.mission.status.task.explored_by) == (-1, (-1, -1))
+    assert (course.mission.status.task.area_center_m, course.mission.status.task.area_radius_m) == (None, 0.0)
     assert course.kinds(decisions=[report(0, EAST_M), report(1, EAST_M)]) == []  # each robot has its own areas
     assert course.kinds(positions=[FAR_M, WEST_M]) == ["area_explored"]
-    task = course.mission.task
+    task = course.mission.status.task
     # The robots learn of it over the network, so it changes nothing for them.
     assert (task.explored_by, task.epoch, task.area_center_m) == ((-1, 1), 0, None)
     assert course.mission.status.explored == (False, True)
     assert course.kinds(positions=[FAR_M, WEST_M]) == []
     assert course.kinds(positions=[EAST_M]) == ["area_explored", "end"]
-    assert (course.mission.task.explored_by, course.mission.status.end) == ((0, 1), "areas_explored")
+    assert (course.mission.status.task.explored_by, course.mission.status.end) == ((0, 1), "areas_explored")

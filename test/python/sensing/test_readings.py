@@ -41,7 +41,6 @@ def test_records_of_robots_are_those_of_which_the_arrays_were_made():
         for name in ("ground_truth", "twist", "odometry", "in_contact", "contact_angles_rad", "sensors"):
             assert getattr(record, name) == getattr(expected, name), name
         assert record.ranges_m.tolist() == expected.ranges_m.tolist()
-    assert state.contact_angles_rad == {1: (0.5,)}
     assert state.true_pose[1].tolist() == [100.0, 101.0, 102.0, 103.0]
     assert state.positions_m[1].tolist() == [100.0, 101.0]
     assert state.odometry_pose_covariance[0].tolist() == [14.0, 15.0, 16.0, 17.0, 18.0, 19.0]

@@ -165,7 +165,7 @@ def course(world, robots):
         of_odometry += state.odometry_pose_covariance, state.odometry_twist_variances
         for part in (state.true_pose, state.true_twist, state.contact, *of_odometry, np.array(poses)):
             rows.append(part.tobytes())
-        rows += [state.ranges_m.tobytes(), repr(state.contact_angles_rad)]
+        rows += [state.ranges_m.tobytes(), repr([robot.contact_angles_rad for robot in state.readings()])]
     return rows
 
 
