@@ -138,19 +138,6 @@ class CommandsTest(unittest.TestCase):
         self.assertEqual([refused.success for refused in refusals], [False] * 3)
         self.assertTrue(math.isfinite(self.status.next().noise_db))
 
-    def test_old_names_of_services_work_with_one_warning_each(self) -> None:
-        begin = len(self.log.messages)
-        for noise_db in (12.0, 14.0):
-            self.assertTrue(call("/set_noise", SetNoise, noise_db=noise_db).success)
-            self.status.wait_for(lambda message, noise_db=noise_db: message.noise_db == noise_db, "the new noise")
-        self.assertFalse(call("/step", Step, steps=1).success)
-        self.log.wait_for_after(begin, lambda line: line.msg.startswith("/step: "), "the last warning")
-        warnings = [line.msg for line in self.log.messages[begin:] if "old name" in line.msg]
-        self.assertEqual(
-            warnings,
-            [f"/{name}: old name of /simulation/{name}; call that instead" for name in ("set_noise", "step")],
-        )
-
     def test_victims_are_added_while_the_mission_goes_on(self) -> None:
         # They come while the node publishes: a status from before beside the victims of after would end it.
         names = [f"caller_{index}" for index in range(40)]

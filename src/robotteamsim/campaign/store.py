@@ -34,7 +34,6 @@ _LOCK_NAME = ".lock"
 _OUR_FILES = {STORE_NAME, f"{STORE_NAME}-wal", f"{STORE_NAME}-shm", CSV_NAME, _LOCK_NAME}
 
 _FORMAT = 4
-_LACKS = {"1": "the robots' paths", "2": "the discoveries delivered to a base", "3": "the controllers that failed"}
 _APPLICATION_ID = 0x52545343  # "RTSC" identifies our databases.
 _COLUMNS = tuple(field.name for field in dataclasses.fields(Outcome))
 _OF_ENDED = (
@@ -56,7 +55,7 @@ CREATE TABLE trial (
   PRIMARY KEY (cell, number)
 );
 """
-# By position, because earlier versions named the columns about discoveries differently.
+
 _SELECT = "SELECT * FROM trial ORDER BY cell, number"
 _INSERT = f"INSERT INTO trial VALUES ({', '.join('?' * len(_COLUMNS))})"
 
@@ -188,8 +187,7 @@ def read_store(folder: Path) -> StoredCampaign:
         with _named("campaign"):
             properties = msgspec.convert(rows, _Properties)
         if (number := properties.format) != str(_FORMAT):
-            lacks = f", which lacks {_LACKS[number]}" if number in _LACKS else ""
-            raise CampaignError(f"{path}: has format {number:.40}{lacks}; expected {_FORMAT}: choose another folder")
+            raise CampaignError(f"{path}: has format {number:.40}; expected {_FORMAT}: choose another folder")
         with _named("settings"):
             settings = msgspec.json.decode(properties.settings, type=_Settings)
             check_depth(settings.scenario, "scenario")

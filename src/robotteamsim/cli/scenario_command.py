@@ -1,14 +1,8 @@
-"""`robotteamsim scenario`: check, show, draw, upgrade and list scenarios; print the JSON Schema for editors."""
+"""`robotteamsim scenario`: check, show, draw and list scenarios; print the JSON Schema for editors."""
 
 import argparse
-import contextlib
 import json
-import os
 from itertools import takewhile
-from pathlib import Path
-from typing import NamedTuple
-
-from ruamel.yaml.error import YAMLError
 
 from robotteamsim import scenario
 from robotteamsim.cli.output import add_png_option, check_outputs, mistakes_of, report_mistakes, save
@@ -16,12 +10,10 @@ from robotteamsim.cli.parser import Parser, UsageError, path_of
 from robotteamsim.cli.run_command import SCENARIO_HELP, add_code_option, add_set_option, check_code
 from robotteamsim.control.baselines.patrol_graph import patrol_graph
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
-from robotteamsim.recording.files import atomically, write_atomically
+from robotteamsim.recording.files import write_atomically
 from robotteamsim.recording.idleness import patrols
-from robotteamsim.scenario.loading import from_text
 from robotteamsim.scenario.shipped import shipped_scenario
-from robotteamsim.scenario.upgrade import upgraded
-from robotteamsim.scenario.yaml_text import mapping_of, read_text
+from robotteamsim.scenario.yaml_text import read_text
 from robotteamsim.setup import Setup, resolve
 from robotteamsim.simulation import Simulation
 from robotteamsim.wording import counted
@@ -52,10 +44,6 @@ def add_to(parser: Parser) -> None:
     add_set_option(render)
     add_png_option(render)
     render.set_defaults(command=run_render)
-
-    upgrade = actions.add_parser("upgrade", help="rewrite files that have former keys; FILE.old keeps the former text")
-    upgrade.add_argument("files", nargs="+", type=path_of, metavar="FILE", help="scenarios of former versions")
-    upgrade.set_defaults(command=run_upgrade)
 
     schema = actions.add_parser("schema", help="print the JSON Schema of a scenario", epilog=_SCHEMA_EPILOG)
     schema.add_argument("file", nargs="?", type=path_of, metavar="FILE", help="write to this file instead")
@@ -133,54 +121,6 @@ def run_render(options: argparse.Namespace) -> None:
     loaded = scenario.load(options.scenario, options.overrides)
     check_outputs({"--png": options.png}, loaded.origin.files)
     save(draw_plan(loaded.plan, resolve(loaded)), options.png)
-
-
-def run_upgrade(options: argparse.Namespace) -> None:
-    """Rewrite scenarios with today's keys; none if one of them has another mistake, which is reported."""
-    mistakes: list[str] = []
-    upgrades: dict[Path, _Upgrade] = {}
-    for path in options.files:
-        try:
-            upgrades[path.resolve()] = _upgrade(path)  # a link stays a link
-        except RobotTeamSimError as error:
-            mistakes += mistakes_of(error)
-    report_mistakes(mistakes)
-    with contextlib.ExitStack() as stack:
-        for path, upgrade in upgrades.items():
-            if upgrade.changes:
-                part, kept_part = (stack.enter_context(atomically(file)) for file in (path, upgrade.kept))
-                kept_part.write_text(upgrade.former, encoding="utf-8")
-                part.write_text(upgrade.text, encoding="utf-8")
-    for upgrade in upgrades.values():
-        for change in upgrade.changes or ["has no former keys"]:
-            print(f"{upgrade.path}: {change}")
-
-
-class _Upgrade(NamedTuple):
-    """A scenario as the user names it, the file that keeps its former text, both texts, and a line for each change."""
-
-    path: Path
-    kept: Path
-    former: str
-    text: str
-    changes: list[str]
-
-
-def _upgrade(path: Path) -> _Upgrade:
-    """Return the upgrade of a scenario. Raises: RobotTeamSimError."""
-    former = read_text(path, str(path))
-    mapping_of(former, str(path), "a scenario")
-    try:
-        text, changes = upgraded(former)
-    except YAMLError:
-        raise ScenarioError(f"{path}: cannot be rewritten, because it is not YAML 1.2") from None
-    except ScenarioError as error:
-        raise ScenarioError(f"{path}: {error}") from None
-    from_text(text, path)
-    kept = path.with_name(f"{path.name}.old")
-    if changes and os.path.lexists(kept):
-        raise ScenarioError(f"{path}: its former text would overwrite {kept}; move that file first")
-    return _Upgrade(path, kept, former, text, changes)
 
 
 def run_schema(options: argparse.Namespace) -> None:

@@ -74,25 +74,8 @@ class Ros1Node:
         return stamp_ns(message), message
 
     def offer(self, name: str, type_name: str, serve: Callable[[Any], Mapping[str, Any]]) -> None:
-        """As for all nodes.
-
-        A service below the node's name, such as /simulation/pause, has its old name in the root namespace, /pause, too;
-        the first call of that logs a warning.
-        """
-        service_class = _service_class(type_name)
-        service = rospy.Service(name, service_class, serve)
-        if not name.startswith("~"):
-            return
-        old_name, warned = name.replace("~", "/"), False
-
-        def serve_old(request: Any) -> Any:
-            nonlocal warned
-            if not warned:
-                warned = True
-                logger.warning("%s: old name of %s; call that instead", old_name, service.resolved_name)
-            return serve(request)
-
-        rospy.Service(old_name, service_class, serve_old)
+        """As for all nodes."""
+        rospy.Service(name, _service_class(type_name), serve)
 
     def call(self, name: str, type_name: str, request: Mapping[str, Any]) -> Any:
         """As for all nodes."""

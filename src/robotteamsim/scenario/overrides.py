@@ -9,7 +9,6 @@ from typing import Any
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.controllers import DEFAULT, control_kind
 from robotteamsim.scenario.origin import Key
-from robotteamsim.scenario.renamed_keys import renaming
 from robotteamsim.scenario.yaml_text import parse, shown
 from robotteamsim.wording import counted
 
@@ -26,15 +25,12 @@ class Override:
 
     @classmethod
     def of(cls, text: str) -> Override:
-        """Return the override of "key=value". Raises: ScenarioError: not of that form, or the key was renamed."""
+        """Return the override of "key=value". Raises: ScenarioError: not of that form."""
         key, equals, value = text.partition("=")
         parts = [part.strip() for part in key.split(".")]
         if not equals or not all(parts):
             raise ScenarioError(f"--set: '{text}' is not of the form KEY=VALUE, such as voice.noise_db=20")
         path = tuple(int(part) if part.isdecimal() and len(part) <= _MOST_DIGITS else part for part in parts)
-        for length in range(len(path), 0, -1):
-            if replaced := renaming(path[:length]):
-                raise ScenarioError(f"--set: {'.'.join(parts[:length])}: {replaced}")
         return cls(path, parse(value, f"--set: {key}"))
 
     @classmethod

@@ -11,7 +11,6 @@ from pydantic.fields import FieldInfo
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.base import Model
-from robotteamsim.scenario.renamed_keys import renaming
 from robotteamsim.scenario.yaml_text import shown
 from robotteamsim.wording import counted
 
@@ -123,7 +122,7 @@ def _problem(detail: _Detail, root: type[Model], data: Any) -> Problem:
         text = context["text"]
     elif kind == "extra_forbidden":
         path = [*(part for part in place[:-1] if not _is_tag(part)), place[-1]]  # a key may look like a tag
-        text = renaming(path) or f"unknown key{_foreign(root, place) or _known_key(path, place, root)}"
+        text = f"unknown key{_foreign(root, place) or _known_key(path, place, root)}"
     elif kind == "union_tag_invalid":
         path += ["kind"]
         text = _wrong_kind(detail)

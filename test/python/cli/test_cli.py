@@ -186,7 +186,7 @@ def test_broken_pipe_is_silent(arguments):
     ("command", "line"),
     [
         ("rnu", "no such command 'rnu'; did you mean 'run'? (see `robotteamsim --help`)"),
-        ("scenario zzz", "no such command 'zzz'; expected one of check, show, render, upgrade, schema, list"),
+        ("scenario zzz", "no such command 'zzz'; expected one of check, show, render, schema, list"),
         ("completion fsh", "shell: 'fsh' is not valid; expected one of bash, zsh, fish, tcsh"),
         ("run", "the following arguments are required: SCENARIO (see `robotteamsim run --help`)"),
         ("run garage_sar --seed x", "argument --seed: 'x' is not a whole number"),

@@ -113,5 +113,5 @@ def test_core_has_no_other_dependencies_than_those_whose_size_was_measured():
         "shapely",
         "shtab",
     }
-    of_rosbags = {"backports.zstd", "ruamel.yaml"}  # which installs them anyway
+    of_rosbags = {"backports.zstd"}  # which installs it anyway
     assert {re.match(r"[\w.-]+", name)[0] for name in named} == measured | of_rosbags

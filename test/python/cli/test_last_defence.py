@@ -127,7 +127,6 @@ def test_symlink_loop_is_rejected_in_one_line(tmp_path, refusal, command):
         ("campaign tutorial_arena --out c --design {}", "design.yaml"),
         ("plan import map.yaml", "map.png"),
         ("plan import-stage {}", "a.world"),
-        ("scenario upgrade {}", "a.yaml"),
         ("analyse {}", "a.bag"),
         ("analyse {}", "a.mcap"),
         ("view .", "mission.json"),

@@ -149,22 +149,6 @@ def test_tables_do_not_overwrite_a_bag_among_them(refusal):
 
 
 @pytest.mark.usefixtures("_in_copy")
-def test_scenarios_are_upgraded_all_or_none(refusal, capsys):
-    former = Path("s.yaml").read_text() + "things: []\n"
-    for name in ("one.yaml", "two.yaml"):
-        Path(name).write_text(former)
-    Path("bad.yaml").write_text("name: [")
-    before = contents()
-    assert refusal("scenario", "upgrade", "one.yaml", "bad.yaml", "two.yaml").startswith("bad.yaml")
-    assert contents() == before
-    capsys.readouterr()
-    assert main(["scenario", "upgrade", "one.yaml", "two.yaml", "./one.yaml"]) == 0
-    assert "objects" in Path("one.yaml").read_text()
-    assert "objects" in Path("two.yaml").read_text()
-    assert Path("one.yaml.old").read_text() == former
-
-
-@pytest.mark.usefixtures("_in_copy")
 @pytest.mark.parametrize(
     ("command", "name"),
     [

@@ -32,13 +32,6 @@ class Mute:
     def __init__(self, robot_id, scenario):
         pass
 
-class Former(Mute):
-    def observe(self, observation, inbox, task):
-        pass
-
-    def decide(self):
-        return Decision()
-
 number = 3
 """
 
@@ -147,11 +140,6 @@ KNOWN = ", ".join([*ALGORITHMS, "still"])
         (
             "others_of_test:Mute",
             "'others_of_test:Mute' makes a others_of_test.Mute, which has no step(observation, inbox, task)",
-        ),
-        (
-            "others_of_test:Former",
-            "'others_of_test:Former' makes a others_of_test.Former, which has observe and decide; "
-            "step(observation, inbox, task) replaces both",
         ),
         ("exiting_of_test:Class", "'exiting_of_test:Class': SystemExit: 3"),
         (

@@ -136,11 +136,6 @@ def test_name_of_another_kind_is_rejected(name: object) -> None:
     ("override", "message"),
     [
         ("voice.nois_db=20", "--set: voice.nois_db: unknown key; did you mean 'noise_db'?"),
-        ("things=[]", "--set: things: renamed; use 'objects'"),
-        ("things.0.pose=[1, 2, 0]", "--set: things: renamed; use 'objects'"),
-        ("control.search.cell_m=2", "--set: control.search.cell_m: renamed; use 'control.cell_m'"),
-        ("control.patrol.graph=a", "--set: control.patrol.graph: renamed; use 'mission.patrol.graph'"),
-        ("control.patrol.g1=0.2", "--set: control.patrol.g1: renamed; use 'control.g1'"),
         ("voice.noise_db=99", "--set: voice.noise_db: 99 is above 80"),
         ("voice.noise_db=", "--set: voice.noise_db: null is not a number"),
         ("run.seed=1.5", "--set: run.seed: 1.5 is not a whole number"),

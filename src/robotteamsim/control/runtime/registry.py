@@ -60,12 +60,9 @@ def make_controller(robot_id: int, setup: Setup, arrival: int = 1) -> Controller
     taken = _parameters(make)
     own = {"arrival": arrival} if "arrival" in taken else {}
     made = make(robot_id, setup if "setup" in taken else scenario, **own)
-    if not _has(made, "step"):
-        problem = "has no step(observation, inbox, task)"
-        if _has(made, "observe") and _has(made, "decide"):
-            problem = "has observe and decide; step(observation, inbox, task) replaces both"
-        kind = f"{type(made).__module__}.{type(made).__name__}"
-        raise ScenarioError(f"{scenario.name}: control.algorithm: '{name}' makes a {kind}, which {problem}")
+    if not callable(getattr(made, "step", None)):
+        problem = f"makes a {type(made).__module__}.{type(made).__name__}, which has no step(observation, inbox, task)"
+        raise ScenarioError(f"{scenario.name}: control.algorithm: '{name}' {problem}")
     complete = made if scenario.base is None else with_base(made, robot_id, scenario)
     if scenario.mission.area_order == "given" or robot_id not in scenario.searcher_ids:
         return complete
@@ -77,10 +74,6 @@ def _make_for(robot_id: int, scenario: Scenario) -> MakeController:
         return _OF_ROLE[role]
     is_relay = scenario.num_robots - scenario.relays.count <= robot_id < scenario.num_robots
     return _find("relay" if is_relay else scenario.control.algorithm)
-
-
-def _has(made: object, method: str) -> bool:
-    return callable(getattr(made, method, None))
 
 
 def algorithm_names() -> list[str]:
