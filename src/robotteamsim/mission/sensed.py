@@ -16,7 +16,7 @@ from robotteamsim.network.messages import Message, NetworkState
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario.base import Point
 from robotteamsim.sensing.readings import RobotReading, VoiceReading
-from robotteamsim.world.contract import Mishap
+from robotteamsim.world.contract import NO_OBJECTS, Mishap, ObjectStates
 from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.people import PersonState
 
@@ -35,6 +35,7 @@ class Sensed(msgspec.Struct, kw_only=True, eq=False, dict=True):
     arrivals:   how often each robot has arrived, its start included.
     mishaps:    robots that cannot go on, by id, and why.
     loads:      names of the objects that robots hold, by the robots' ids.
+    objects:    the boxes and barrels, and where they are.
     smoke:      fire, smoke and temperature as of their last update; None if nothing can burn.
     smoke_is_new: whether that update was in this step.
     failed:     ids of the absent robots that have failed by heat, and of the firefighters who have collapsed.
@@ -56,6 +57,7 @@ class Sensed(msgspec.Struct, kw_only=True, eq=False, dict=True):
     arrivals: tuple[int, ...] = ()
     mishaps: Mapping[int, Mishap] = MappingProxyType({})
     loads: Mapping[int, str] = MappingProxyType({})
+    objects: ObjectStates = NO_OBJECTS
     smoke: HazardField | None = None
     smoke_is_new: bool = False
     failed: frozenset[int] = frozenset()

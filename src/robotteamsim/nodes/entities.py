@@ -30,7 +30,7 @@ def entities(simulation: Simulation) -> dict[str, Entity]:
     """Return all entities by name: victims, objects, robots. Of several with one name, it has the last."""
     world = simulation.world
     found = {victim.name: Entity("victim", Pose(*victim.position, 0.0)) for victim in simulation.mission.victims}
-    for obj, pose in zip(world.object_models(), world.objects().values(), strict=True):
+    for obj, pose in zip(*world.object_states(), strict=True):
         found[obj.name] = Entity("object", pose, reach_m=obj.reach_m)
     poses, twists = world.poses(), world.twists()
     for robot_id, name in enumerate(robot_names(simulation)):

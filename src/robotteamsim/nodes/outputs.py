@@ -17,7 +17,6 @@ from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.status import MissionStatus
 from robotteamsim.nodes.motion import TeamOdometry
 from robotteamsim.nodes.node import Node, Output
-from robotteamsim.nodes.objects import object_markers
 from robotteamsim.nodes.settings import Settings
 from robotteamsim.nodes.stage import Unprefixed
 from robotteamsim.propagation import FieldMap
@@ -26,10 +25,10 @@ from robotteamsim.recording.topics.decisions import COMMAND, DECISION_TOPICS
 from robotteamsim.recording.topics.mission import MISSION_TOPICS
 from robotteamsim.recording.topics.radio import RADIO_MAP_TOPICS, VOICE_MAP_TOPICS
 from robotteamsim.recording.topics.robots import BODY_TOPICS, ODOM, TF
-from robotteamsim.recording.topics.world import DOORS, ROBOTS, WORLD_TOPICS
+from robotteamsim.recording.topics.world import DOORS, OBJECTS, ROBOTS, WORLD_TOPICS
 from robotteamsim.sensing.readings import OdometryReading
 from robotteamsim.simulation import Simulation, StepRecord
-from robotteamsim.world.contract import AnyWorld
+from robotteamsim.world.contract import AnyWorld, ObjectStates
 
 RADIO_MAP_PERIOD_NS = 10**9
 
@@ -189,6 +188,12 @@ class _Beginning(NamedTuple):
     events: tuple[()] = ()
 
 
+class _Objects(NamedTuple):
+    """What /world/objects shows between two steps."""
+
+    objects: ObjectStates
+
+
 class RecordOutputs:
     """The topics of the team that show the record of a step."""
 
@@ -197,7 +202,6 @@ class RecordOutputs:
         self._settings = settings
         self._make = node.make
         self._presence = output_of(node, ROBOTS, settings)
-        self._objects = node.output("/world/objects", "visualization_msgs/MarkerArray", latched=True)
         scenario = settings.scenario
         has_doors = scenario.plan.doors and not settings.is_another_world  # which publishes its own
         self._outputs = {
@@ -210,7 +214,6 @@ class RecordOutputs:
     def restart(self) -> None:
         """Restart with the first step."""
         self._source, self._changes = Source(self._settings.setup), Changes()
-        self._shown_objects: tuple[Any, ...] = ()
 
     def publish_beginning(self, simulation: Simulation) -> None:
         """Publish what there is before the first step; stamp 0 shows controllers that time starts again."""
@@ -237,11 +240,7 @@ class RecordOutputs:
 
     def publish_objects(self, world: AnyWorld) -> None:
         """Publish all objects, unless nothing has changed."""
-        objects, poses = world.object_models(), tuple(world.objects().values())
-        if (objects, poses) != self._shown_objects:
-            replace = not self._shown_objects or objects != self._shown_objects[0]
-            self._objects.publish(object_markers(self._make, objects, poses, replace=replace))
-            self._shown_objects = objects, poses
+        self._publish([OBJECTS], 0, _Objects(world.object_states()))
 
     def publish(self, record: StepRecord) -> None:
         """Publish the record of a step."""

@@ -122,6 +122,7 @@ class Simulation:
             arrivals=world.arrivals,
             mishaps=world.mishaps,
             loads=world.loads,
+            objects=world.object_states(),
             smoke=hazards.field,
             smoke_is_new=hazards.is_updated,
             failed=hazards.failed,

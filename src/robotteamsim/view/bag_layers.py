@@ -18,7 +18,7 @@ from robotteamsim.recording.topics import Topic
 from robotteamsim.recording.topics.mission import EGRESS, read_egress
 from robotteamsim.recording.topics.radio import NETWORK_STATE, VOICE_MAP
 from robotteamsim.recording.topics.robots import SCAN
-from robotteamsim.recording.topics.world import DOORS, FIRE, PEOPLE, SMOKE, TEMPERATURE
+from robotteamsim.recording.topics.world import DOORS, FIRE, OBJECTS, PEOPLE, SMOKE, TEMPERATURE, read_objects
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.view.frame import Link, enclosed_of, finite_ranges, links_of
 
@@ -135,6 +135,7 @@ def _finite(values: Any, name: str, most: float) -> np.ndarray:
 _OF_TEAM: dict[Topic, Callable[[Any], Any]] = {
     NETWORK_STATE: _links,
     DOORS: _openings,
+    OBJECTS: read_objects,
     PEOPLE: lambda message: enclosed_of(message.people),
     EGRESS: read_egress,
     VOICE_MAP: lambda message: _field_map(message, "levels", _MOST_DB),

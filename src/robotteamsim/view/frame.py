@@ -13,6 +13,7 @@ from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.events import AnyEvent
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.simulation import Simulation, StepRecord
+from robotteamsim.world.contract import ObjectStates
 
 Pose = tuple[float, float, float]
 """x, y [m], yaw [rad] in `map`."""
@@ -70,7 +71,7 @@ class Frame(msgspec.Struct, frozen=True):
     swarms:  of each robot; -1: it is excluded.
     links:   that exist.
     doors:   opening of each door, 0 closed .. 1 open.
-    objects: pose of each object.
+    objects: pose of each object of the scene; None: it is not there.
     explored, target: whether each area is explored; the area to explore now, -1 for none.
     endangered: how often a link became endangered so far.
     scans_m: ranges of each robot's laser; empty in frames without scans.
@@ -83,7 +84,7 @@ class Frame(msgspec.Struct, frozen=True):
     links: tuple[Link, ...] = ()
     fiedler_value: float = 0.0
     doors: tuple[float, ...] = ()
-    objects: tuple[Pose, ...] = ()
+    objects: tuple[Pose | None, ...] = ()
     victims: tuple[VictimShape, ...] = ()
     explored: tuple[bool, ...] = ()
     target: int = -1
@@ -114,7 +115,7 @@ def frame_of(
         links=links_of(record.network.adjacency, record.network.rssi_dbm),
         fiedler_value=record.network.fiedler_value,
         doors=tuple(state.opening for state in world.door_states().values()),
-        objects=tuple((pose.x_m, pose.y_m, pose.yaw_rad) for pose in world.objects().values()),
+        objects=shown_objects((obj.name for obj in simulation.scenario.objects), world.object_states()),
         victims=tuple(
             victim_shape(victim.name, victim.position, state, gait_of(victim), fallen, enclosed)
             for victim, state in zip(mission.victims, status.victims, strict=True)
@@ -127,6 +128,12 @@ def frame_of(
         scans_m=tuple(scans),
         egress=shown_egress(mission.egress),
     )
+
+
+def shown_objects(names: Iterable[str], now: ObjectStates) -> tuple[Pose | None, ...]:
+    """Return the poses of objects. Args: names: of those in the scene."""
+    poses = {obj.name: (at.x_m, at.y_m, at.yaw_rad) for obj, at in zip(*now, strict=True)}
+    return tuple(map(poses.get, names))
 
 
 def shown_egress(egress: Egress | None) -> ShownEgress | None:

@@ -13,7 +13,7 @@ from robotteamsim.errors import RecordingError
 from robotteamsim.interface import OUTSIDE
 from robotteamsim.recording.topics.mission import EGRESS
 from robotteamsim.recording.topics.radio import NETWORK_STATE, VOICE_MAP
-from robotteamsim.recording.topics.world import DOORS, FIRE, PEOPLE, SMOKE, TEMPERATURE
+from robotteamsim.recording.topics.world import DOORS, FIRE, OBJECTS, PEOPLE, SMOKE, TEMPERATURE
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import resolve
@@ -27,11 +27,13 @@ from robotteamsim.view.frame import (
     links_of,
     shown_egress,
     shown_events,
+    shown_objects,
     victim_shape,
 )
 from robotteamsim.view.layers import SMOKE_S, field_layer, fire_layer, keep_map, smoke_layer
-from robotteamsim.view.recorder import FRAME_S, MOST_SCANNED, SCAN_S, Recording
-from robotteamsim.view.scene import Scene, scene_of_run
+from robotteamsim.view.recorder import FRAME_S, MOST_SCANNED, RADIO_S, SCAN_S, RadioCoverage, Recording
+from robotteamsim.view.scene import Scene, object_shape, scene_of_run
+from robotteamsim.world.contract import NO_OBJECTS
 from robotteamsim.world.doors import DoorStates
 
 Scans = dict[str, Timeline[Scan]]
@@ -55,14 +57,19 @@ def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | N
             f"{', '.join(map(str, paths))}: lasts {duration_s:.0f} s by its stamps; expected at most "
             f"{_LONGEST_S:.0f} s, and stamps of one clock"
         )
-    layers, scans = read_layers(paths, run.robots if len(run.robots) <= MOST_SCANNED else ())
+    num_scanned = len(run.robots) if scenario is None else scenario.num_robots
+    layers, scans = read_layers(paths, run.robots if num_scanned <= MOST_SCANNED else ())
     _check_floor(layers, paths)
-    scene = _with_lasers(scene_of_run(run, scenario), scans)
-    found = Recording(scene, run.name, _frames(run, layers, scans, scenario))
+    scene = _with_objects(_with_lasers(scene_of_run(run, scenario), scans), layers)
+    found = Recording(scene, run.name, _frames(run, layers, scans, scenario, scene))
     for stamp_ns, event in run.events:
         found.events += shown_events([event], (stamp_ns - run.start_ns) / 1e9)
     for stamp_ns, levels in layers[VOICE_MAP].samples:
         found.voice.append(field_layer((stamp_ns - run.start_ns) / 1e9, levels, 0.0))
+    if scenario is not None:
+        coverage = RadioCoverage(scenario)
+        every = max(round(RADIO_S * (len(found.frames) - 1) / duration_s), 1) if duration_s else 1
+        found.radio = [level for frame in found.frames[::every] for level in coverage.at(frame)]
     fire = scenario.fire if scenario is not None else None
     _add_hazards(found, layers, run.start_ns, (fire or Fire()).heat.block_c)
     found.scene = msgspec.structs.replace(scene, has_fire=bool(found.fire or found.smoke))
@@ -78,7 +85,7 @@ def _check_floor(layers: BagLayers, paths: Sequence[Path]) -> None:
             raise RecordingError(f"{files}: {topic.name}: maps of different sizes or places; expected one floor")
 
 
-def _frames(run: RecordedRun, layers: BagLayers, scans: Scans, scenario: Scenario | None) -> list[Frame]:
+def _frames(run: RecordedRun, layers: BagLayers, scans: Scans, scenario: Scenario | None, scene: Scene) -> list[Frame]:
     """Return a frame each `FRAME_S`, or fewer of a long run, and one at the end, of the last values up to each."""
     statuses = Timeline((status.stamp_ns, status) for status in run.statuses)
     victims = Timeline(run.victims)
@@ -109,6 +116,7 @@ def _frames(run: RecordedRun, layers: BagLayers, scans: Scans, scenario: Scenari
                 links=_among(places, layers[NETWORK_STATE].at(stamp_ns, links)),
                 fiedler_value=fiedler_value,
                 doors=tuple(openings.get(name, state.opening) for name, state in doors.items()),
+                objects=shown_objects((obj.name for obj in scene.objects), layers[OBJECTS].at(stamp_ns, NO_OBJECTS)),
                 victims=tuple(
                     victim_shape(v.name, v.position_m, v.state, gaits.get(v.name, "lies"), fallen, enclosed)
                     for v in victims.at(stamp_ns, ())
@@ -161,6 +169,12 @@ def _with_lasers(scene: Scene, scans: Scans) -> Scene:
             )
         robots.append(robot)
     return msgspec.structs.replace(scene, robots=tuple(robots))
+
+
+def _with_objects(scene: Scene, layers: BagLayers) -> Scene:
+    """Return the scene with all objects that the bag has at some time."""
+    shapes = {obj.name: object_shape(obj) for _, states in layers[OBJECTS].samples for obj in states.models}
+    return msgspec.structs.replace(scene, objects=tuple(shapes.values()))
 
 
 def _among(places: dict[int, int], links: tuple[Link, ...]) -> tuple[Link, ...]:

@@ -10,6 +10,7 @@ import numpy as np
 from robotteamsim import palette
 from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import OCCUPIED, Corners, OccupancyGrid, bay_lines, door_corners, solids
 from robotteamsim.scenario.scenario import Role, Scenario
 from robotteamsim.scenario.sections import PlacedRobot
@@ -117,16 +118,7 @@ def scene_of(setup: Setup) -> Scene:
             _robot(scenario.name_of(i).removeprefix("the ").replace(" ", "_"), i, robot, scenario.role_of(i))
             for i, robot in enumerate(setup.robots)
         ),
-        objects=tuple(
-            ObjectShape(
-                obj.name,
-                obj.reach_m,
-                obj.corners_m,
-                obj.height_m,
-                palette.BOX if obj.kind == "box" else palette.BARREL,
-            )
-            for obj in scenario.objects
-        ),
+        objects=tuple(map(object_shape, scenario.objects)),
         victim_states=_victim_states(scenario),
         has_fire=scenario.fire is not None,
         exits=tuple(AreaShape(way.name, way.center, way.radius_m) for way in scenario.mission.exits),
@@ -201,6 +193,12 @@ def _doors(plan: FloorPlan) -> tuple[DoorShape, ...]:
         )
         for door in plan.doors
     )
+
+
+def object_shape(obj: MovableObject) -> ObjectShape:
+    """Return the shape of an object."""
+    colour = palette.BOX if obj.kind == "box" else palette.BARREL
+    return ObjectShape(obj.name, obj.reach_m, obj.corners_m, obj.height_m, colour)
 
 
 def _robot(name: str, index: int, robot: PlacedRobot, role: Role) -> RobotShape:

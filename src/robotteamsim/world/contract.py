@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
-from typing import Literal, Protocol
+from typing import Literal, NamedTuple, Protocol
 
 import numpy as np
 
@@ -25,6 +25,16 @@ from robotteamsim.world.placement import check_objects
 
 Mishap = Literal["tipped_over", "left_world"]
 """Why a robot cannot go on: it lies on its side or back, or it has left the world."""
+
+
+class ObjectStates(NamedTuple):
+    """The objects of a world, and the pose of each one's centre in `map`."""
+
+    models: tuple[MovableObject, ...]
+    poses: tuple[Pose, ...]
+
+
+NO_OBJECTS = ObjectStates((), ())
 
 
 class _Door(Protocol):
@@ -255,9 +265,9 @@ class AnyWorld(ABC):
         self._physics.spawn_robot(robot_id, place)
         self._update_presence()
 
-    def object_models(self) -> tuple[MovableObject, ...]:
-        """Return the present objects in the order of `objects`, with the poses at which they were added."""
-        return self._objects
+    def object_states(self) -> ObjectStates:
+        """Return the present objects and where they are."""
+        return ObjectStates(self._objects, tuple(self.objects().values())) if self._objects else NO_OBJECTS
 
     def add_object(self, obj: MovableObject) -> None:
         """Add an object at rest, at the end of the order.

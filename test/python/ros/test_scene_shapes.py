@@ -6,8 +6,8 @@ import shapely
 import visualization_msgs.msg
 import yaml
 
-from robotteamsim.nodes.markers import CYLINDER, Marker, marker_message
 from robotteamsim.nodes.scene.shapes import PITCH_RAD, Mesh, colour, drawn_below, label, lines, unit
+from robotteamsim.recording.topics.markers import CYLINDER, Marker, marker_message
 from robotteamsim.ros.messages import RosTypes
 from robotteamsim.scenario import Bounds
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping
 import shapely
 
 from robotteamsim import palette
-from robotteamsim.nodes.markers import Colour, Marker, Position
 from robotteamsim.nodes.scene.shapes import Mesh, colour, faded, lines
+from robotteamsim.recording.topics.markers import Colour, Marker, Position
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import leaf_corners, solids
 

@@ -8,9 +8,9 @@ import numpy as np
 from scipy import ndimage
 
 from robotteamsim import palette
-from robotteamsim.nodes.markers import Colour, Marker
 from robotteamsim.nodes.scene.building import SMOKE_LAYER, VOICE_LAYER, VOICE_Z_M
 from robotteamsim.nodes.scene.shapes import Mesh, colour, drawn_below, faded
+from robotteamsim.recording.topics.markers import Colour, Marker
 from robotteamsim.recording.topics.world import BURNING_VALUE, BURNT_OUT_VALUE
 
 FINEST_CELL_M, LOUDEST_DB = 0.01, 300.0

@@ -6,9 +6,9 @@ from typing import Any
 from robotteamsim import palette
 from robotteamsim.geometry import Pose
 from robotteamsim.mission.status import SAVED
-from robotteamsim.nodes.markers import Marker
 from robotteamsim.nodes.scene.building import DISC_LAYER, DISC_Z_M
 from robotteamsim.nodes.scene.shapes import Mesh, colour, drawn_below, faded, label, person, unit
+from robotteamsim.recording.topics.markers import Marker
 from robotteamsim.scenario import Scenario
 
 VICTIM_COLOURS = {state: colour(code) for state, code in palette.VICTIM_STATES.items()}

@@ -14,7 +14,6 @@ from robotteamsim.geometry import Pose
 from robotteamsim.message_parts import MAP_FRAME, header, robot_name
 from robotteamsim.nodes.inputs import Input
 from robotteamsim.nodes.launched import read_scenario
-from robotteamsim.nodes.markers import ARRAY, ARROW, DELETE, DELETE_ALL, Marker, array_message
 from robotteamsim.nodes.node import Node
 from robotteamsim.nodes.scene.building import building_markers, door_markers, openings_at_start
 from robotteamsim.nodes.scene.maps import fire_markers, smoke_markers, voice_markers
@@ -30,6 +29,7 @@ from robotteamsim.nodes.scene.team import Links, RobotPicture, link_markers, lin
 from robotteamsim.nodes.settings import OTHERS_REPORT_S
 from robotteamsim.nodes.transforms import STATIC, Transforms
 from robotteamsim.recording.topics.decisions import STATUS
+from robotteamsim.recording.topics.markers import ARRAY, ARROW, DELETE, DELETE_ALL, Marker, array_message
 from robotteamsim.recording.topics.robots import ODOM, TF, TRUTH, read_odometry
 from robotteamsim.recording.topics.world import FIRE, ROBOTS, SMOKE
 from robotteamsim.scenario import Bounds, Scenario

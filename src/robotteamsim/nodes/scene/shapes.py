@@ -9,7 +9,15 @@ from shapely.geometry.polygon import orient
 
 from robotteamsim import palette
 from robotteamsim.geometry import Pose
-from robotteamsim.nodes.markers import LINE_LIST, SPHERE, TEXT_VIEW_FACING, TRIANGLE_LIST, Colour, Marker, Position
+from robotteamsim.recording.topics.markers import (
+    LINE_LIST,
+    SPHERE,
+    TEXT_VIEW_FACING,
+    TRIANGLE_LIST,
+    Colour,
+    Marker,
+    Position,
+)
 from robotteamsim.scenario import Bounds
 
 FITTED_M = 60.0, 40.0

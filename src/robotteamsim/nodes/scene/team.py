@@ -14,7 +14,6 @@ from scipy.spatial import distance
 from robotteamsim import palette
 from robotteamsim.geometry import Pose
 from robotteamsim.network.compact import row_bytes, unpacked
-from robotteamsim.nodes.markers import CYLINDER, LINE_STRIP, Colour, Marker, Position
 from robotteamsim.nodes.scene.building import TRAIL_LAYER, TRAIL_Z_M
 from robotteamsim.nodes.scene.shapes import (
     WHITE,
@@ -28,6 +27,7 @@ from robotteamsim.nodes.scene.shapes import (
     person,
     shaded,
 )
+from robotteamsim.recording.topics.markers import CYLINDER, LINE_STRIP, Colour, Marker, Position
 from robotteamsim.scenario.scenario import Role
 from robotteamsim.scenario.sections import Robot
 

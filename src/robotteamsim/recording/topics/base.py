@@ -19,6 +19,7 @@ from robotteamsim.message_parts import MAP_FRAME, Make, header, point
 from robotteamsim.network.compact import LinksEncoder
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario import Scenario
+from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.setup import Setup
 
@@ -39,12 +40,30 @@ class When(Enum):
     REQUEST = "once a second, to subscribers"
 
 
+class KnownObjects:
+    """Remembers the objects of the last message."""
+
+    def __init__(self) -> None:
+        """Start without a message."""
+        self._models: tuple[MovableObject, ...] | None = None
+
+    def replace(self, models: tuple[MovableObject, ...]) -> bool:
+        """Remember objects; return whether they are others than those of the last message."""
+        is_new, self._models = models != self._models, models
+        return is_new
+
+
 @dataclass(frozen=True, slots=True)
 class Source:
-    """What values are taken from, next to a step. links: remembers the links of the last /network/links."""
+    """What values are taken from, next to a step.
+
+    links:   remembers the links of the last /network/links.
+    objects: remembers which objects were in the last /world/objects.
+    """
 
     setup: Setup
     links: LinksEncoder = field(default_factory=LinksEncoder)
+    objects: KnownObjects = field(default_factory=KnownObjects)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,4 +1,4 @@
-"""The topics of the world: time, map, doors, who is present, people, fire and smoke."""
+"""The topics of the world: time, map, doors, who is present, objects, people, fire and smoke."""
 
 from __future__ import annotations
 
@@ -9,15 +9,20 @@ from typing import Any
 import msgspec
 import numpy as np
 
+from robotteamsim import palette
+from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.hazards import BURNING, BURNT_OUT, HazardField
 from robotteamsim.hazards.field import FARTHEST_SIGHT_M
 from robotteamsim.message_parts import MAP_FRAME, Make, header, point
 from robotteamsim.propagation import FieldMap
-from robotteamsim.recording.topics.base import Topic, When, field_map, occupancy_grid
+from robotteamsim.recording.topics.base import Topic, When, check_finite, check_place, field_map, occupancy_grid
+from robotteamsim.recording.topics.markers import ADD, CUBE, CYLINDER, DELETE_ALL, Marker, array_message
 from robotteamsim.scenario.map_image import published_map
+from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import OccupancyGrid
+from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.scenario import Role
-from robotteamsim.world.contract import Mishap
+from robotteamsim.world.contract import Mishap, ObjectStates
 from robotteamsim.world.doors import DoorStates
 from robotteamsim.world.people import PersonState
 
@@ -27,6 +32,8 @@ ROLES: tuple[Role, ...] = ("robot", "firefighter", "command_centre")
 """Each value of `roles` in robotteamsim/Robots."""
 BURNING_VALUE, BURNT_OUT_VALUE = 100, 50
 """Values of cells in /fire/grid; others are 0."""
+_OBJECTS = "objects"
+"""Namespace of the markers in /world/objects."""
 
 
 class TeamPresence(msgspec.Struct, frozen=True):
@@ -106,6 +113,40 @@ def read_robots(message: Any, num_robots: int) -> TeamPresence:
     return TeamPresence(tuple(map(bool, message.present)), tuple(message.arrivals))
 
 
+def objects(make: Make, _: int, states: ObjectStates, *, replace: bool = False) -> Any:
+    """visualization_msgs/MarkerArray: one marker per object, with its index as id and its name as text.
+
+    Args: replace: first delete all other markers.
+    """
+    markers = [_object_marker(i, obj, at) for i, (obj, at) in enumerate(zip(*states, strict=True))]
+    clearing = [Marker(_OBJECTS, 0, CUBE, (1.0, 1.0, 1.0, 1.0), action=DELETE_ALL)] if replace else []
+    return array_message(make, [*clearing, *markers])
+
+
+def _object_marker(marker_id: int, obj: MovableObject, at: Pose) -> Marker:
+    kind, colour = (CUBE, palette.BOX) if obj.size_m else (CYLINDER, palette.BARREL)
+    length_m, width_m = obj.size_m or (2.0 * obj.reach_m, 2.0 * obj.reach_m)
+    place, scale = (at.x_m, at.y_m, 0.5 * obj.height_m), (length_m, width_m, obj.height_m)
+    return Marker(_OBJECTS, marker_id, kind, (*palette.rgb(colour), 1.0), place, at.yaw_rad, scale, text=obj.name)
+
+
+def read_objects(message: Any) -> ObjectStates:
+    """Return the objects of /world/objects, without mass and friction. Raises: ValueError: impossible ones."""
+    models, poses = [], []
+    for marker in message.markers:
+        if marker.ns != _OBJECTS or marker.action != ADD:
+            continue
+        place, turn, size = marker.pose.position, marker.pose.orientation, marker.scale
+        check_place("object", place.x, place.y)
+        check_finite("orientation of an object", turn.z, turn.w)
+        at = PoseReading(place.x, place.y, turn.z, turn.w).pose
+        is_box, numbers = marker.type == CUBE, {"height_m": size.z, "pose": msgspec.structs.astuple(at)}
+        shape = {"kind": "box", "size_m": (size.x, size.y)} if is_box else {"kind": "barrel", "radius_m": 0.5 * size.x}
+        models.append(checked(MovableObject, {"name": marker.text, **shape, **numbers}, ValueError))
+        poses.append(at)
+    return ObjectStates(tuple(models), tuple(poses))
+
+
 def fire_cells(field: HazardField) -> np.ndarray:
     """Return the cells of /fire/grid, int8, shape (rows, cols)."""
     cells = np.zeros(field.states.shape, dtype=np.int8)
@@ -182,6 +223,16 @@ ROBOTS = Topic(
     version=lambda record: record.team_version,
     read=lambda message, setup, _: read_robots(message, setup.scenario.team_size),
 )
+OBJECTS = Topic(
+    "/world/objects",
+    "visualization_msgs/MarkerArray",
+    When.CHANGE,
+    lambda source, record: (record.objects, source.objects.replace(record.objects.models)),
+    lambda make, time_ns, states, replace: objects(make, time_ns, states, replace=replace),
+    latched=True,
+    version=lambda record: record.objects,
+    read=lambda message, *_: read_objects(message),
+)
 PEOPLE = Topic(
     "/world/people",
     "robotteamsim/People",
@@ -196,5 +247,5 @@ FIRE = _hazard_grid("/fire/grid", fire_cells)
 TEMPERATURE = _hazard_map("/fire/temperature", lambda field: field.temperatures_c, "temperature", "degC")
 SMOKE = _hazard_grid("/smoke/grid", smoke_cells)
 SOOT = _hazard_map("/smoke/soot", lambda field: field.soot_g_m3, "soot", "g/m^3")
-WORLD_TOPICS = (DOORS, PEOPLE, FIRE, TEMPERATURE, SMOKE, SOOT)
+WORLD_TOPICS = (DOORS, OBJECTS, PEOPLE, FIRE, TEMPERATURE, SMOKE, SOOT)
 """Topics of the record that need no mission. Time, map, presence and tf have a time of their own in a step."""

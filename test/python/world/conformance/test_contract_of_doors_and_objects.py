@@ -114,7 +114,7 @@ def test_objects_are_added_moved_and_removed(world_of):
     world.move_object("drum", Pose(10.0, 4.0, -1.0))
     assert world.objects()["drum"] == Pose(10.0, 4.0, pytest.approx(-1.0, abs=1e-12))
     world.remove_object("box")
-    assert [obj.name for obj in world.object_models()] == ["drum"]
+    assert [obj.name for obj in world.object_states().models] == ["drum"]
     drive(world, FORWARD, steps=40)
     assert world.poses()[0].x_m > 3.5
     world.reset()

@@ -1,0 +1,62 @@
+"""The page of a bag or an MCAP file shows what the page of the mission itself shows."""
+
+from __future__ import annotations
+
+from dataclasses import fields, is_dataclass
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import numpy as np
+import pytest
+
+from robotteamsim.analysis.runs.reading import read_run
+from robotteamsim.recording import BagWriter
+from robotteamsim.recording.mcap_writer import McapWriter
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation
+from robotteamsim.view.from_bag import recording_of
+from robotteamsim.view.recorder import FrameRecorder
+
+CASES = {
+    "warehouse_push": 25,  # objects
+    "office_fire": 30,  # people who flee, doors, smoke
+    "garage_rescue": 40,  # firefighters
+    "office_manet": 15,  # links by distance
+}
+"""Scenarios, and for how long they run [s]."""
+
+
+def _plain(shown: Any) -> Any:
+    """Return what is shown as nested tuples; numbers to 1e-5, because quaternions and float32 have rounded them."""
+    if isinstance(shown, float):
+        return round(shown, 5) + 0.0
+    if isinstance(shown, msgspec.Struct):
+        return tuple(_plain(getattr(shown, name)) for name in shown.__struct_fields__)
+    if isinstance(shown, np.ndarray):
+        return _plain(shown.tolist())
+    if is_dataclass(shown):
+        return tuple(_plain(getattr(shown, one.name)) for one in fields(shown))
+    if isinstance(shown, list | tuple):
+        return tuple(map(_plain, shown))
+    return shown
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CASES)
+def test_page_of_a_recording_is_that_of_the_mission(name: str, tmp_path: Path):
+    scenario = load(name, [f"mission.time_limit_s={CASES[name]}"])
+    simulation = Simulation(scenario)
+    live, files = FrameRecorder(simulation), [tmp_path / "a.bag", tmp_path / "a.mcap"]
+    simulation.run([live, BagWriter(files[0]), McapWriter(files[1])])
+    expected = live.recording
+    for path in files:
+        found = recording_of(read_run([path]), [path], scenario)
+        assert len(found.frames) == len(expected.frames)
+        for frame, expected_frame in zip(found.frames, expected.frames, strict=True):
+            for part in frame.__struct_fields__:
+                assert _plain(getattr(frame, part)) == _plain(getattr(expected_frame, part)), (frame.time_s, part)
+        for layer in ("events", "voice", "radio", "fire", "smoke"):
+            assert _plain(getattr(found, layer)) == _plain(getattr(expected, layer)), layer
+        for part in ("solids", "doors", "areas", "objects", "exits", "bays", "bounds", "victim_states", "has_fire"):
+            assert _plain(getattr(found.scene, part)) == _plain(getattr(expected.scene, part)), part
