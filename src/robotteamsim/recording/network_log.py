@@ -45,21 +45,24 @@ class NetworkLog(Observer):
 
     def step(self, record: StepRecord) -> None:
         """Add one step; links that break because a robot leaves do not count."""
-        network, before, self._before = record.network, self._before, record.network
+        network, is_running = record.network, record.mission.state == "running"
         for event in record.events:
             if event.kind == "discovery_delivered":
                 is_area = event.subject in self._area_names
                 self._known_areas += is_area
                 self._known_victims += not is_area
-        if record.mission.state != "running":
-            return
-        there = np.diagonal(network.hop_count) == 0
-        self._split += bool(network.fiedler_value == 0.0 and np.count_nonzero(there) > 1)
-        self._endangered += bool(network.endangered.any())
-        self._lost += network.traffic.lost + network.traffic.cut_off
-        if before is not None and before.version != network.version:
-            broken = before.adjacency & ~network.adjacency & there & there[:, np.newaxis]
-            self._breaks += int(np.count_nonzero(broken)) // 2
+        if self._before is None or self._before.version != network.version:
+            there = np.diagonal(network.hop_count) == 0
+            self._is_split = bool(network.fiedler_value == 0.0 and np.count_nonzero(there) > 1)
+            self._has_endangered = bool(network.endangered.any())
+            if self._before is not None and is_running:
+                broken = self._before.adjacency & ~network.adjacency & there & there[:, np.newaxis]
+                self._breaks += int(np.count_nonzero(broken)) // 2
+        self._before = network
+        if is_running:
+            self._split += self._is_split
+            self._endangered += self._has_endangered
+            self._lost += network.traffic.lost + network.traffic.cut_off
 
     @property
     def totals(self) -> NetworkTotals:

@@ -28,7 +28,7 @@ class TrajectoryHash:
     def update(self, sim_time_ns: int, true_poses: np.ndarray) -> None:
         """Add one step. Args: true_poses: shape (n, 4)."""
         self._sha256.update(sim_time_ns.to_bytes(8, "little", signed=True))
-        self._sha256.update(np.asarray(true_poses, "<f8").tobytes())
+        self._sha256.update(np.ascontiguousarray(true_poses, "<f8").data)
 
     def hexdigest(self) -> str:
         """Return the hash of the steps so far, 64 hexadecimal digits."""

@@ -77,6 +77,7 @@ def test_bag_has_the_topics_and_types_of_a_ros_run(bag):
         "/mission/areas": "robotteamsim/Areas",
         "/sensor_world": "robotteamsim/SensorWorld",
         "/world/doors": "robotteamsim/Doors",
+        "/world/objects": "visualization_msgs/MarkerArray",
         "/world/robots": "robotteamsim/Robots",
     }
 

@@ -15,6 +15,7 @@ from robotteamsim.network.messages import EVERYBODY, Message, NetworkState
 from robotteamsim.scenario import sections
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading, state_of
 from robotteamsim.simulation import Simulation, TrajectoryHash, simulation
+from robotteamsim.world.contract import NO_OBJECTS, ObjectStates
 from robotteamsim.world.doors import DoorStates
 
 
@@ -70,6 +71,9 @@ class FakeWorld:
 
     def door_states(self) -> DoorStates:
         return DoorStates()
+
+    def object_states(self) -> ObjectStates:
+        return NO_OBJECTS
 
     def step(self, twists) -> None:
         self.parts.step_index += 1
