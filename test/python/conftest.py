@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 import gc
 import json
 import math
@@ -170,15 +169,11 @@ def failed_outcome_of() -> Callable[[Trial], Outcome]:
 
 @pytest.fixture(scope="session")
 def two_workers() -> Iterator[object]:
-    """A cluster of two worker processes, which get one thread each also if the environment has other numbers."""
-    from robotteamsim.campaign.runner import local_workers
+    """Two worker processes."""
+    from robotteamsim.campaign.workers import local_workers
 
-    with contextlib.ExitStack() as stack:
-        with pytest.MonkeyPatch.context() as environment:
-            for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-                environment.setenv(name, "2")
-            client = stack.enter_context(local_workers(2))
-        yield client
+    with local_workers(2) as workers:
+        yield workers
 
 
 @pytest.fixture(scope="module")

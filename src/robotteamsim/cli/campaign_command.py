@@ -10,14 +10,13 @@ import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 
 from robotteamsim.campaign import Design, Outcome, Store, check_folder, make_design, open_store
+from robotteamsim.campaign.cluster import scheduler_at
 from robotteamsim.campaign.design import NOISE_KEY, Trial
 from robotteamsim.campaign.factors import DesignFile, Factor, parse_override, parse_sweep, read_design_file
-from robotteamsim.campaign.runner import local_workers, run_trials, scheduler_at
 from robotteamsim.campaign.summary import (
     UNLIMITED,
     controllers_note,
@@ -26,6 +25,7 @@ from robotteamsim.campaign.summary import (
     summarise,
     summary_table,
 )
+from robotteamsim.campaign.workers import Workers, local_workers
 from robotteamsim.cli.parser import Parser, address, number, path_of, positive_whole_number, whole_number
 from robotteamsim.cli.progress import CampaignProgress
 from robotteamsim.cli.run_command import SCENARIO_HELP, add_code_option, add_set_option
@@ -177,9 +177,9 @@ def run_stored(options: argparse.Namespace, design: Design, command: str, name: 
         _warn(f"warning: {options.scheduler}: without TLS, whoever reaches it can run code; see docs/experiments.md")
     with contextlib.ExitStack() as stack:
         # Connect first, so that a scheduler that does not answer leaves no store behind.
-        client = stack.enter_context(scheduler_at(options.scheduler)) if options.scheduler else None
+        cluster = stack.enter_context(scheduler_at(options.scheduler)) if options.scheduler else None
         store = stack.enter_context(open_store(options.out, design, command))
-        given_up = _run_missing(options, design, store, client, name)
+        given_up = _run_missing(options, design, store, cluster, name)
         return StoredRun(store.outcomes(), given_up, store.export())
 
 
@@ -212,9 +212,9 @@ def _design(options: argparse.Namespace) -> Design:
 
 
 def _run_missing(
-    options: argparse.Namespace, design: Design, store: Store, client: Any, name: str
+    options: argparse.Namespace, design: Design, store: Store, cluster: Workers | None, name: str
 ) -> tuple[Trial, ...]:
-    """Return the trials that were given up. Args: client: of a scheduler; None: of workers on this machine."""
+    """Return the trials that were given up. Args: cluster: None: workers on this machine."""
     missing = store.missing()
     if not missing:
         return ()
@@ -224,17 +224,15 @@ def _run_missing(
         with contextlib.ExitStack() as stack:
             progress = CampaignProgress(console, name, total, total - len(missing))
             stack.enter_context(progress)
-            if client and not client.ncores():
+            if cluster and not cluster.count:
                 progress.print_line(f"{options.scheduler} has no workers yet; missions start when workers connect")
-            if client is None:
-                client = stack.enter_context(local_workers(options.workers))
-            progress.begin()
+            workers = cluster or stack.enter_context(local_workers(options.workers))
 
             def keep(outcome: Outcome) -> None:
                 store.keep(outcome)
                 progress.add(outcome)
 
-            given_up = run_trials(client, design, missing, keep)
+            given_up = workers.run(design, missing, keep)
             progress.finish()
             return given_up
     except KeyboardInterrupt:

@@ -106,7 +106,7 @@ class CampaignProgress:
             self._task = self._bar.add_task(name, total=total, completed=done, note="starting workers")
 
     def __enter__(self) -> CampaignProgress:
-        self._entered_s = self._start_s = self._printed_s = time.monotonic()
+        self._start_s = self._printed_s = time.monotonic()
         if self._bar:
             self._bar.start()
         else:
@@ -117,12 +117,6 @@ class CampaignProgress:
     def __exit__(self, *_: object) -> None:
         if self._bar:
             self._bar.stop()
-
-    def begin(self) -> None:
-        """Start timing: the workers have started."""
-        self._start_s = time.monotonic()
-        if self._bar:
-            self._bar.update(self._task, note="")
 
     def add(self, outcome: Outcome) -> None:
         """Count one more finished trial."""
@@ -141,11 +135,10 @@ class CampaignProgress:
 
     def finish(self) -> None:
         """Print how long the campaign took."""
-        wall_s, start_up_s = time.monotonic() - self._start_s, self._start_s - self._entered_s
-        count, simulated_min = self._done - self._done_before, self._simulated_s / 60.0
+        wall_s, count = time.monotonic() - self._start_s, self._done - self._done_before
         self.print_line(
-            f"{count} trials, {simulated_min:,.1f} min of missions, in {wall_s:.1f} s: "
-            f"{self._simulated_s / wall_s:,.0f} times real time; workers took {start_up_s:.1f} s to start"
+            f"{count} trials, {self._simulated_s / 60.0:,.1f} min of missions, in {wall_s:.1f} s: "
+            f"{self._simulated_s / wall_s:,.0f} times real time"
         )
 
     def print_line(self, line: str) -> None:

@@ -116,19 +116,15 @@ def test_constructor_that_raises_ends_a_campaign_before_it_starts(failing, capsy
 class TrialsHere:
     """Runs trials in this process instead of on workers, which other tests share."""
 
-    def ncores(self) -> dict[str, int]:
-        return {"here": 1}
-
-
-@pytest.fixture
-def in_this_process(monkeypatch):
-    def run_trials(client, design, trials, keep):
+    def run(self, design, trials, keep):
         for trial in trials:
             keep(run_trial(design.cells[trial.cell].scenario, trial, robotteamsim.__version__))
         return ()
 
+
+@pytest.fixture
+def in_this_process(monkeypatch):
     monkeypatch.setattr(campaign_command, "local_workers", lambda count: contextlib.nullcontext(TrialsHere()))
-    monkeypatch.setattr(campaign_command, "run_trials", run_trials)
 
 
 @pytest.mark.parametrize(

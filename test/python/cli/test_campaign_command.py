@@ -102,13 +102,13 @@ def test_paired_campaign_gives_its_cells_the_same_seeds_and_knows_its_command(ca
 
 
 def test_failed_trials_are_reported_and_the_rest_runs(capsys, tmp_path, monkeypatch, failed_outcome_of, outcome_of):
-    def run(client, design, trials, keep):
+    def run(design, trials, keep):
         for trial in trials[:-1]:
             keep(failed_outcome_of(trial) if trial.number == 1 else outcome_of(trial))
         return (trials[-1],)
 
-    monkeypatch.setattr(campaign_command, "run_trials", run)
-    monkeypatch.setattr(campaign_command, "local_workers", lambda count: contextlib.nullcontext(SimpleNamespace()))
+    workers = SimpleNamespace(run=run)
+    monkeypatch.setattr(campaign_command, "local_workers", lambda count: contextlib.nullcontext(workers))
     assert main(["campaign", "tutorial_arena", "--trials", "3", "--out", str(tmp_path)]) == 1
     captured = capsys.readouterr()
     failed, good = read_store(tmp_path).outcomes
@@ -121,17 +121,16 @@ def test_failed_trials_are_reported_and_the_rest_runs(capsys, tmp_path, monkeypa
 
 
 @pytest.mark.parametrize(
-    ("cores", "messages"), [({}, ["tls://x:1 has no workers yet; missions start when workers connect"]), ({"a": 1}, [])]
+    ("count", "messages"), [(0, ["tls://x:1 has no workers yet; missions start when workers connect"]), (1, [])]
 )
-def test_cluster_without_workers_gives_a_message(capsys, tmp_path, monkeypatch, outcome_of, cores, messages):
-    def run(client, design, trials, keep):
+def test_cluster_without_workers_gives_a_message(capsys, tmp_path, monkeypatch, outcome_of, count, messages):
+    def run(design, trials, keep):
         for trial in trials:
             keep(outcome_of(trial))
         return ()
 
-    client = SimpleNamespace(ncores=lambda: cores)
-    monkeypatch.setattr(campaign_command, "run_trials", run)
-    monkeypatch.setattr(campaign_command, "scheduler_at", lambda address: contextlib.nullcontext(client))
+    cluster = SimpleNamespace(run=run, count=count)
+    monkeypatch.setattr(campaign_command, "scheduler_at", lambda address: contextlib.nullcontext(cluster))
     command = ["campaign", "tutorial_arena", "--trials", "2", "--out", str(tmp_path), "--scheduler", "tls://x:1"]
     assert main(command) == 0
     assert capsys.readouterr().err.splitlines()[:-1] == [
@@ -225,9 +224,9 @@ def _wait_for_rows(process: subprocess.Popen[str], folder: Path, count: int) -> 
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs ulimit")
-def test_too_few_open_files_for_the_workers_are_an_error_before_they_start(tmp_path):
-    command = f"{sys.executable} -m robotteamsim.cli campaign tutorial_arena --workers 1 --out {tmp_path}/c"
-    shell = ["bash", "-c", f"ulimit -n 20; {command} --quiet"]
+def test_too_few_open_files_for_the_workers_are_one_line(tmp_path):
+    command = f"{sys.executable} -m robotteamsim.cli campaign tutorial_arena --workers 20 --out {tmp_path}/c"
+    shell = ["bash", "-c", f"ulimit -n 24; {command} --quiet"]
     done = subprocess.run(shell, capture_output=True, text=True, check=False, timeout=60)
-    line = "robotteamsim: 1 worker: 40 open files are needed, 20 are allowed; raise `ulimit -n`\n"
+    line = "robotteamsim: workers cannot be started: Too many open files\n"
     assert (done.returncode, done.stderr) == (2, line)
