@@ -22,7 +22,7 @@ NO_LINK = 10_000
 def packed(recordings: Sequence[Recording]) -> str:
     """Return recordings as text for a page: JSON, deflated, in base64."""
     document = msgspec.json.encode([_document(recording) for recording in recordings])
-    return base64.b64encode(zlib.compress(document, 9)).decode()
+    return base64.b64encode(zlib.compress(document)).decode()
 
 
 def header(recording: Recording) -> dict[str, Any]:

@@ -127,8 +127,7 @@ def _victim_rows(run: RecordedRun, _: RunTotals) -> Iterator[Row]:
             if event.subject == name:
                 first.setdefault(event.kind, event)
         located = first.get("victim_located")
-        by, error_m = (located.robot_id, located.error_m) if located else (None, None)
-        error_m = None if error_m is None else round(error_m, 2)
+        by, error_m = (located.robot_id, round(located.error_m, 2)) if located else (None, None)
         times_s = [first[kind].time_s if (kind := f"victim_{state}") in first else None for state in _VICTIM_STATES]
         yield name, by, error_m, *times_s
 

@@ -366,8 +366,7 @@ def _pose_sample(stamp_ns: int, message: Any) -> tracks.PoseSample:
 
 def _controller_sample(stamp_ns: int, message: Any) -> tuple[bool, tuple[float, ...] | None]:
     """Return whether a robot is excluded, and the values of `SwarmContext`; None without adaptation."""
-    # Older bags have no context.
-    contexts: Sequence[Any] = getattr(message, "context", ())
+    contexts = message.context
     values = tuple(getattr(contexts[0], key) for key in SwarmContext.__struct_fields__) if len(contexts) else None
     return message.excluded, values
 
@@ -393,7 +392,7 @@ def _links_sample(stamp_ns: int, message: Any) -> _NetworkSample:
 
 def _status(stamp_ns: int, message: Any) -> RecordedStatus:
     delivered = None
-    if getattr(message, "has_base", False):  # Older bags have no base.
+    if message.has_base:
         count = int(message.discoveries_delivered)
         delivered = DeliveredDiscoveries(count, message.mean_delivery_delay_s, message.max_delivery_delay_s)
     return RecordedStatus(
@@ -412,9 +411,8 @@ def _status(stamp_ns: int, message: Any) -> RecordedStatus:
 
 
 def _event(stamp_ns: int, message: Any) -> RecordedEvent:
-    error_m = getattr(message, "error_m", None)  # Older bags do not have it.
     time_s = _finite("time", message.time_s, _MOST_S)
-    return RecordedEvent(time_s, message.kind, message.subject, message.robot_id, message.detail, error_m)
+    return RecordedEvent(time_s, message.kind, message.subject, message.robot_id, message.detail, message.error_m)
 
 
 def _victims(stamp_ns: int, message: Any) -> tuple[RecordedVictim, ...]:
@@ -428,8 +426,8 @@ def _areas(stamp_ns: int, message: Any) -> tuple[RecordedArea, ...]:
 
 
 def _roles(stamp_ns: int, message: Any) -> tuple[Role, ...]:
-    """Return the role of each member of the team; older bags have none. Raises: ValueError: an unknown role."""
-    numbers = list(getattr(message, "roles", ()))
+    """Return the role of each member of the team. Raises: ValueError: an unknown role."""
+    numbers = list(message.roles)
     if any(number >= len(ROLES) for number in numbers):
         raise ValueError(f"role {max(numbers)}; expected at most {len(ROLES) - 1}")
     return tuple(ROLES[number] for number in numbers)

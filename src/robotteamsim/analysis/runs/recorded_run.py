@@ -30,7 +30,7 @@ class RecordedRobot:
     contact, excluded: bool.
     context:  its metrics and coefficients while it adapts, in the order of `SwarmContext`: float64, shape (n, 10); None
               without adaptation.
-    role:     in the team; "robot" also in older bags, which have no roles.
+    role:     in the team.
     """
 
     name: str
@@ -118,7 +118,7 @@ class RecordedArea:
 class RecordedEvent:
     """An event of the mission, from /mission/events: see `mission.events.Event`.
 
-    error_m: of the event `victim_located` [m]; None in older bags, which lack it.
+    error_m: of the event `victim_located` [m].
     """
 
     time_s: float
@@ -126,7 +126,7 @@ class RecordedEvent:
     subject: str
     robot_id: int
     detail: str
-    error_m: float | None = None
+    error_m: float = 0.0
 
     def row(self) -> dict[str, Any]:
         """Return what every event has, by key."""
