@@ -38,6 +38,7 @@ _COMMANDS = {
     "report": "make a campaign's report",
     "benchmark": "compare controllers under one protocol",
     "analyse": "summarise bags as tables and pictures",
+    "judge": "judge a bag by the mission of a scenario",
     "scenario": "check, show or list scenarios",
     "plan": "import, export or draw floor plans",
     "field": "draw a radio or voice map",

@@ -104,11 +104,16 @@ class Trial:
         for observer in self._observers:
             observer.step(record)
         if record.mission.state == "ended":
-            result = self._result(record)
-            while self._observers:
-                self._observers[0].end(result)
-                del self._observers[0]
-            self.result = result
+            self.end(record)
+
+    def end(self, last: StepRecord) -> Result:
+        """End with this step, also where the mission goes on, and return the result."""
+        result = self._result(last)
+        while self._observers:
+            self._observers[0].end(result)
+            del self._observers[0]
+        self.result = result
+        return result
 
     def abandon(self) -> None:
         """Let the observers abandon an interrupted trial; no effect after the end of the mission."""

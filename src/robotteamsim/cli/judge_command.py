@@ -1,0 +1,73 @@
+"""`robotteamsim judge`: judge a bag by the mission of a scenario."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from rich.console import Console
+
+from robotteamsim import scenario
+from robotteamsim.cli.interrupt import InterruptBetweenSteps
+from robotteamsim.cli.output import OutputConsole
+from robotteamsim.cli.parser import Parser, path_of
+from robotteamsim.cli.progress import ProgressBar
+from robotteamsim.cli.run_command import SCENARIO_HELP, add_set_option
+from robotteamsim.recording import result_summary
+from robotteamsim.recording.measures import Measures
+from robotteamsim.recording.results import EventList
+
+DESCRIPTION = """\
+Judge a bag of any team by the mission of a scenario: which areas it explored, whom it heard and
+saved, and when. The poses of the robots come from the bag, as `robotteamsim analyse` finds them;
+what their controllers say, too, if the bag has /robot_<id>/controller/status and network/tx. The
+rest is computed as in a simulation: voices, radio, people, fire, scheduled doors, the rules."""
+
+EPILOG = """\
+A bag of this simulator gives the result of its mission, step by step. The mission begins with the
+first pose. Robots are matched by their numbers, robot_<id>, or else in the order of their names.
+
+examples:
+  robotteamsim judge mission.bag --mission garage_sar
+  robotteamsim judge real.bag --mission my_house.yaml --set robots.count=2 --json
+  robotteamsim judge mission_0.bag mission_1.bag --mission garage_sar      two parts of one recording"""
+
+
+def add_to(parser: Parser) -> None:
+    """Describe the command to its parser."""
+    parser.add_argument("bags", nargs="+", type=path_of, metavar="BAG", help="a bag, or the parts of one")
+    parser.add_argument("--mission", required=True, metavar="SCENARIO", help=SCENARIO_HELP)
+    add_set_option(parser)
+    parser.add_argument(
+        "--odometry",
+        action="append",
+        default=[],
+        metavar="TOPIC",
+        help="the topic of a robot's poses, once for each robot; default: found by name and type",
+    )
+    parser.add_argument("--json", action="store_true", help="print result and events as one JSON object")
+    parser.add_argument("--quiet", action="store_true", help="no progress bar, no table")
+    parser.set_defaults(command=judge)
+
+
+def judge(options: argparse.Namespace) -> None:
+    """Judge the bag, and print what it says."""
+    # Imported late, because rosbags slows down commands that read no bag.
+    from robotteamsim.analysis.runs import judged
+    from robotteamsim.analysis.runs.reading import read_run
+    from robotteamsim.analysis.runs.tables import print_result
+
+    loaded = scenario.load(options.mission, options.overrides)
+    events, measures = EventList(), Measures()
+    observers = [events, measures, InterruptBetweenSteps()]
+    if not options.quiet:
+        observers.append(ProgressBar(Console(stderr=True)))
+    run = read_run(options.bags, options.odometry)
+    result = judged.judge(run, options.bags, loaded, observers)
+    if options.json:
+        rows = {"events": [event.row() for event in events.events]}
+        print(json.dumps(result_summary(result) | measures.values() | rows))
+    elif not options.quiet:
+        print_result(OutputConsole(), result, events.events, (), measures.measured)
+        if not result.end:
+            print("  the recording ends before the mission does")

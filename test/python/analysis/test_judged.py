@@ -1,0 +1,119 @@
+"""A bag that is judged gives the events, the status of each step and the result of its mission."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import msgspec
+import pytest
+from rosbags.rosbag1 import Reader, Writer
+
+from robotteamsim.analysis.runs.judged import judge
+from robotteamsim.analysis.runs.reading import read_run
+from robotteamsim.cli import main
+from robotteamsim.errors import RecordingError
+from robotteamsim.mission.events import Event
+from robotteamsim.mission.status import MissionStatus
+from robotteamsim.recording import BagWriter
+from robotteamsim.recording.bag_types import bag_typestore
+from robotteamsim.recording.mcap_writer import McapWriter
+from robotteamsim.scenario import Scenario, load
+from robotteamsim.simulation import Observer, Result, Simulation, StepRecord
+
+CASES = {
+    "tutorial_arena": [],
+    "garage_sar": ["mission.time_limit_s=80"],
+    "office_manet": ["mission.time_limit_s=15"],  # a base, relays, exclusion
+    "office_fire": ["mission.time_limit_s=25"],  # people who flee, doors, robots that fail
+    "garage_rescue": ["mission.time_limit_s=30"],  # firefighters
+    "office_egress": ["mission.time_limit_s=20"],  # nobody but people
+}
+
+
+class Steps(Observer):
+    """Keeps what the mission says in each step."""
+
+    def __init__(self) -> None:
+        self.events: list[Event] = []
+        self.statuses: list[MissionStatus] = []
+
+    def step(self, record: StepRecord) -> None:
+        self.events += record.events
+        self.statuses.append(record.mission)
+
+
+def recorded(scenario: Scenario, path: Path) -> tuple[Result, Steps]:
+    """Run a mission and record it."""
+    steps, writer = Steps(), (McapWriter if path.suffix == ".mcap" else BagWriter)(path)
+    return Simulation(scenario).run([steps, writer]), steps
+
+
+def judged(scenario: Scenario, path: Path) -> tuple[Result, Steps]:
+    """Judge a recording."""
+    steps = Steps()
+    return judge(read_run([path]), [path], scenario, [steps]), steps
+
+
+def assert_equal(found: tuple[Result, Steps], expected: tuple[Result, Steps]) -> None:
+    (result, steps), (expected_result, expected_steps) = found, expected
+    assert [(e.time_s, e.detail) for e in steps.events] == [(e.time_s, e.detail) for e in expected_steps.events]
+    assert steps.statuses == expected_steps.statuses
+    assert msgspec.structs.replace(result, wall_s=0.0) == msgspec.structs.replace(expected_result, wall_s=0.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("suffix", [".bag", ".mcap"])
+@pytest.mark.parametrize("name", CASES)
+def test_recording_of_a_mission_is_judged_as_the_mission(name: str, suffix: str, tmp_path: Path):
+    scenario, path = load(name, CASES[name]), tmp_path / f"m{suffix}"
+    expected = recorded(scenario, path)
+    assert_equal(judged(scenario, path), expected)
+
+
+def test_robots_that_leave_and_come_are_judged_as_they_were(tmp_path: Path):
+    path = tmp_path / "m.bag"
+    scenario = load("garage_sar", ["mission.time_limit_s=30", "schedule=[{at_s: 5, remove: 1}, {at_s: 12, spawn: 1}]"])
+    expected = recorded(scenario, path)
+    assert {event.kind for event in expected[1].events} >= {"robot_removed", "robot_spawned"}
+    assert_equal(judged(scenario, path), expected)
+
+
+def test_true_poses_alone_are_enough(tmp_path: Path):
+    scenario, path, poses = load("garage_sar", ["mission.time_limit_s=80"]), tmp_path / "m.bag", tmp_path / "poses.bag"
+    expected = recorded(scenario, path)
+    assert any(event.kind == "victim_heard" for event in expected[1].events)
+    with Reader(path) as reader, Writer(poses) as writer:
+        kept = [each for each in reader.connections if each.topic.endswith("base_pose_ground_truth")]
+        ids = {each.id: writer.add_connection(each.topic, each.msgtype, typestore=bag_typestore()) for each in kept}
+        for connection, time_ns, data in reader.messages(kept):
+            writer.write(ids[connection.id], time_ns, data)
+    assert_equal(judged(scenario, poses), expected)
+
+
+def test_other_rules_give_another_result(tmp_path: Path):
+    path = tmp_path / "m.bag"
+    recorded(load("garage_sar", ["mission.time_limit_s=40"]), path)
+    result, steps = judged(load("garage_sar", ["mission.time_limit_s=20"]), path)
+    assert (result.end, result.time_s, len(steps.statuses)) == ("time_limit", 20.0, 201)
+
+
+def test_recording_may_end_before_the_mission(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    path = tmp_path / "m.bag"
+    recorded(load("garage_sar", ["mission.time_limit_s=10"]), path)
+    command = ["judge", str(path), "--mission", "garage_sar", "--set", "mission.time_limit_s=600"]
+    assert main(command) == 0
+    assert capsys.readouterr().out.endswith("  the recording ends before the mission does\n")
+    assert main([*command, "--json"]) == 0
+    shown = json.loads(capsys.readouterr().out)
+    assert (shown["end"], shown["time_s"]) == ("", 10.0)
+    assert shown["events"][0]["kind"] == "start"
+
+
+def test_other_teams_are_refused_in_one_line(tmp_path: Path):
+    path = tmp_path / "m.bag"
+    recorded(load("garage_sar", ["mission.time_limit_s=1"]), path)
+    with pytest.raises(RecordingError) as raised:
+        judged(load("garage_sar", ["robots.count=2"]), path)
+    team = "has the poses of 3 robots (robot_0, robot_1, robot_2)"
+    assert str(raised.value) == f"{path}: {team}; expected those of the 2 robots of garage_sar"
