@@ -3,8 +3,8 @@
 _EXTRA_OF_PACKAGE = {
     "PIL": "images",
     "cv2": "images",
-    "dask": "campaign",
-    "distributed": "campaign",
+    "dask": "cluster",
+    "distributed": "cluster",
     "ezdxf": "dxf",
     "fdsreader": "fds",
     "gymnasium": "learning",
@@ -13,13 +13,13 @@ _EXTRA_OF_PACKAGE = {
     "mujoco": "mujoco",
     "pandas": "notebook",
     "pettingzoo": "learning",
-    "scipy": "report",
+    "scipy": "campaign",
     "stable_baselines3": "train",
     "statsmodels": "report",
     "tensordict": "train",
     "torch": "train",
     "torchrl": "train",
-    "tornado": "campaign",
+    "tornado": "cluster",
 }
 """The smallest extra of pyproject.toml that contains each package."""
 

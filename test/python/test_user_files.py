@@ -65,7 +65,6 @@ _READERS = {
     "scenario/plan_cache.py": "cache of imported plans",
     "scenario/yaml_text.py": "scenario, floor plan, map yaml",
     "stage/world_file.py": "world of Stage",
-    "cli/scenario_command.py": "scenario, floor plan, map yaml",
 }
 """What each module reads, as SECURITY.md calls it."""
 

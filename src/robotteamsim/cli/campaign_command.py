@@ -2,6 +2,7 @@
 
 import argparse
 import contextlib
+import importlib
 import json
 import shlex
 import shutil
@@ -172,6 +173,7 @@ def run_stored(options: argparse.Namespace, design: Design, command: str, name: 
 
     Args: options: with out, quiet, scheduler and workers.  command: see `command_line`.
     """
+    importlib.import_module("scipy")  # of the tables, after all trials
     check_folder(options.out, design)
     if options.scheduler and not _is_protected(options.scheduler):
         _warn(f"warning: {options.scheduler}: without TLS, whoever reaches it can run code; see docs/experiments.md")

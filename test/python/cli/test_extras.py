@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 import tomllib
+from collections.abc import Sequence
 from pathlib import Path
 
 import pytest
@@ -15,18 +16,18 @@ ROOT = Path(__file__).resolve().parents[3]
 OF_EXTRAS = ("PIL", "cv2", "dask", "distributed", "ezdxf", "imageio_ffmpeg", "jinja2", "matplotlib", "mujoco")
 OF_EXTRAS += ("gymnasium", "pandas", "pettingzoo", "scipy", "statsmodels", "tornado")
 
-CORE_ONLY = f"""
+WITHOUT = """
 import sys
-for name in {OF_EXTRAS}:
+for name in {missing}:
     sys.modules[name] = None
 from robotteamsim.cli import main
 sys.exit(main())
 """
 
 
-def run(folder: Path, *words: str) -> subprocess.CompletedProcess[str]:
-    """Run a command in a process that finds no package of an extra."""
-    command = (sys.executable, "-c", CORE_ONLY, *words)
+def run(folder: Path, *words: str, missing: Sequence[str] = OF_EXTRAS) -> subprocess.CompletedProcess[str]:
+    """Run a command in a process that does not find some packages."""
+    command = (sys.executable, "-c", WITHOUT.format(missing=missing), *words)
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=120, check=False)
 
 
@@ -55,6 +56,18 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_command_needs_no_extra(folder: Path, words: tuple[str, ...]) -> None:
     done = run(folder, *words)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.slow
+def test_campaign_of_one_machine_needs_no_dask(folder: Path) -> None:
+    words = ("campaign", "tutorial_arena", "--trials", "2", "--set", "mission.time_limit_s=1", "--out", "here")
+    missing = [name for name in OF_EXTRAS if name != "scipy"]
+    done = run(folder, *words, missing=missing)
+    assert done.returncode == 0
+    assert "victims saved" in done.stdout
+    done = run(folder, *words[:-1], "there", "--scheduler", "tls://127.0.0.1:9", missing=missing)
+    assert done.returncode == 1
+    assert "the extra 'cluster'" in done.stderr
 
 
 @pytest.mark.slow
