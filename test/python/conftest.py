@@ -156,7 +156,7 @@ def stored_campaign(outcome_of) -> Callable[..., StoredCampaign]:
         outcomes = [outcome_of(trial, **(driven | figures(trial))) for trial in design.all_trials()]
         outcomes.sort(key=lambda outcome: (outcome.cell, outcome.number))
         versions = {"robotteamsim": "0.1.0", "numpy": "2"}
-        return StoredCampaign(json.loads(json.dumps(design.settings())), versions, tuple(outcomes))
+        return StoredCampaign(json.loads(json.dumps(design.settings())), versions, tuple(outcomes), "2026-01-01")
 
     return make
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 #include "robotteamsim/base/checks.hpp"
 
@@ -26,10 +27,12 @@ struct Viewpoint {
 /// Writes numbers one after the other.
 class Vector {
  public:
-  explicit Vector(float* next) : next_(next) {}
+  explicit Vector(float* next) : next_(next), begin_(next) {}
 
   void Add(float number) {
-    if (std::isnan(number)) throw std::invalid_argument("a number of percepts is NaN");
+    if (std::isnan(number)) {
+      throw std::invalid_argument("number " + std::to_string(next_ - begin_) + " of its vector is NaN");
+    }
     *next_++ = std::clamp(number, -1.0F, 1.0F);
   }
   void Add(double number) { Add(static_cast<float>(number)); }
@@ -39,7 +42,7 @@ class Vector {
   }
 
  private:
-  float* next_;
+  float *next_, *begin_;
 };
 
 void CheckUnits(const Units& units) {
@@ -72,40 +75,44 @@ void WriteVectors(const Units& units, const propagation::FaceSet& faces, const p
   CheckTables(units, percepts, vectors);
   const std::size_t agents = units.range_max_m.size(), each = 4 + percepts.said;
   for (std::size_t row = 0; row < vectors.rows; ++row) {
-    const std::size_t agent = row % agents;
-    const Viewpoint from{percepts.poses.Row(row)};
-    const double *const pose = from.pose, *const twist = percepts.twists.Row(row);
-    const double *const voice = percepts.voices.Row(row), *const area = percepts.areas.Row(row / agents);
-    Vector vector(vectors.Row(row));
-    for (std::size_t beam = 0; beam < percepts.ranges_m.cols; ++beam) {
-      vector.Add(percepts.ranges_m.Row(row)[beam] / units.range_max_m[agent]);
-    }
-    vector.Add(2.0 * (pose[0] - units.low_m.x) / units.extent_m.x - 1.0);
-    vector.Add(2.0 * (pose[1] - units.low_m.y) / units.extent_m.y - 1.0);
-    vector.Add(from.cos());
-    vector.Add(from.sin());
-    vector.Add(twist[0] / units.max_speed_mps[agent]);
-    vector.Add(twist[2] / units.max_turn_radps[agent]);
-    vector.Add(voice[0]);
-    vector.Add(voice[1] / kLoudestDb);
-    vector.Add(from.Seen(voice + 2), voice[0] / units.voice_radius_m);
-    vector.Add(area[0]);
-    vector.Add(from.Seen(area + 1), area[0] / units.diagonal_m);
-    for (const double* heard = percepts.heard.Row(row); heard != percepts.heard.Row(row + 1); heard += each) {
-      double signal = 0.0;
-      if (heard[0] != 0.0) {
-        const auto here = propagation::RoundToMm({pose[0], pose[1]}, "position of an agent");
-        const auto there = propagation::RoundToMm({heard[1], heard[2]}, "position of a teammate");
-        const double signal_dbm = radio.tx_power_dbm - propagation::PathLossDb(faces, radio, here, there);
-        signal = std::max((signal_dbm - kWeakestDbm) / (kStrongestDbm - kWeakestDbm), 0.0);
+    try {
+      const std::size_t agent = row % agents;
+      const Viewpoint from{percepts.poses.Row(row)};
+      const double *const pose = from.pose, *const twist = percepts.twists.Row(row);
+      const double *const voice = percepts.voices.Row(row), *const area = percepts.areas.Row(row / agents);
+      Vector vector(vectors.Row(row));
+      for (std::size_t beam = 0; beam < percepts.ranges_m.cols; ++beam) {
+        vector.Add(percepts.ranges_m.Row(row)[beam] / units.range_max_m[agent]);
       }
-      vector.Add(heard[0]);
-      vector.Add(from.Seen(heard + 1), heard[0] / units.diagonal_m);
-      vector.Add(heard[0] * signal);
-      vector.Add(heard[0] * heard[3] / kOldestS);
-      for (std::size_t k = 4; k < each; ++k) vector.Add(heard[k]);
+      vector.Add(2.0 * (pose[0] - units.low_m.x) / units.extent_m.x - 1.0);
+      vector.Add(2.0 * (pose[1] - units.low_m.y) / units.extent_m.y - 1.0);
+      vector.Add(from.cos());
+      vector.Add(from.sin());
+      vector.Add(twist[0] / units.max_speed_mps[agent]);
+      vector.Add(twist[2] / units.max_turn_radps[agent]);
+      vector.Add(voice[0]);
+      vector.Add(voice[1] / kLoudestDb);
+      vector.Add(from.Seen(voice + 2), voice[0] / units.voice_radius_m);
+      vector.Add(area[0]);
+      vector.Add(from.Seen(area + 1), area[0] / units.diagonal_m);
+      for (const double* heard = percepts.heard.Row(row); heard != percepts.heard.Row(row + 1); heard += each) {
+        double signal = 0.0;
+        if (heard[0] != 0.0) {
+          const auto here = propagation::RoundToMm({pose[0], pose[1]}, "position of an agent");
+          const auto there = propagation::RoundToMm({heard[1], heard[2]}, "position of a teammate");
+          const double signal_dbm = radio.tx_power_dbm - propagation::PathLossDb(faces, radio, here, there);
+          signal = std::max((signal_dbm - kWeakestDbm) / (kStrongestDbm - kWeakestDbm), 0.0);
+        }
+        vector.Add(heard[0]);
+        vector.Add(from.Seen(heard + 1), heard[0] / units.diagonal_m);
+        vector.Add(heard[0] * signal);
+        vector.Add(heard[0] * heard[3] / kOldestS);
+        for (std::size_t k = 4; k < each; ++k) vector.Add(heard[k]);
+      }
+      for (std::size_t k = 0; k < percepts.remembered.cols; ++k) vector.Add(percepts.remembered.Row(row)[k]);
+    } catch (const std::invalid_argument& problem) {
+      throw std::invalid_argument("agent " + std::to_string(row % agents) + ": " + problem.what());
     }
-    for (std::size_t k = 0; k < percepts.remembered.cols; ++k) vector.Add(percepts.remembered.Row(row)[k]);
   }
 }
 

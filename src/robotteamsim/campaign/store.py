@@ -71,19 +71,19 @@ class StoredCampaign:
 
     settings: `Design.settings`.     versions: of the program and libraries that started the campaign.
     outcomes: of the trials that are done, by cell, then number.
-    started:  date of its start, as YYYY-MM-DD; "" in older stores.
+    started:  date of its start, as YYYY-MM-DD.
     command:  command line that runs it; "" if it was not run by the command line.
     """
 
     settings: dict[str, Any]
     versions: dict[str, str]
     outcomes: tuple[Outcome, ...]
-    started: str = ""
+    started: str
     command: str = ""
 
 
 class _Settings(msgspec.Struct, frozen=True):
-    """`Design.settings`. paired: stores that lack it have the value that was the only one then."""
+    """`Design.settings`."""
 
     seed: Count
     trials: Annotated[int, msgspec.Meta(ge=1, le=MAX_TRIALS)]
@@ -91,7 +91,7 @@ class _Settings(msgspec.Struct, frozen=True):
     cells: list[list[Any]]
     scenario: dict[str, Any]
     fingerprint: str
-    paired: bool = False
+    paired: bool
 
 
 class _Properties(msgspec.Struct, frozen=True):
@@ -100,7 +100,7 @@ class _Properties(msgspec.Struct, frozen=True):
     format: str
     settings: str
     versions: str
-    started: str = ""
+    started: str
     command: str = ""
 
 

@@ -65,10 +65,9 @@ class Outcome:
              never happened; with firefighters also located_s, reported_s, reached_s, carried_s, safe_s, dead_s if it
              did, and located_by and position_error_m of the first location) and `robots` (distance_m, contact_s,
              excluded_s, longest_stay_s of each); if there are any, `casualties` (id, kind, time_s of robots that
-             failed and firefighters who collapsed); `network`, as `recording.network_log.NetworkTotals`, except in
-             stores of earlier versions; for a patrol also `idleness`, as `recording.idleness.Idleness`; with
-             `mission.coverage` also `coverage`, the share of the floor; with fire
-             or exits also `egress`, as `mission.egress.Egress`.
+             failed and firefighters who collapsed); `network`, as `recording.network_log.NetworkTotals`; for a patrol
+             also `idleness`, as `recording.idleness.Idleness`; with `mission.coverage` also `coverage`, the share of
+             the floor; with fire or exits also `egress`, as `mission.egress.Egress`.
     paths:   of the robots, for `decode_paths`.
     controller_failed: the first controller that was stopped, with its reason, such as "3.2 s: robot 1 is stopped:
              ValueError: .. (mine.py:7)"; "" if all worked to the end.
@@ -120,12 +119,12 @@ class Outcome:
 
     @property
     def network(self) -> NetworkTotals | None:
-        """The network of the trial; None if it failed, or is in the store of an earlier version."""
+        """The network of the trial; None if it failed."""
         return self.known_details.network
 
     @property
     def egress(self) -> Egress | None:
-        """How people left; None if the trial failed, or has no fire and no exits, or is of an earlier version."""
+        """How people left; None if the trial failed, or has no fire and no exits."""
         return self.known_details.egress
 
 

@@ -6,6 +6,8 @@ import contextlib
 import multiprocessing
 import os
 import signal
+import threading
+import traceback
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Sequence
 from multiprocessing.connection import Connection, wait
@@ -20,8 +22,6 @@ MOST_DEATHS = 5
 """A trial whose worker dies runs again on another one; after so many deaths it is given up."""
 _START_ATTEMPTS = 5
 """So many workers in a row may die before they are ready."""
-_END_S = 10.0
-"""A worker that was told to end is killed after this time."""
 _ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 _SPAWN = multiprocessing.get_context("spawn")
@@ -60,10 +60,8 @@ class _Worker:
             self.connection.send((design.cells[trial.cell].scenario, trial, robotteamsim.__version__))
 
     def end(self) -> None:
-        """End the process."""
+        """End the process, which has nothing to lose."""
         self.connection.close()
-        self._process.terminate()
-        self._process.join(_END_S)
         self._process.kill()
         self._process.join()
         self._process.close()
@@ -140,14 +138,16 @@ class LocalWorkers:
 
 
 @contextlib.contextmanager
-def local_workers(count: int | None = None) -> Iterator[LocalWorkers]:
+def local_workers(count: int | None = None, most: int | None = None) -> Iterator[LocalWorkers]:
     """Start worker processes on this machine, and end them at the end.
 
     Args:   count: of workers, each with one thread; None: one per core that this process may use.
+            most: more are not needed.
     Raises: CampaignError: they cannot be started.
     """
+    count = count or len(os.sched_getaffinity(0))
     try:
-        workers = LocalWorkers(count or len(os.sched_getaffinity(0)))
+        workers = LocalWorkers(count if most is None else min(count, most))
     except OSError as error:
         raise CampaignError(f"workers cannot be started: {error.strerror or error}") from None
     with contextlib.closing(workers):
@@ -156,6 +156,7 @@ def local_workers(count: int | None = None) -> Iterator[LocalWorkers]:
 
 def _work(connection: Connection) -> None:
     """Run the trials that come, until the other end is closed."""
+    threading.Thread(target=_end_with_parent, daemon=True).start()
     answer: Outcome | CampaignError | None = None
     with contextlib.suppress(EOFError, OSError):
         while True:
@@ -165,6 +166,17 @@ def _work(connection: Connection) -> None:
                 answer = run_trial(scenario, trial, version)
             except CampaignError as error:
                 answer = error
+            except KeyboardInterrupt:  # of a controller: Ctrl-C is blocked here
+                text = "KeyboardInterrupt"
+                answer = Outcome(trial.cell, trial.number, trial.seed, error=text, traceback=traceback.format_exc())
+
+
+def _end_with_parent() -> None:
+    """End this process when its parent has ended, such as a campaign that was killed in the midst of a trial."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)
 
 
 @contextlib.contextmanager

@@ -228,7 +228,7 @@ def _run_missing(
             stack.enter_context(progress)
             if cluster and not cluster.count:
                 progress.print_line(f"{options.scheduler} has no workers yet; missions start when workers connect")
-            workers = cluster or stack.enter_context(local_workers(options.workers))
+            workers = cluster or stack.enter_context(local_workers(options.workers, len(missing)))
 
             def keep(outcome: Outcome) -> None:
                 store.keep(outcome)

@@ -12,10 +12,12 @@ from robotteamsim.cli.interrupt import InterruptBetweenSteps
 from robotteamsim.cli.output import OutputConsole
 from robotteamsim.cli.parser import Parser, path_of
 from robotteamsim.cli.progress import ProgressBar
-from robotteamsim.cli.run_command import SCENARIO_HELP, add_set_option
+from robotteamsim.cli.run_command import SCENARIO_HELP, add_set_option, exit_status, failures_in
 from robotteamsim.recording import result_summary
 from robotteamsim.recording.measures import Measures
 from robotteamsim.recording.results import EventList
+from robotteamsim.simulation import Observer
+from robotteamsim.wording import printable
 
 DESCRIPTION = """\
 Judge a bag of any team by the mission of a scenario: which areas it explored, whom it heard and
@@ -24,11 +26,12 @@ what their controllers say, too, if the bag has /robot_<id>/controller/status an
 rest is computed as in a simulation: voices, radio, people, fire, scheduled doors, the rules."""
 
 EPILOG = """\
-A bag of this simulator gives the result of its mission, step by step. The mission begins with the
-first pose. Robots are matched by their numbers, robot_<id>, or else in the order of their names.
+A bag of this simulator gives the result of its mission, step by step; --set repeats the settings of
+the run, such as run.seed. The mission begins with the first pose. Robots are matched by their
+numbers, robot_<id>, or else in the order of their names; one without poses is absent.
 
 examples:
-  robotteamsim judge mission.bag --mission garage_sar
+  robotteamsim judge mission.bag --mission garage_sar --set run.seed=7
   robotteamsim judge real.bag --mission my_house.yaml --set robots.count=2 --json
   robotteamsim judge mission_0.bag mission_1.bag --mission garage_sar      two parts of one recording"""
 
@@ -50,24 +53,30 @@ def add_to(parser: Parser) -> None:
     parser.set_defaults(command=judge)
 
 
-def judge(options: argparse.Namespace) -> None:
-    """Judge the bag, and print what it says."""
+def judge(options: argparse.Namespace) -> int:
+    """Judge the bag, and print what it says. Returns: 0, or 1 if a controller failed."""
     # Imported late, because rosbags slows down commands that read no bag.
     from robotteamsim.analysis.runs import judged
     from robotteamsim.analysis.runs.reading import read_run
-    from robotteamsim.analysis.runs.tables import print_result
+    from robotteamsim.analysis.runs.tables import gap_lines, print_result
 
     loaded = scenario.load(options.mission, options.overrides)
     events, measures = EventList(), Measures()
-    observers = [events, measures, InterruptBetweenSteps()]
+    observers: list[Observer] = [events, measures, InterruptBetweenSteps()]
     if not options.quiet:
         observers.append(ProgressBar(Console(stderr=True)))
     run = read_run(options.bags, options.odometry)
     result = judged.judge(run, options.bags, loaded, observers)
+    notes = [*run.notes, *(f"{topic}: not read, of an unknown type" for topic in run.unread), *gap_lines(run.gaps)]
+    if not result.end:
+        notes.append("the recording ends before the mission does")
+    num_failed, reason = failures_in(events.events)
     if options.json:
-        rows = {"events": [event.row() for event in events.events]}
-        print(json.dumps(result_summary(result) | measures.values() | rows))
+        failures = {"controllers_failed": num_failed, "controller_failed": reason}
+        rows = {"events": [event.row() for event in events.events], "notes": notes}
+        print(json.dumps(result_summary(result) | measures.values() | failures | rows))
     elif not options.quiet:
         print_result(OutputConsole(), result, events.events, (), measures.measured)
-        if not result.end:
-            print("  the recording ends before the mission does")
+        for note in notes:
+            print(f"  {printable(note)}")
+    return exit_status(num_failed, reason)

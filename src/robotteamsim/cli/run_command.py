@@ -3,6 +3,7 @@
 import argparse
 import json
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.console import Console
@@ -15,7 +16,7 @@ from robotteamsim.cli.parser import Parser, UsageError, number, path_of, whole_n
 from robotteamsim.cli.progress import ProgressBar, preparing
 from robotteamsim.control import foreign_code
 from robotteamsim.errors import ScenarioError
-from robotteamsim.mission.events import failure_of
+from robotteamsim.mission.events import Event, failure_of
 from robotteamsim.recording import ResultWriter, TumWriter, result_summary
 from robotteamsim.recording.measures import Measures
 from robotteamsim.recording.results import FILE_NAME, EventList
@@ -122,10 +123,9 @@ def run(options: argparse.Namespace) -> int:
         observers.append(ProgressBar(console))
     observers.append(InterruptBetweenSteps())
     result = simulation.run(observers)
-    failed = [event for event in events.events if event.kind == "controller_failed"]
-    reason = failure_of(failed[0]) if failed else ""
+    num_failed, reason = failures_in(events.events)
     if options.json:
-        failures = {"controllers_failed": len(failed), "controller_failed": reason}
+        failures = {"controllers_failed": num_failed, "controller_failed": reason}
         timings = {"timings": [time._asdict() for time in simulation.timings()]} if options.timings else {}
         print(json.dumps(result_summary(result) | measures.values() | failures | timings))
     elif not options.quiet:
@@ -133,10 +133,21 @@ def run(options: argparse.Namespace) -> int:
         print_result(OutputConsole(), result, events.events, written, measures.measured)
         if options.timings:
             print_timings(OutputConsole(), simulation.timings())
-    if failed:
-        text = printable(f"{counted(len(failed), 'controller')} failed; the first: {reason}")
+    return exit_status(num_failed, reason)
+
+
+def failures_in(events: Sequence[Event]) -> tuple[int, str]:
+    """Return how many controllers failed in a mission, and the first reason."""
+    failed = [event for event in events if event.kind == "controller_failed"]
+    return len(failed), failure_of(failed[0]) if failed else ""
+
+
+def exit_status(num_failed: int, reason: str) -> int:
+    """Return 1, with a line for the user, if a controller failed; else 0."""
+    if num_failed:
+        text = printable(f"{counted(num_failed, 'controller')} failed; the first: {reason}")
         print(f"robotteamsim: {text}", file=sys.stderr)
-    return 1 if failed else 0
+    return 1 if num_failed else 0
 
 
 def _check_files(options: argparse.Namespace, loaded: scenario.Scenario) -> None:

@@ -173,8 +173,15 @@ class Observe:
         return [Part(name, begin, size, meaning) for begin, (name, size, meaning) in zip(begins, parts, strict=False)]
 
     def vectors(self, percepts: Percepts) -> np.ndarray:
-        """Return the vector of each agent, shape (..., n, size of the space); the same inputs give the same bits."""
-        vectors = _core.learning.vectors(self._units, *self._radio, self.said, *percepts)
+        """Return the vector of each agent, shape (..., n, size of the space); the same inputs give the same bits.
+
+        Raises: LearningError: parts of percepts have other shapes or types than they should, or a number is NaN.
+        """
+        try:
+            vectors = _core.learning.vectors(self._units, *self._radio, self.said, *percepts)
+        except (ValueError, TypeError) as error:
+            text = str(error).partition("\n")[0]
+            raise LearningError(f"percepts: {text}") from None
         return vectors.reshape(*percepts.poses.shape[:-1], -1)
 
     def in_bounds(self, places_m: np.ndarray) -> np.ndarray:

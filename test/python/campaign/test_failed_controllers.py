@@ -124,7 +124,7 @@ class TrialsHere:
 
 @pytest.fixture
 def in_this_process(monkeypatch):
-    monkeypatch.setattr(campaign_command, "local_workers", lambda count: contextlib.nullcontext(TrialsHere()))
+    monkeypatch.setattr(campaign_command, "local_workers", lambda count, most: contextlib.nullcontext(TrialsHere()))
 
 
 @pytest.mark.parametrize(

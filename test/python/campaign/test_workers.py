@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import multiprocessing
 import os
 import signal
 import sys
+import time
 
 import psutil
 import pytest
@@ -82,6 +84,18 @@ class Spy:
         return robotteamsim.Decision()
 
 
+class Interrupting(Spy):
+    def __init__(self, robot_id, scenario):
+        if multiprocessing.parent_process() is not None:
+            raise KeyboardInterrupt
+
+
+class Endless(Spy):
+    def __init__(self, robot_id, scenario):
+        while multiprocessing.parent_process() is not None:
+            pass
+
+
 class Deadly(Spy):
     def __init__(self, robot_id, scenario):
         is_worker = multiprocessing.parent_process() is not None
@@ -119,8 +133,9 @@ def test_trials_of_a_killed_worker_run_again_on_another_worker(short_design, two
             store.keep(outcome)
             if len(store.outcomes()) in (2, 5):
                 for child in psutil.Process().children():
-                    if "spawn_main" in " ".join(child.cmdline()):
-                        child.kill()
+                    with contextlib.suppress(psutil.Error):  # it has just ended
+                        if "spawn_main" in " ".join(child.cmdline()):
+                            child.kill()
 
         assert two_workers.run(design, store.missing(), keep_and_kill) == ()
         killed = store.export().read_bytes()
@@ -171,3 +186,42 @@ def test_workers_that_die_at_once_are_reported(short_design, monkeypatch):
     finally:
         monkeypatch.undo()
         multiprocessing.set_executable(sys.executable)
+
+
+@pytest.mark.slow
+def test_controller_that_interrupts_fails_its_trial(short_design, spying):
+    design, kept = short_design("control.algorithm=spying_of_test:Interrupting"), []
+    with local_workers(1) as workers:
+        assert workers.run(design, list(design.all_trials()), kept.append) == ()
+    assert [outcome.error for outcome in kept] == ["KeyboardInterrupt"] * 2
+
+
+@pytest.mark.slow
+def test_workers_end_with_a_campaign_that_is_killed(spying, tmp_path):
+    command = [
+        sys.executable,
+        "-m",
+        "robotteamsim.cli",
+        "campaign",
+        "tutorial_arena",
+        "--trials",
+        "2",
+        "--workers",
+        "2",
+    ]
+    command += ["--set", "control.algorithm=spying_of_test:Endless", "--quiet", "--out", str(tmp_path / "c")]
+    environment = os.environ | {"PYTHONPATH": os.pathsep.join((str(tmp_path), os.environ.get("PYTHONPATH", "")))}
+    with psutil.Popen(command, env=environment) as campaign:
+        deadline_s = time.monotonic() + 60.0
+        while len(busy := [one for one in campaign.children() if one.cpu_times().user > 2.0]) < 2:
+            assert time.monotonic() < deadline_s
+            time.sleep(0.2)
+        campaign.kill()
+    _, left = psutil.wait_procs(busy, timeout=30)
+    assert left == []
+
+
+@pytest.mark.slow
+def test_no_more_workers_than_needed_are_started():
+    with local_workers(8, most=1) as workers:
+        assert workers.count == 1

@@ -24,7 +24,7 @@ GRAPH = Path(__file__).parents[2] / "data" / "patrol" / "three.graph"
 @pytest.fixture(autouse=True)
 def _on_two_workers(two_workers, monkeypatch):
     """Let the command use the workers that are there already."""
-    monkeypatch.setattr(campaign_command, "local_workers", lambda count: contextlib.nullcontext(two_workers))
+    monkeypatch.setattr(campaign_command, "local_workers", lambda count, most: contextlib.nullcontext(two_workers))
 
 
 def rows(path: Path) -> list[dict[str, str]]:

@@ -25,7 +25,7 @@ NOISE = ("--noise", "10", "--noise", "20")
 @pytest.fixture
 def on_two_workers(two_workers, monkeypatch):
     """Let the command use the workers that are there already."""
-    monkeypatch.setattr(campaign_command, "local_workers", lambda count: contextlib.nullcontext(two_workers))
+    monkeypatch.setattr(campaign_command, "local_workers", lambda count, most: contextlib.nullcontext(two_workers))
 
 
 @pytest.mark.slow
@@ -108,7 +108,7 @@ def test_failed_trials_are_reported_and_the_rest_runs(capsys, tmp_path, monkeypa
         return (trials[-1],)
 
     workers = SimpleNamespace(run=run)
-    monkeypatch.setattr(campaign_command, "local_workers", lambda count: contextlib.nullcontext(workers))
+    monkeypatch.setattr(campaign_command, "local_workers", lambda count, most: contextlib.nullcontext(workers))
     assert main(["campaign", "tutorial_arena", "--trials", "3", "--out", str(tmp_path)]) == 1
     captured = capsys.readouterr()
     failed, good = read_store(tmp_path).outcomes

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from robotteamsim.learning import Observe, Percepts
+from robotteamsim.learning.errors import LearningError
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario import load
 from robotteamsim.setup import resolve
@@ -90,10 +91,14 @@ def test_numbers_that_are_remembered_come_last_and_are_limited(observe, percepts
 
 @pytest.mark.parametrize("part", ["ranges_m", "twists", "voices", "area", "heard"])
 def test_parts_of_other_agents_are_refused(observe, percepts, part):
-    with pytest.raises(ValueError, match="do not have the shapes of the same agents"):
+    with pytest.raises(LearningError, match="do not have the shapes of the same agents"):
         observe.vectors(percepts._replace(**{part: getattr(percepts, part)[:-1]}))
 
 
 def test_what_is_no_number_is_refused(observe, percepts):
-    with pytest.raises(ValueError, match="NaN"):
-        observe.vectors(percepts._replace(twists=percepts.twists * np.nan))
+    twists = percepts.twists.copy()
+    twists[0, 1, 2] = np.nan
+    with pytest.raises(LearningError, match=rf"^percepts: agent 1: number {observe.beams + 5} of its vector is NaN$"):
+        observe.vectors(percepts._replace(twists=twists))
+    with pytest.raises(LearningError, match=r"^percepts: "):
+        observe.vectors(percepts._replace(twists="fast"))

@@ -40,7 +40,7 @@ class SearchSample:
     last_s:     when the last victim was saved; infinity if not all were.
     end_s:      when the mission ended.     bound_s: before which no team can save all victims.
     coverage:   shares of the floor covered, and
-    networks:   of the missions; fewer if some are of an earlier version.
+    networks:   of the missions.
     """
 
     place: Place
@@ -140,7 +140,7 @@ class PatrolSample:
     mean_s, max_s: idleness of the graph, shape (missions,).
     vertices_s:    mean idleness of each vertex, shape (missions, vertices).
     vertex_max_s, visits: of each vertex, same shape.
-    networks:      of the missions; fewer if some are of an earlier version.
+    networks:      of the missions.
     """
 
     robots: int

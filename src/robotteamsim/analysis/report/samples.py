@@ -34,7 +34,7 @@ class Sample:
     distance_m: driven by all robots; NaN where unknown.
     numbers:    of the trials: trials of equal number form a pair in a paired campaign.
     limit_s:    time limit of the mission.
-    networks, egress: of the missions; fewer if some are in stores of an earlier version, or have none.
+    networks, egress: of the missions that have them.
     saved_s:    of each mission, the times at which victims were saved, ascending; () if they are unknown.
     """
 

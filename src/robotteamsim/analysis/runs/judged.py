@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping, Sequence
+import math
+from bisect import bisect_right
+from collections.abc import Sequence
+from operator import itemgetter
 from pathlib import Path
 
 import msgspec
@@ -12,9 +15,10 @@ import numpy as np
 from robotteamsim import _core
 from robotteamsim.analysis.runs.recorded_run import RecordedRobot, RecordedRun
 from robotteamsim.errors import PlacementError, RecordingError
-from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.interface import Decision
 from robotteamsim.mission import Sensed
+from robotteamsim.network.messages import Message
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.topics.decisions import OUTBOX, STATUS
 from robotteamsim.scenario import Scenario
@@ -25,6 +29,7 @@ from robotteamsim.simulation.trial import Trial
 from robotteamsim.wording import counted
 
 _NO_RANGES = np.zeros(0, np.float32)
+_NOWHERE = Pose(math.nan, math.nan, math.nan)
 
 
 def judge(run: RecordedRun, paths: Sequence[Path], scenario: Scenario, observers: Sequence[Observer] = ()) -> Result:
@@ -35,11 +40,11 @@ def judge(run: RecordedRun, paths: Sequence[Path], scenario: Scenario, observers
     the schedule moves, and the rules of the mission. Its time begins one step before the first pose.
 
     Returns: the result; its `end` is "" if the recording ends before the mission does.
-    Raises:  RecordingError: the run has not the robots of the scenario, or their poses are not in `map`.
+    Raises:  RecordingError: the run has robots that the scenario has not, or their poses are not in `map`.
     """
     setup = resolve(scenario)
     robots = _team(run, setup, paths)
-    recorded = _Recorded(setup, run, robots, _decisions(paths, robots, setup))
+    recorded = _Recorded(setup, run, robots, _Said(paths, robots, setup))
     simulation = Simulation(setup, controllers=recorded)
     simulation.sensors = recorded
     simulation.mission.start()
@@ -55,69 +60,74 @@ def judge(run: RecordedRun, paths: Sequence[Path], scenario: Scenario, observers
         trial.abandon()
 
 
-def _team(run: RecordedRun, setup: Setup, paths: Sequence[Path]) -> list[RecordedRobot]:
-    """Return the robots of a run in the order of the scenario's. Raises: RecordingError, as `judge`."""
-    files, expected = ", ".join(map(str, paths)), len(setup.robots)
-    robots = sorted(run.robots, key=lambda robot: (robot.robot_id is None, robot.robot_id or 0))
-    numbers = [robot.robot_id for robot in robots]
-    if len(robots) != expected or not (numbers == [*range(expected)] or set(numbers) == {None}):
-        names = ", ".join(robot.name for robot in robots) or "none"
-        text = f"has the poses of {counted(len(robots), 'robot')} ({names})"
-        raise RecordingError(
-            f"{files}: {text}; expected those of the {counted(expected, 'robot')} of {setup.scenario.name}"
-        )
-    for robot in robots:
+def _team(run: RecordedRun, setup: Setup, paths: Sequence[Path]) -> list[RecordedRobot | None]:
+    """Return the robots of a run in the order of the scenario's; None: the run has no poses of it.
+
+    Raises: RecordingError, as `judge`.
+    """
+    files, expected, name = ", ".join(map(str, paths)), len(setup.robots), setup.scenario.name
+    numbered = {robot.robot_id: robot for robot in run.robots if robot.robot_id is not None}
+    if not numbered and len(run.robots) == expected:
+        team: list[RecordedRobot | None] = list(run.robots)
+    elif numbered and len(numbered) == len(run.robots) and max(numbered) < expected:
+        team = [numbered.get(robot_id) for robot_id in range(expected)]
+    else:
+        names = ", ".join(robot.name for robot in run.robots) or "none"
+        text = f"has the poses of {counted(len(run.robots), 'robot')} ({names})"
+        numbers = "robot_0" if expected == 1 else f"robot_0 to robot_{expected - 1}"
+        known = f"expected {numbers} of {name}, or as many of other names" if expected else f"{name} has no robots"
+        raise RecordingError(f"{files}: {text}; {known}")
+    for robot in filter(None, team):
         if not robot.track.is_on_map:
-            frame = robot.track.frame
-            raise RecordingError(
-                f"{files}: {robot.name}: its poses are in '{frame}', and no transform leads from map to it"
-            )
-    return robots
+            text = f"its poses are in '{robot.track.frame}', and no transform leads from map to it"
+            raise RecordingError(f"{files}: {robot.name}: {text}")
+    return team
 
 
-def _decisions(
-    paths: Sequence[Path], robots: Sequence[RecordedRobot], setup: Setup
-) -> Mapping[tuple[int, int], Decision]:
-    """Return what controllers have said, by stamp [ns] and robot; empty if the bag does not say it."""
-    wanted = {
-        f"{robot.namespace}/{topic.name}": (i, topic) for i, robot in enumerate(robots) for topic in (STATUS, OUTBOX)
-    }
-    found: dict[tuple[int, int], Decision] = {}
-    with BagReader(paths) as bag:
-        known = {
-            name
-            for name, (_, topic) in wanted.items()
-            if bag.topics.get(name) == topic.type_name and bag.is_known(name)
-        }
-        for name, stamp_ns, message in bag.messages(known):
-            robot_id, topic = wanted[name]
-            assert topic.read is not None
-            try:
-                value = topic.read(message, setup, robot_id)
-            except ValueError as error:
-                raise RecordingError(f"{', '.join(map(str, paths))}: {name}: {error}") from None
-            before = found.get((stamp_ns, robot_id), Decision())
-            if topic is STATUS:
-                found[stamp_ns, robot_id] = msgspec.structs.replace(value, outbox=before.outbox)
-            else:
-                found[stamp_ns, robot_id] = msgspec.structs.replace(before, outbox=tuple(value))
-    return found
+class _Said:
+    """What the controllers of a bag have said: their statuses, and their messages."""
+
+    def __init__(self, paths: Sequence[Path], robots: Sequence[RecordedRobot | None], setup: Setup) -> None:
+        """Read the bag. Raises: RecordingError: it cannot be read, or a message is impossible."""
+        self._statuses: list[list[tuple[int, Decision]]] = [[] for _ in robots]
+        self._messages: list[list[tuple[int, Message]]] = [[] for _ in robots]
+        topics = [(i, topic, robot) for i, robot in enumerate(robots) if robot for topic in (STATUS, OUTBOX)]
+        wanted = {f"{robot.namespace}/{topic.name}": (i, topic) for i, topic, robot in topics}
+        with BagReader(paths) as bag:
+            types = bag.topics
+            known = {name for name, (_, topic) in wanted.items() if types.get(name) == topic.type_name}
+            for name, stamp_ns, message in bag.messages(set(filter(bag.is_known, known))):
+                robot_id, topic = wanted[name]
+                assert topic.read is not None
+                try:
+                    value = topic.read(message, setup, robot_id)
+                except ValueError as error:
+                    raise RecordingError(f"{', '.join(map(str, paths))}: {name}: {error}") from None
+                if topic is STATUS:
+                    self._statuses[robot_id].append((stamp_ns, value))
+                else:
+                    self._messages[robot_id] += [(stamp_ns, one) for one in value]
+        for statuses, messages in zip(self._statuses, self._messages, strict=True):
+            statuses.sort(key=itemgetter(0))
+            messages.sort(key=itemgetter(0))
+
+    def decision(self, robot_id: int, before_ns: int, stamp_ns: int) -> Decision:
+        """Return the last status up to a stamp, with the messages since another one [ns]."""
+        statuses, messages = self._statuses[robot_id], self._messages[robot_id]
+        last = bisect_right(statuses, stamp_ns, key=itemgetter(0)) - 1
+        first, end = (bisect_right(messages, at_ns, key=itemgetter(0)) for at_ns in (before_ns, stamp_ns))
+        status = statuses[last][1] if last >= 0 else Decision()
+        return msgspec.structs.replace(status, outbox=tuple(message for _, message in messages[first:end]))
 
 
 class _Recorded:
     """Sensors and controllers of robots that do what a bag says."""
 
-    def __init__(
-        self,
-        setup: Setup,
-        run: RecordedRun,
-        robots: Sequence[RecordedRobot],
-        decisions: Mapping[tuple[int, int], Decision],
-    ) -> None:
-        self._robots, self._decisions, self._step_ns = robots, decisions, setup.scenario.run.step_ns
-        stamps_ns = [robot.track.stamps_ns[[0, -1]] for robot in robots]
+    def __init__(self, setup: Setup, run: RecordedRun, robots: Sequence[RecordedRobot | None], said: _Said) -> None:
+        self._robots, self._said, self._step_ns = robots, said, setup.scenario.run.step_ns
+        stamps_ns = [robot.track.stamps_ns[[0, -1]] for robot in robots if robot]
         first_ns, self._end_ns = run.start_ns, run.end_ns
-        if robots:
+        if stamps_ns:
             first_ns, self._end_ns = int(np.min(stamps_ns)), int(np.max(stamps_ns))
         self._stamp_ns = first_ns - self._step_ns
         """Of the current step."""
@@ -137,38 +147,45 @@ class _Recorded:
         self._stamp_ns += self._step_ns
         world = simulation.world
         for robot_id, robot in enumerate(self._robots):
-            # Schedules do the same; what else has happened is seen when it has happened.
-            is_there = robot.track.is_present(self._stamp_ns - self._step_ns)
+            reading = self._reading(robot)
             # Where there is no room, the body stays where it was.
             with contextlib.suppress(PlacementError, ValueError):
-                if is_there and not world.present[robot_id]:
-                    simulation.spawn_robot(robot_id, self._reading(robot).true_pose)
-                elif not is_there and world.present[robot_id]:
+                if reading is None:
                     simulation.remove_robot(robot_id)
-                world.set_pose(robot_id, self._reading(robot).true_pose)
+                elif not world.present[robot_id]:
+                    simulation.spawn_robot(robot_id, reading.true_pose)
+                else:
+                    world.set_pose(robot_id, reading.true_pose)
 
     def read(self) -> _core.state.State:
         """As for all sensors."""
         state = _core.state.State(len(self._robots))
         for robot_id, robot in enumerate(self._robots):
-            if robot.track.is_present(self._stamp_ns):
-                state.put_reading(robot_id, self._reading(robot))
+            if (reading := self._reading(robot)) is not None:
+                state.put_reading(robot_id, reading)
+            else:
+                state.place(robot_id, _NOWHERE)
         return state
 
     def step(self, sensed: Sensed) -> tuple[Decision, ...]:
-        """As for all controllers; a robot stands, because its body is moved."""
-        still = Decision()
-        team = [self._decisions.get((self._stamp_ns, i), still) for i in range(len(self._robots))]
-        return tuple(one if is_there else still for one, is_there in zip(team, sensed.present.tolist(), strict=True))
-
-    def _reading(self, robot: RecordedRobot) -> RobotReading:
-        track = robot.track
-        index = track.index_at(self._stamp_ns)
-        (x_m, y_m, _), (qz, qw) = track.poses[index].tolist(), track.turns[index].tolist()
-        pose = PoseReading(x_m, y_m, qz, qw)
-        touches = robot.contact is not None and bool(
-            robot.contact.values[_last(robot.contact.stamps_ns, self._stamp_ns)]
+        """As for all controllers. A robot has no command, because its body is moved."""
+        before_ns = self._stamp_ns - self._step_ns
+        return tuple(
+            self._said.decision(i, before_ns, self._stamp_ns) if is_there else Decision()
+            for i, is_there in enumerate(sensed.present.tolist())
         )
+
+    def _reading(self, robot: RecordedRobot | None) -> RobotReading | None:
+        """Return the reading of a robot; None: it is not there now."""
+        if robot is None or self._stamp_ns < robot.track.stamps_ns[0] or not robot.track.is_present(self._stamp_ns):
+            return None
+        track, contact = robot.track, robot.contact
+        index = track.index_at(self._stamp_ns)
+        x_m, y_m, yaw_rad = track.poses[index].tolist()
+        pose = PoseReading.from_pose(Pose(x_m, y_m, yaw_rad))
+        if track.source == "truth":
+            pose = PoseReading(x_m, y_m, *track.turns[index].tolist())  # as recorded, to the bit
+        touches = contact is not None and bool(contact.values[_last(contact.stamps_ns, self._stamp_ns)])
         return RobotReading(pose, Twist(), OdometryReading(pose, Twist()), _NO_RANGES, touches)
 
 

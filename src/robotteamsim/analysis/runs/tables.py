@@ -17,6 +17,7 @@ from robotteamsim.mission.status import END_TEXTS
 from robotteamsim.wording import column_groups, counted, printable
 
 if TYPE_CHECKING:
+    from robotteamsim.analysis.runs.gaps import Gap
     from robotteamsim.analysis.runs.recorded_run import RecordedRun
     from robotteamsim.analysis.runs.totals import MissionTotals, RobotTotals, RunTotals
     from robotteamsim.mission.egress import Egress
@@ -272,11 +273,15 @@ def _number(value: float | None, form: str, mark: str = "") -> str:
     return _UNKNOWN if value is None else f"{value:{form}}{mark}"
 
 
+def gap_lines(gaps: Sequence[Gap]) -> list[str]:
+    """Return a line for each topic that lacks steps, up to a limit."""
+    lines = [f"{gap.topic}: {gap.missing} of {gap.expected} steps missing" for gap in gaps[:MAX_GAPS]]
+    more = [f"and {counted(len(gaps) - MAX_GAPS, 'more topic')} with missing steps"] if len(gaps) > MAX_GAPS else []
+    return lines + more
+
+
 def _print_omitted(console: Console, totals: RunTotals, prefix: str) -> None:
-    lines = [*totals.notes, *(f"omitted: {line}" for line in totals.omitted)]
-    lines += [f"{gap.topic}: {gap.missing} of {gap.expected} steps missing" for gap in totals.gaps[:MAX_GAPS]]
-    if len(totals.gaps) > MAX_GAPS:
-        lines.append(f"and {counted(len(totals.gaps) - MAX_GAPS, 'more topic')} with missing steps")
+    lines = [*totals.notes, *(f"omitted: {line}" for line in totals.omitted), *gap_lines(totals.gaps)]
     if any(gap.totals for gap in totals.gaps):
         lines.append(f"totals marked {_MARK} are computed without the missing steps")
     for line in lines:

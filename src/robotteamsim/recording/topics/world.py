@@ -131,10 +131,13 @@ def _object_marker(marker_id: int, obj: MovableObject, at: Pose) -> Marker:
 
 
 def read_objects(message: Any) -> ObjectStates:
-    """Return the objects of /world/objects, without mass and friction. Raises: ValueError: impossible ones."""
+    """Return the objects of /world/objects, without mass and friction, and without markers of other programs.
+
+    Raises: ValueError: impossible ones.
+    """
     models, poses = [], []
     for marker in message.markers:
-        if marker.ns != _OBJECTS or marker.action != ADD:
+        if marker.ns != _OBJECTS or marker.action != ADD or marker.type not in (CUBE, CYLINDER):
             continue
         place, turn, size = marker.pose.position, marker.pose.orientation, marker.scale
         check_place("object", place.x, place.y)
