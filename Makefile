@@ -160,7 +160,7 @@ bench: build_tests ## measure the speed of each part relative to a straightforwa
 	@$(ENV) for script in bench/world_bench.py $(filter-out bench/ros_%.py bench/ros2_bench.py bench/world_bench.py bench/mission_bench.py bench/learning_bench.py,$(wildcard bench/*_bench.py)); do $(PYTHON) $$script || exit 1; done
 
 $(PEERS)/.ready: setup/requirements-peers.txt
-	$(call step,VMAS and IR-SIM in $(PEERS),peers) bash -c '/usr/bin/python3 -m venv --clear $(PEERS) && $(PEERS)/bin/python -m pip install --disable-pip-version-check --requirement $<'
+	$(call step,the peers in $(PEERS),peers) bash -c '/usr/bin/python3 -m venv --clear $(PEERS) && $(PEERS)/bin/python -m pip install --disable-pip-version-check --requirement $<'
 	@touch $@
 
 bench_learning: build_tests $(PEERS)/.ready ## measure environments for learning, VMAS and IR-SIM; ARGS="--csv bench/results/learning.csv"
