@@ -265,7 +265,10 @@ void BindState(nb::module_&& m) {
           },
           "robots"_a, "beams"_a = 0)
       .def(
-          "of", [](const MissionState& all, std::size_t mission) { return MissionState(all.shared(), mission); },
+          "of",
+          [](const MissionState& all, std::size_t mission) {
+            return MissionState(std::make_shared<State>(all.state().Of(mission)), 0);
+          },
           "mission"_a)
       .def("__len__", [](const MissionState& of) { return of.state().robots; })
       .def("__getitem__", &ReadingOf, "robot_id"_a,

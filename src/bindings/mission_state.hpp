@@ -20,7 +20,6 @@ class MissionState {
     if (mission_.value_or(0) >= state_->missions) throw std::out_of_range("no such mission");
   }
 
-  const std::shared_ptr<state::State>& shared() const { return state_; }
   const state::State& state() const { return *state_; }
   state::State* written() const { return state_.get(); }
   bool is_of_one() const { return mission_.has_value(); }

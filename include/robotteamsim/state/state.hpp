@@ -87,6 +87,10 @@ struct State {
   /// Args: with_link: whether `link` is another matrix than `rssi_dbm`.
   void NeedLinks(bool with_link);
 
+  /// Returns the numbers of one mission alone, which do not keep those of the others in memory.
+  /// Throws std::out_of_range if there is no such mission.
+  State Of(std::size_t mission) const;
+
   /// Sets where a robot is.
   void Place(std::size_t row, const base::Pose& pose);
 };

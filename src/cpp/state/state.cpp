@@ -1,5 +1,6 @@
 #include "robotteamsim/state/state.hpp"
 
+#include <cstddef>
 #include <limits>
 #include <stdexcept>
 
@@ -57,6 +58,41 @@ void State::NeedLinks(bool with_link) {
   Allocate(cells, &adjacency);
   Allocate(cells, &endangered);
   Allocate(cells, &hop_count);
+}
+
+State State::Of(std::size_t mission) const {
+  if (mission >= missions) throw std::out_of_range("no such mission");
+  State one(1, robots, beams);
+  const auto take = [mission](const auto& from, std::size_t each, auto* to) {
+    if (from.empty()) return;  // matrices that nobody asked for
+    const auto begin = from.begin() + static_cast<std::ptrdiff_t>(mission * each);
+    to->assign(begin, begin + static_cast<std::ptrdiff_t>(each));
+  };
+  take(true_pose, robots, &one.true_pose);
+  take(positions, robots, &one.positions);
+  take(true_twist, robots, &one.true_twist);
+  take(contact, robots, &one.contact);
+  take(contact_angles, robots, &one.contact_angles);
+  take(odometry_pose, robots, &one.odometry_pose);
+  take(odometry_twist, robots, &one.odometry_twist);
+  take(odometry_pose_covariance, robots, &one.odometry_pose_covariance);
+  take(odometry_twist_variances, robots, &one.odometry_twist_variances);
+  take(ranges_m, robots * beams, &one.ranges_m);
+  take(beams_of, robots, &one.beams_of);
+  take(voice_level_db, robots, &one.voice_level_db);
+  take(voice_heard, robots, &one.voice_heard);
+  take(local_best, robots, &one.local_best);
+  take(local_best_level_db, robots, &one.local_best_level_db);
+  take(rssi_dbm, robots * robots, &one.rssi_dbm);
+  take(link, robots * robots, &one.link);
+  take(adjacency, robots * robots, &one.adjacency);
+  take(endangered, robots * robots, &one.endangered);
+  take(hop_count, robots * robots, &one.hop_count);
+  take(fiedler_value, 1, &one.fiedler_value);
+  take(links_version, 1, &one.links_version);
+  take(links_source, 1, &one.links_source);
+  take(happened, 1, &one.happened);
+  return one;
 }
 
 void State::Place(std::size_t row, const base::Pose& pose) {
