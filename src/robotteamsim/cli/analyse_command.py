@@ -61,13 +61,7 @@ def add_to(parser: Parser) -> None:
     parser.add_argument(
         "bags", nargs="+", type=path_of, metavar="BAG", help="one or more bags; several are summarised in one table"
     )
-    parser.add_argument(
-        "--odometry",
-        action="append",
-        default=[],
-        metavar="TOPIC",
-        help="the topic of a robot's poses, once for each robot; default: found by name and type",
-    )
+    add_odometry_option(parser)
     parser.add_argument(
         "--join", action="store_true", help="the bags are parts of one recording (rosbag record --split)"
     )
@@ -87,6 +81,17 @@ def add_to(parser: Parser) -> None:
     )
     parser.add_argument("--scenario", metavar="SCENARIO", help="draw its floor plan instead of the bag's /map")
     parser.set_defaults(command=analyse)
+
+
+def add_odometry_option(parser: argparse.ArgumentParser) -> None:
+    """Add --odometry, which can be repeated."""
+    parser.add_argument(
+        "--odometry",
+        action="append",
+        default=[],
+        metavar="TOPIC",
+        help="the topic of a robot's poses, once for each robot; default: found by name and type",
+    )
 
 
 def analyse(options: argparse.Namespace) -> int:

@@ -8,6 +8,7 @@ import json
 from rich.console import Console
 
 from robotteamsim import scenario
+from robotteamsim.cli.analyse_command import add_odometry_option
 from robotteamsim.cli.interrupt import InterruptBetweenSteps
 from robotteamsim.cli.output import OutputConsole
 from robotteamsim.cli.parser import Parser, path_of
@@ -41,13 +42,7 @@ def add_to(parser: Parser) -> None:
     parser.add_argument("bags", nargs="+", type=path_of, metavar="BAG", help="a bag, or the parts of one")
     parser.add_argument("--mission", required=True, metavar="SCENARIO", help=SCENARIO_HELP)
     add_set_option(parser)
-    parser.add_argument(
-        "--odometry",
-        action="append",
-        default=[],
-        metavar="TOPIC",
-        help="the topic of a robot's poses, once for each robot; default: found by name and type",
-    )
+    add_odometry_option(parser)
     parser.add_argument("--json", action="store_true", help="print result and events as one JSON object")
     parser.add_argument("--quiet", action="store_true", help="no progress bar, no table")
     parser.set_defaults(command=judge)
