@@ -185,10 +185,5 @@ class _Recorded:
         pose = PoseReading.from_pose(Pose(x_m, y_m, yaw_rad))
         if track.source == "truth":
             pose = PoseReading(x_m, y_m, *track.turns[index].tolist())  # as recorded, to the bit
-        touches = contact is not None and bool(contact.values[_last(contact.stamps_ns, self._stamp_ns)])
+        touches = contact is not None and bool(contact.at(self._stamp_ns))
         return RobotReading(pose, Twist(), OdometryReading(pose, Twist()), _NO_RANGES, touches)
-
-
-def _last(stamps_ns: np.ndarray, stamp_ns: int) -> int:
-    """Return the index of the last stamp at or before another one, or 0 if there is none."""
-    return max(int(np.searchsorted(stamps_ns, stamp_ns, side="right")) - 1, 0)

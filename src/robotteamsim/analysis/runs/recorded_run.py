@@ -20,6 +20,10 @@ class Series:
     stamps_ns: np.ndarray
     values: np.ndarray
 
+    def at(self, stamp_ns: int) -> Any:
+        """Return the last value up to a stamp [ns], or the first one if there is none."""
+        return self.values[max(int(np.searchsorted(self.stamps_ns, stamp_ns, side="right")) - 1, 0)]
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class RecordedRobot:
