@@ -72,21 +72,17 @@ class LocalWorkers:
 
     def __init__(self, count: int) -> None:
         """Start them."""
+        self.count = count
         self._workers: list[_Worker] = []
         try:
-            for _ in range(count):
-                self._workers.append(_Worker())
+            self._fill()
         except BaseException:
             self.close()
             raise
 
-    @property
-    def count(self) -> int:
-        """As for all workers."""
-        return len(self._workers)
-
     def run(self, design: Design, trials: Sequence[Trial], keep: Callable[[Outcome], None]) -> tuple[Trial, ...]:
         """As for all workers. Raises: CampaignError: workers die while they start, or one cannot run trials."""
+        self._fill()
         waiting, given_up = deque(trials), []
         deaths, failed_starts, num_left = Counter[Trial](), 0, len(trials)
         try:
@@ -95,13 +91,12 @@ class LocalWorkers:
                     if worker.is_ready and worker.trial is None and waiting:
                         worker.give(design, waiting.popleft())
                 answered = wait([worker.connection for worker in self._workers])
-                for index, worker in enumerate(self._workers):
-                    if worker.connection not in answered:
-                        continue
+                for worker in [one for one in self._workers if one.connection in answered]:
                     try:
                         answer = worker.connection.recv()
                     except (EOFError, OSError):  # it has died
-                        self._replace(index)
+                        self._remove(worker)
+                        self._fill()
                         if (trial := worker.trial) is None:
                             failed_starts += not worker.is_ready
                         elif deaths[trial] + 1 == MOST_DEATHS:
@@ -122,9 +117,8 @@ class LocalWorkers:
                         num_left -= 1
                         keep(answer)
         finally:
-            for index, worker in enumerate(self._workers):
-                if worker.trial is not None:  # nobody waits for its answer
-                    self._replace(index)
+            for worker in [one for one in self._workers if one.trial is not None]:
+                self._remove(worker)  # nobody waits for its answer
         return tuple(given_up)
 
     def close(self) -> None:
@@ -132,9 +126,14 @@ class LocalWorkers:
         for worker in self._workers:
             worker.end()
 
-    def _replace(self, index: int) -> None:
-        self._workers[index].end()
-        self._workers[index] = _Worker()
+    def _fill(self) -> None:
+        """Start workers in place of those that were removed."""
+        while len(self._workers) < self.count:
+            self._workers.append(_Worker())
+
+    def _remove(self, worker: _Worker) -> None:
+        self._workers.remove(worker)
+        worker.end()
 
 
 @contextlib.contextmanager
