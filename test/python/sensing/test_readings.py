@@ -70,9 +70,10 @@ def test_states_of_several_missions_have_an_axis_for_them():
     state = States(3, 2, 4).next()
     assert state.true_pose.shape == (3, 2, 4)
     assert state.ranges_m.shape == (3, 2, 4)
-    state.of(1).place(1, Pose(2.0, 3.0, 0.0))
-    assert state.positions_m[1, 1].tolist() == [2.0, 3.0]
-    assert np.isnan(state.positions_m[[0, 2]]).all()
+    alone = state.of(1)
+    alone.place(1, Pose(2.0, 3.0, 0.0))
+    assert alone.positions_m[1].tolist() == [2.0, 3.0]
+    assert np.isnan(state.positions_m).all()
     with pytest.raises(IndexError, match="no such mission"):
         state.of(3)
     with pytest.raises(ValueError, match="one mission"):
@@ -82,13 +83,13 @@ def test_states_of_several_missions_have_an_axis_for_them():
 def test_memory_of_a_state_is_used_again_only_after_nobody_holds_it():
     states = States(1, 2, 3)
     held = states.next()
-    place = held.of(0).true_pose.ctypes.data
-    assert states.next().of(0).true_pose.ctypes.data != place
-    row = held.of(0).ranges_of(1)
+    place = held.true_pose.ctypes.data
+    assert states.next().true_pose.ctypes.data != place
+    row = held.ranges_m[0, 1]
     del held
-    assert states.next().of(0).true_pose.ctypes.data != place
+    assert states.next().true_pose.ctypes.data != place
     del row
-    assert states.next().of(0).true_pose.ctypes.data == place
+    assert states.next().true_pose.ctypes.data == place
 
 
 def test_reading_without_additional_sensors_replaces_those_that_were_there():
