@@ -21,5 +21,6 @@ void BindSwarm(nb::module_&& m);
 void BindControl(nb::module_&& m);
 void BindSimulation(nb::module_&& m);
 void BindLearning(nb::module_&& m);
+void BindRecording(nb::module_&& m);
 
 }  // namespace robotteamsim::bindings

@@ -19,4 +19,5 @@ NB_MODULE(_core, m) {
   BindControl(m.def_submodule("control", "Driving, and the memory of a robot."));
   BindSimulation(m.def_submodule("simulation", "Steps of many missions, and totals over a trial."));
   BindLearning(m.def_submodule("learning", "What agents perceive."));
+  BindRecording(m.def_submodule("recording", "Messages of ROS as bytes."));
 }

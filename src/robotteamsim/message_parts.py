@@ -1,27 +1,16 @@
-"""Parts of ROS messages that all conversions share: headers, points, names of robots and frames."""
+"""Parts of ROS messages that all conversions share: headers, points, names of robots and frames.
+
+A message is a dict of its attributes by their names in ROS 2. Those that it lacks are 0, empty or False, as in ROS;
+times and durations are whole numbers [ns]. `recording.encoding` makes it the bytes of a version of ROS.
+"""
 
 from __future__ import annotations
 
-from typing import Any, Protocol
+from typing import Any
 
 MAP_FRAME = "map"
 
-
-class Make(Protocol):
-    """Builds messages of one library: of genpy in nodes, of rosbags in bags and MCAP files.
-
-    Numeric arrays are passed as NumPy arrays of the attribute's type; a factory converts them if its classes need
-    something else.
-    """
-
-    def __call__(self, type_name: str, /, **attributes: Any) -> Any:
-        """Return a message of a type such as "nav_msgs/Odometry"; every attribute is given."""
-
-    def time(self, time_ns: int) -> Any:
-        """Return the stamp of a time [ns]."""
-
-    def duration(self, duration_ns: int) -> Any:
-        """Return a duration [ns]."""
+RosMessage = dict[str, Any]
 
 
 def robot_name(robot_id: int) -> str:
@@ -34,14 +23,14 @@ def robot_frame(robot_id: int, frame: str) -> str:
     return f"robot_{robot_id}/{frame}"
 
 
-def header(make: Make, time_ns: int, frame: str) -> Any:
+def header(time_ns: int, frame: str) -> RosMessage:
     """std_msgs/Header."""
-    return make("std_msgs/Header", seq=0, stamp=make.time(time_ns), frame_id=frame)
+    return {"stamp": time_ns, "frame_id": frame}
 
 
-def point(make: Make, position_m: tuple[float, float]) -> Any:
+def point(position_m: tuple[float, float]) -> RosMessage:
     """geometry_msgs/Point on the floor."""
-    return make("geometry_msgs/Point", x=float(position_m[0]), y=float(position_m[1]), z=0.0)
+    return {"x": position_m[0], "y": position_m[1]}
 
 
 def time_ns(stamp: Any) -> int:

@@ -13,7 +13,7 @@ from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from running import running
 
 from robotteamsim.recording.bag import BagMessages
-from robotteamsim.recording.bag_types import Ros2Types
+from robotteamsim.recording.bag_types import ROS2, bag_typestore, encoder
 from robotteamsim.scenario import load
 from robotteamsim.scenario.map_image import published_map
 from robotteamsim.setup import resolve
@@ -41,8 +41,7 @@ def step(peer: Peer) -> None:
 
 
 def test_all_topics_of_a_bag_are_there_with_their_types_and_qualities_of_service(paused, peer):
-    make = Ros2Types()
-    headless, store = BagMessages(resolve(load("garage_sar", OVERRIDES)), make).topics(), make.typestore
+    headless, store = list(BagMessages(resolve(load("garage_sar", OVERRIDES))).topics()), bag_typestore(ROS2)
     wanted = {topic.name: topic.type_name.replace("/", "/msg/") for topic in headless}
     peer.wait_until(lambda: wanted.keys() <= dict(peer.node.get_topic_names_and_types()).keys(), "all topics")
     types = dict(peer.node.get_topic_names_and_types())
@@ -58,8 +57,8 @@ def test_all_topics_of_a_bag_are_there_with_their_types_and_qualities_of_service
 
 
 def test_messages_of_each_step_are_the_bytes_of_an_mcap_file(paused, peer):
-    setup, make = resolve(load("garage_sar", OVERRIDES)), Ros2Types()
-    contents = BagMessages(setup, make)
+    setup = resolve(load("garage_sar", OVERRIDES))
+    contents = BagMessages(setup)
     # A bag has the latched ones only when they change.
     topics = [topic for topic in contents.topics() if not topic.latched]
     received = {topic.name: peer.listen(topic.name, topic.type_name, raw=True) for topic in topics}
@@ -67,25 +66,26 @@ def test_messages_of_each_step_are_the_bytes_of_an_mcap_file(paused, peer):
     for topic in topics:
         peer.wait_until(lambda name=topic.name: peer.node.get_publishers_info_by_topic(name), topic.name)
     simulation, expected = Simulation(setup), {topic.name: [] for topic in topics}
-    types = {topic.name: topic.type_name.replace("/", "/msg/") for topic in topics}
+    types = {topic.name: topic.type_name for topic in topics}
     for number in range(STEPS):
         step(peer)
         peer.wait_until(lambda: len(steps) > number, f"step {number}")  # noqa: B023
         for _, name, message in contents.of_step(simulation.step()):
             if name in expected:
-                expected[name].append(bytes(make.typestore.serialize_cdr(message, types[name])))
+                expected[name].append(encoder(types[name], ROS2).encode(message))
     compared = 0
     for name, wanted in expected.items():
         peer.wait_until(lambda: len(received[name]) >= len(wanted), name)  # noqa: B023
-        got, sent = ([unpadded(make, types[name], data) for data in some] for some in (received[name], wanted))
+        got, sent = ([unpadded(types[name], data) for data in some] for some in (received[name], wanted))
         assert got == sent, name
         compared += len(sent)
     assert compared > 20 * STEPS
 
 
-def unpadded(make: Ros2Types, type_name: str, data: bytes) -> bytes:
+def unpadded(type_name: str, data: bytes) -> bytes:
     """Return the bytes of a message without what pads them."""
-    return bytes(make.typestore.serialize_cdr(make.typestore.deserialize_cdr(data, type_name), type_name))
+    store, name = bag_typestore(ROS2), type_name.replace("/", "/msg/")
+    return bytes(store.serialize_cdr(store.deserialize_cdr(data, name), name))
 
 
 def test_late_subscriber_gets_the_map_and_the_status_of_the_mission(paused, peer):

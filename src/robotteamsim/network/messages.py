@@ -154,13 +154,15 @@ class NetworkState(msgspec.Struct, frozen=True, eq=False):
     @property
     def break_matrix(self) -> np.ndarray:
         """C_break after eq. (21): `link` for pairs without a path, else 0; float64, shape (n, n)."""
+        if self.fiedler_value > 0.0:  # All have paths.
+            return np.zeros_like(self.link)
         is_there = np.diagonal(self.hop_count) == 0
         return np.where((self.hop_count < 0) & is_there & is_there[:, np.newaxis], self.link, 0.0)
 
     @property
     def num_endangered(self) -> int:
         """Number of endangered links."""
-        return int(np.count_nonzero(np.triu(self.endangered, 1)))
+        return int(np.count_nonzero(self.endangered)) // 2
 
     @property
     def swarm_connectivity(self) -> float:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any, Protocol
 
 from robotteamsim.errors import RobotTeamSimError
-from robotteamsim.message_parts import Make
+from robotteamsim.message_parts import RosMessage
 
 KINDS = {bool: "true or false", int: "a whole number", float: "a number", str: "text"}
 """What is expected of a parameter, by the type of its default."""
@@ -23,8 +23,8 @@ class Output(Protocol):
     def wanted(self) -> bool:
         """Whether there is a receiver for the next message, now or (latched) later."""
 
-    def publish(self, message: Any) -> None:
-        """Publish a message that the node's `make` has made."""
+    def publish(self, message: RosMessage) -> None:
+        """Publish a message."""
 
 
 class Node(Protocol):
@@ -33,10 +33,6 @@ class Node(Protocol):
     Names of topics and services are complete, or begin with ~ and lie below the node's name. Types are named as in
     "nav_msgs/Odometry".
     """
-
-    @property
-    def make(self) -> Make:
-        """Makes the messages that the node publishes."""
 
     @property
     def last_words(self) -> str:

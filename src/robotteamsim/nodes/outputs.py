@@ -8,17 +8,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from robotteamsim import _core
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision
-from robotteamsim.message_parts import Make
+from robotteamsim.message_parts import RosMessage
 from robotteamsim.mission import Sensed
 from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.status import MissionStatus
 from robotteamsim.nodes.motion import TeamOdometry
 from robotteamsim.nodes.node import Node, Output
 from robotteamsim.nodes.settings import Settings
-from robotteamsim.nodes.stage import Unprefixed
+from robotteamsim.nodes.stage import unprefixed
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.topics import RECORD_TOPICS, Changes, Source, Topic, When, robots
 from robotteamsim.recording.topics.decisions import COMMAND, DECISION_TOPICS
@@ -44,19 +43,18 @@ class Decided(NamedTuple):
     decisions: Mapping[int, Decision] | Sequence[Decision]
 
 
-class Motion(NamedTuple):
-    """What robots sense at a time without a step, such as between two."""
-
-    sim_time_ns: int
-    present: np.ndarray
-    readings: Sequence[Any] = ()
-    state: _core.state.State | None = None
-
-
 class _Moved(NamedTuple):
     """The part of a robot's readings that changes between two steps."""
 
     odometry: OdometryReading
+
+
+class Motion(NamedTuple):
+    """What robots sense between two steps."""
+
+    sim_time_ns: int
+    present: np.ndarray
+    readings: Sequence[_Moved]
 
 
 StepInputs = Sensed | Decided | Motion
@@ -74,7 +72,7 @@ class RobotOutputs:
     def __init__(self, node: Node, topics: Iterable[tuple[int, Topic]], settings: Settings) -> None:
         """Advertise topics of robots, by their ids."""
         self._node = node
-        self._make: Make = node.make if settings.prefix else Unprefixed(node.make, 0)
+        self._has_prefix = settings.prefix
         self._source = Source(settings.setup)
         self._outputs = [(topic, i, output_of(node, topic, settings, i)) for i, topic in topics]
 
@@ -82,14 +80,12 @@ class RobotOutputs:
         """Publish the messages of the present robots that somebody receives. Args: only: one of the topics."""
         for topic, robot_id, output in self._outputs:
             if step.present[robot_id] and output.wanted and only in (None, topic):
-                self._publish(output, topic, step, robot_id)
+                for message in topic.messages(step.sim_time_ns, topic.values(self._source, step, robot_id)):
+                    output.publish(self._named(message, robot_id))
 
-    def _publish(self, output: Any, topic: Topic, step: StepInputs, robot_id: int) -> None:
-        for message in self._messages(topic, step, robot_id):
-            output.publish(message)
-
-    def _messages(self, topic: Topic, step: StepInputs, robot_id: int) -> Sequence[Any]:
-        return topic.messages(self._make, step.sim_time_ns, topic.values(self._source, step, robot_id))
+    def _named(self, message: RosMessage, robot_id: int) -> RosMessage:
+        """Return a message with the names that frames have here."""
+        return message if self._has_prefix else unprefixed(message, robot_id)
 
 
 def decision_outputs(node: Node, settings: Settings, robot_ids: Iterable[int]) -> RobotOutputs:
@@ -127,29 +123,30 @@ class TeamOutputs(RobotOutputs):
             measured = state.sensors.get(i, {})
             if sensor.name in measured and any(output.wanted for output in outputs.values()):
                 reading, step_s = measured[sensor.name], self._source.setup.scenario.run.step_s
-                for name, message in sensor.messages(self._make, step.sim_time_ns, i, reading, step_s).items():
-                    outputs[name].publish(message)
+                for name, message in sensor.messages(step.sim_time_ns, i, reading, step_s).items():
+                    outputs[name].publish(self._named(message, i))
         if self._localized:
             self._origins = [robots.odometry_origin(reading) for reading in step.readings]
-        self._publish_tf(step.sim_time_ns, TeamOdometry.of(state), step.present)
+        self._publish_tf(step)
 
     def publish_motion(self, time_ns: int, odometry: TeamOdometry, present: np.ndarray) -> None:
         """Publish odometry and tf of a time between two steps."""
-        super().publish(Motion(time_ns, present, [_Moved(reading) for reading in odometry.readings()]), only=ODOM)
-        self._publish_tf(time_ns, odometry, present)
+        motion = Motion(time_ns, present, [_Moved(reading) for reading in odometry.readings()])
+        super().publish(motion, only=ODOM)
+        self._publish_tf(motion)
 
-    def _publish_tf(self, time_ns: int, odometry: TeamOdometry, present: np.ndarray) -> None:
+    def _publish_tf(self, step: Any) -> None:
+        """Args: step: a `Motion`, or a record with what it has."""
         if self._tf.wanted:
-            readings = odometry.readings()
-            here = [robot_id for robot_id in self._here if present[robot_id]]
-            links = [link for i in here for link in self._links(self._make, time_ns, i, readings[i])]
-            self._tf.publish(self._make(TF.type_name, transforms=links))
+            here = [robot_id for robot_id in self._here if step.present[robot_id]]
+            self._tf.publish({"transforms": [link for robot_id in here for link in self._links(step, robot_id)]})
 
-    def _links(self, make: Make, time_ns: int, robot_id: int, odometry: OdometryReading) -> list[Any]:
+    def _links(self, step: Any, robot_id: int) -> list[RosMessage]:
         """Return the transforms of a robot."""
-        links = robots.robot_transforms(make, time_ns, robot_id, self._models[robot_id], odometry)
-        origin = [robots.localization(make, time_ns, robot_id, self._origins[robot_id])] if self._localized else []
-        return [*origin, *links]
+        time_ns, odometry = step.sim_time_ns, step.readings[robot_id].odometry
+        links = robots.robot_transforms(time_ns, robot_id, self._models[robot_id], odometry)
+        origin = [robots.localization(time_ns, robot_id, self._origins[robot_id])] if self._localized else []
+        return [self._named(link, robot_id) for link in (*origin, *links)]
 
 
 class RadioMapOutputs:
@@ -157,7 +154,7 @@ class RadioMapOutputs:
 
     def __init__(self, node: Node, settings: Settings, robot_ids: Iterable[int]) -> None:
         """Advertise."""
-        self._make, self._source = node.make, Source(settings.setup)
+        self._source = Source(settings.setup)
         rows = itertools.product(robot_ids, RADIO_MAP_TOPICS)
         self._outputs = {(i, topic): output_of(node, topic, settings, i) for i, topic in rows}
         self.restart()
@@ -173,7 +170,7 @@ class RadioMapOutputs:
             if is_due and output.wanted and record.is_there(robot_id):
                 self._due_ns[robot_id, topic] = record.sim_time_ns + RADIO_MAP_PERIOD_NS
                 values = topic.values(self._source, radio_map(robot_id), robot_id)
-                for message in topic.messages(self._make, record.sim_time_ns, values):
+                for message in topic.messages(record.sim_time_ns, values):
                     output.publish(message)
 
 
@@ -200,7 +197,6 @@ class RecordOutputs:
     def __init__(self, node: Node, settings: Settings) -> None:
         """Advertise."""
         self._settings = settings
-        self._make = node.make
         self._presence = output_of(node, ROBOTS, settings)
         scenario = settings.scenario
         has_doors = scenario.plan.doors and not settings.is_another_world  # which publishes its own
@@ -236,7 +232,7 @@ class RecordOutputs:
     ) -> None:
         """Publish which robots were present in a step, and what they cannot do or hold now."""
         values = present, arrivals, world.mishaps, failed, world.loads, self._settings.scenario.roles
-        self._presence.publish(ROBOTS.message(self._make, time_ns, *values))
+        self._presence.publish(ROBOTS.message(time_ns, *values))
 
     def publish_objects(self, world: AnyWorld) -> None:
         """Publish all objects, unless nothing has changed."""
@@ -250,5 +246,5 @@ class RecordOutputs:
         for topic in topics:
             # Without a receiver no message is made: /network/links has the pairs that weakened since the last one.
             if self._outputs[topic].wanted and (topic.when is not When.CHANGE or self._changes.note(topic, step)):
-                for message in topic.messages(self._make, time_ns, topic.values(self._source, step)):
+                for message in topic.messages(time_ns, topic.values(self._source, step)):
                     self._outputs[topic].publish(message)

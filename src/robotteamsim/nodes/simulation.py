@@ -67,7 +67,6 @@ class SteppedSimulation:
             check_published_map(settings.scenario)
         self._node = node
         self._settings = settings
-        self._make = node.make
         self._stays = node.parameter("~stays", False) or not settings.mission
         out = node.parameter("~out", "")
         self._folder = Path(out).expanduser() if out else None
@@ -314,11 +313,11 @@ class SteppedSimulation:
 
     def _publish_clock(self, time_ns: int) -> None:
         if self._clock is not None:
-            self._clock.publish(CLOCK.message(self._make, time_ns))
+            self._clock.publish(CLOCK.message(time_ns))
 
     def _offer_world(self) -> None:
         """Offer what another world would offer itself: its map, time and bodies."""
-        (grid,) = MAP.messages(self._make, START_NS, MAP.values(Source(self._settings.setup), None))
+        (grid,) = MAP.messages(START_NS, MAP.values(Source(self._settings.setup), None))
         self._map = output_of(self._node, MAP, self._settings)
         self._map.publish(grid)
         node = self._node
@@ -381,7 +380,7 @@ class SteppedSimulation:
         if problem or record is None:
             return {"success": False, "message": problem}
         values = RADIO_MAP.values(None, self._radio_map(record, robot_id, resolution_m), robot_id)
-        (message,) = RADIO_MAP.messages(self._make, record.sim_time_ns, values)
+        (message,) = RADIO_MAP.messages(record.sim_time_ns, values)
         return {"success": True, "map": message}
 
     def _order_mission(self, order: str, _: object) -> dict[str, Any]:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable
-from typing import Any
 
-from robotteamsim.message_parts import Make, robot_name
+from robotteamsim.message_parts import RosMessage, robot_name
 from robotteamsim.nodes.inputs import Input
 from robotteamsim.nodes.node import Node
 
@@ -18,21 +17,14 @@ DEFAULT_SPEEDUP = 2.0
 logger = logging.getLogger(__name__)
 
 
-class Unprefixed:
-    """Makes messages of a robot whose frames have no prefix: base_link instead of robot_0/base_link."""
-
-    def __init__(self, make: Make, robot_id: int) -> None:
-        """Args: make: makes the messages."""
-        self._make = make
-        self._prefix = f"{robot_name(robot_id)}/"
-        self.time, self.duration = make.time, make.duration
-
-    def __call__(self, type_name: str, /, **attributes: Any) -> Any:
-        """Return a message, as `Make` does."""
-        for key in ("frame_id", "child_frame_id"):
-            if key in attributes:
-                attributes[key] = attributes[key].removeprefix(self._prefix)
-        return self._make(type_name, **attributes)
+def unprefixed(message: RosMessage, robot_id: int) -> RosMessage:
+    """Return a message of a robot with frames that have no prefix: base_link instead of robot_0/base_link."""
+    prefix, found = f"{robot_name(robot_id)}/", dict(message)
+    for key in found.keys() & ("frame_id", "child_frame_id"):
+        found[key] = found[key].removeprefix(prefix)
+    if "header" in found:
+        found["header"] = unprefixed(found["header"], robot_id)
+    return found
 
 
 def requested_speed(request: str) -> float | None:

@@ -85,7 +85,7 @@ def serve(node: Node) -> None:
                 keys.press(key, time.monotonic())
             speed_mps, turn_radps = speeds = keys.speeds(time.monotonic())
             if is_moving or any(speeds):
-                output.publish(twist(node.make, Twist(speed_mps, 0.0, turn_radps)))
+                output.publish(twist(Twist(speed_mps, 0.0, turn_radps)))
             is_moving = any(speeds)
 
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from robotteamsim.errors import RecordingError
-from robotteamsim.message_parts import Make, robot_name
+from robotteamsim.message_parts import robot_name
 from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS, Changes, Source
 from robotteamsim.recording.topics.robots import TF, odometry_origin
 from robotteamsim.recording.topics.world import CLOCK, clock
@@ -39,7 +39,7 @@ def check_size(path: Path, setup: Setup) -> None:
 class BagMessages:
     """The messages of a trial, step by step."""
 
-    def __init__(self, setup: Setup, make: Make, *, localized: bool = False) -> None:
+    def __init__(self, setup: Setup, *, localized: bool = False) -> None:
         """Prepare the messages. Args: localized: whether /tf also has map -> odom of each robot, without error.
 
         Raises: ScenarioError: /map would have too many cells.
@@ -48,7 +48,6 @@ class BagMessages:
         self._scenario, self._robots = setup.scenario, setup.robots
         self._step_ns = round(setup.scenario.run.step_s * 1e9)
         self._source = Source(setup)
-        self._make = make
         self._localized = localized
         self._changes = Changes()
         self._team = [topic for topic in _OF_TEAM if topic.is_in(setup.scenario)]
@@ -67,31 +66,31 @@ class BagMessages:
 
     def of_step(self, record: StepRecord) -> Iterator[tuple[int, str, Any]]:
         """Yield time [ns], topic and message in the order in which the nodes publish; the clock of the step is last."""
-        time_ns, ticks, make = record.sim_time_ns, self._scenario.run.physics_substeps, self._make
+        time_ns, ticks = record.sim_time_ns, self._scenario.run.physics_substeps
         for tick in range(1, ticks):
             tick_ns = time_ns - self._step_ns + tick * self._step_ns // ticks
-            yield tick_ns, CLOCK.name, clock(make, tick_ns)
+            yield tick_ns, CLOCK.name, clock(tick_ns)
         for topic in self._team:
             if not self._changes.note(topic, record):
                 continue
             values = topic.values(self._source, record)
             if topic is TF and self._localized:
                 values = (*(values or ()), [odometry_origin(reading) for reading in record.readings])
-            for message in topic.messages(make, time_ns, values):
+            for message in topic.messages(time_ns, values):
                 yield time_ns, topic.name, message
         for robot_id, prefix in enumerate(self._names):
             if record.is_there(robot_id):
                 for name, message in self._robot_messages(record, robot_id):
                     yield time_ns, prefix + name, message
-        yield time_ns, CLOCK.name, clock(make, time_ns)
+        yield time_ns, CLOCK.name, clock(time_ns)
 
     def _robot_messages(self, record: StepRecord, robot_id: int) -> Iterator[tuple[str, Any]]:
-        make, time_ns = self._make, record.sim_time_ns
+        time_ns = record.sim_time_ns
         for topic in _OF_ROBOT:
-            for message in topic.messages(make, time_ns, topic.values(self._source, record, robot_id)):
+            for message in topic.messages(time_ns, topic.values(self._source, record, robot_id)):
                 yield topic.name, message
         measured = record.readings[robot_id].sensors
         for sensor in self._robots[robot_id].sensors:
             if sensor.name in measured:
                 step_s = self._scenario.run.step_s
-                yield from sensor.messages(make, time_ns, robot_id, measured[sensor.name], step_s).items()
+                yield from sensor.messages(time_ns, robot_id, measured[sensor.name], step_s).items()

@@ -7,7 +7,7 @@ from typing import Any, Literal
 from rosbags.interfaces import Qos, QosDurability, QosHistory, QosLiveliness, QosReliability, QosTime
 from rosbags.rosbag2 import StoragePlugin, Writer
 
-from robotteamsim.recording.bag_types import Ros2Types
+from robotteamsim.recording.bag_types import ROS2
 from robotteamsim.recording.ros_recorder import RosRecorder
 
 SUFFIX = ".mcap"
@@ -26,7 +26,7 @@ class McapWriter(RosRecorder):
     kill or a full disk, the folder stays, for `mcap recover`.
     """
 
-    _types = Ros2Types
+    _ros = ROS2
     _rescue = "mcap recover {active} -o {path}"
 
     def __init__(self, path: Path, *, localized: bool = False) -> None:

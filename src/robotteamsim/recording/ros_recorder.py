@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from rosbags import rosbag1, rosbag2
+from rosbags.typesys import Stores
 
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.bag import BagMessages, BagTopic, check_size
-from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.recording.bag_types import bag_typestore, encoder
 from robotteamsim.recording.files import (
     cannot_write,
     check_replaceable,
@@ -33,7 +34,7 @@ class RosRecorder(ABC):
     between steps. After a kill or a full disk, the .active one stays.
     """
 
-    _types: type[BagTypes]
+    _ros: Stores
     _rescue: str
     """The command that repairs a file that was not closed."""
 
@@ -49,8 +50,7 @@ class RosRecorder(ABC):
     def begin(self, setup: Setup) -> None:
         """Open the file. Raises: RecordingError: it cannot be written. ScenarioError: /map would be too large."""
         self._steps, self._within_step = 0, False
-        self._make = self._types()
-        self._contents = BagMessages(setup, self._make, localized=self._localized)
+        self._contents = BagMessages(setup, localized=self._localized)
         try:
             check_size(self._path, setup)
             check_replaceable(self._path)
@@ -58,6 +58,7 @@ class RosRecorder(ABC):
             self._remove_earlier()
             self._open()
             self._connections = {topic.name: self._connect(topic) for topic in self._contents.topics()}
+            self._encode = {topic.name: encoder(topic.type_name, self._ros).encode for topic in self._contents.topics()}
         except OSError as error:
             remove_empty(self._created)
             raise cannot_write(self._path, error) from error
@@ -67,8 +68,7 @@ class RosRecorder(ABC):
         self._within_step = True
         try:
             for time_ns, topic, message in self._contents.of_step(record):
-                connection = self._connections[topic]
-                self._writer.write(connection, time_ns, self._make.serialized(message, connection.msgtype))
+                self._writer.write(self._connections[topic], time_ns, self._encode[topic](message))
             self._file.flush()
             self._steps += 1
             self._within_step = False
@@ -153,7 +153,7 @@ class RosRecorder(ABC):
             raise
 
     def _connect(self, topic: BagTopic) -> Any:
-        kind, store = topic.type_name.replace("/", "/msg/"), self._make.typestore
+        kind, store = topic.type_name.replace("/", "/msg/"), bag_typestore(self._ros)
         return self._writer.add_connection(topic.name, kind, typestore=store, **self._settings(latched=topic.latched))
 
     @property

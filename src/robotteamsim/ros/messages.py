@@ -1,57 +1,54 @@
-"""Makes messages of ROS's classes."""
+"""Messages of ROS's classes."""
 
 from __future__ import annotations
 
+import importlib
+from functools import cache
+from io import BytesIO
 from typing import Any
 
-import geometry_msgs.msg
-import nav_msgs.msg
-import numpy as np
-import rosgraph_msgs.msg
-import sensor_msgs.msg
-import std_msgs.msg
-import tf2_msgs.msg
-import visualization_msgs.msg
-from genpy import Duration, Time
-
-import robotteamsim.msg
-
-_PACKAGES = (std_msgs, geometry_msgs, nav_msgs, sensor_msgs, tf2_msgs, rosgraph_msgs, visualization_msgs, robotteamsim)
+import genpy
 
 _LATEST_S = 2**32
 """A header has 32 bits for the seconds."""
 
 
-class RosTypes:
-    """Builds messages of ROS's classes; the `make` of `recording.topics`."""
+def message_class(type_name: str) -> Any:
+    """Return the class of a type such as "nav_msgs/Odometry"."""
+    package, name = type_name.split("/")
+    return getattr(importlib.import_module(f"{package}.msg"), name)
 
-    def __init__(self) -> None:
-        self._classes: dict[str, Any] = {}
 
-    def __call__(self, type_name: str, /, **attributes: Any) -> Any:
-        """Return a message of a type such as "nav_msgs/Odometry". Every attribute must be given."""
-        message_class = self._classes.get(type_name) or self.message_class(type_name)
-        # All attributes are given, so the defaults that __init__ would fill in first are not needed.
-        message = message_class.__new__(message_class)
-        for name, value in attributes.items():
-            if type(value) is np.ndarray:  # uint8[] is bytes in genpy; other arrays are serialized fastest from lists.
-                value = value.tobytes() if value.dtype == np.uint8 else value.tolist()
-            setattr(message, name, value)
-        return message
+@cache
+def bytes_class(type_name: str) -> Any:
+    """Return a class for messages of a type that are nothing but their bytes, as they are sent.
 
-    def time(self, time_ns: int) -> Time:
-        """Return the stamp of a time [ns]."""
-        return Time(*divmod(time_ns, 10**9))
+    One that cannot be read is reported by the node that reads it; the connection stays open.
+    """
 
-    def duration(self, duration_ns: int) -> Duration:
-        """Return a duration [ns]."""
-        return Duration(*divmod(duration_ns, 10**9))
+    class Bytes(message_class(type_name)):  # type: ignore[misc]
+        _has_header = False  # which rospy would number
 
-    def message_class(self, type_name: str) -> Any:
-        """Return the class of a type such as "nav_msgs/Odometry"."""
-        package_name, class_name = type_name.split("/")
-        package = next(package for package in _PACKAGES if package.__name__ == package_name)
-        return self._classes.setdefault(type_name, getattr(package.msg, class_name))
+        def __init__(self, data: bytes = b"") -> None:
+            """Not that of the type, which would fill in every attribute."""
+            self.data = data
+
+        def serialize(self, buffer: BytesIO) -> None:
+            buffer.write(self.data)
+
+        def deserialize(self, data: bytes) -> Any:
+            self.data = data
+            return self
+
+    return Bytes
+
+
+def read(type_name: str, data: bytes) -> Any:
+    """Return a message of a type. Raises: ValueError: the bytes are not such a message."""
+    try:
+        return message_class(type_name)().deserialize(data)
+    except (genpy.DeserializationError, ValueError, OverflowError, MemoryError) as error:
+        raise ValueError(f"not a {type_name}: {error}") from None
 
 
 def stamp_ns(message: Any) -> int:

@@ -11,10 +11,11 @@ import rospy
 
 from robotteamsim.nodes.launched import ros1_setting_name
 from robotteamsim.nodes.node import Output
-from robotteamsim.ros.messages import RosTypes, stamp_ns
+from robotteamsim.recording.bag_types import encoder
+from robotteamsim.ros.messages import bytes_class, read, stamp_ns
 from robotteamsim.ros.node import is_running, on_shutdown, parameter, wait_for_shutdown
 from robotteamsim.ros.subscriptions import wait_for_subscribers
-from robotteamsim.ros.topics import RospyOutput, read, received_class
+from robotteamsim.ros.topics import RospyOutput
 
 LAST_WORDS = (
     "The mission has ended, and this ends the launch. roslaunch reports it in red, as 'REQUIRED process [simulation] "
@@ -29,7 +30,6 @@ class Ros1Node:
 
     def __init__(self, kind: Callable[..., Output] = RospyOutput) -> None:
         """Args: kind: of the topics that it publishes."""
-        self.make = RosTypes()
         self._kind = kind
 
     last_words = LAST_WORDS
@@ -50,7 +50,7 @@ class Ros1Node:
 
     def output(self, topic: str, type_name: str, *, latched: bool = False) -> Output:
         """As for all nodes."""
-        return self._kind(topic, self.make.message_class(type_name), latched=latched)
+        return self._kind(topic, type_name, latched=latched)
 
     def listen(
         self,
@@ -63,19 +63,26 @@ class Ros1Node:
         queue_size: int | None = None,
     ) -> None:
         """As for all nodes."""
-        message_class = received_class(self.make.message_class(type_name))
-        rospy.Subscriber(
-            topic, message_class, lambda message: receive(message.data), queue_size=queue_size, tcp_nodelay=True
-        )
+        kind = bytes_class(type_name)
+        rospy.Subscriber(topic, kind, lambda message: receive(message.data), queue_size=queue_size, tcp_nodelay=True)
 
     def read(self, type_name: str, data: bytes) -> tuple[int, Any]:
         """As for all nodes."""
-        message = read(self.make.message_class(type_name), data)
+        message = read(type_name, data)
         return stamp_ns(message), message
 
     def offer(self, name: str, type_name: str, serve: Callable[[Any], Mapping[str, Any]]) -> None:
         """As for all nodes."""
-        rospy.Service(name, _service_class(type_name), serve)
+        service = _service_class(type_name)
+        types = dict(zip(service._response_class.__slots__, service._response_class._slot_types, strict=True))
+
+        def respond(request: Any) -> dict[str, Any]:
+            return {
+                key: read(types[key], encoder(types[key]).encode(value)) if isinstance(value, dict) else value
+                for key, value in serve(request).items()
+            }
+
+        rospy.Service(name, service, respond)
 
     def call(self, name: str, type_name: str, request: Mapping[str, Any]) -> Any:
         """As for all nodes."""

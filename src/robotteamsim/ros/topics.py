@@ -1,17 +1,17 @@
-"""The topics that a node publishes, and the messages of those that it receives."""
+"""The topics that a node publishes."""
 
 import atexit
 import sys
 import threading
 from functools import cache
-from io import BytesIO
-from typing import Any
 
-import genpy
 import rosgraph
 import rospy
 
 from robotteamsim._ros_publisher import Publisher, is_ok, shut_down, start
+from robotteamsim.message_parts import RosMessage
+from robotteamsim.recording.bag_types import encoder
+from robotteamsim.ros.messages import bytes_class, message_class
 from robotteamsim.ros.node import ParameterError, end, wait_for_shutdown
 
 UNLIMITED = 0
@@ -23,11 +23,14 @@ CHECK_S = 0.1
 class RospyOutput:
     """A topic of most nodes; without receivers, messages need not be built."""
 
-    def __init__(self, topic: str, message_class: Any, *, latched: bool = False, queue_size: int = UNLIMITED) -> None:
+    def __init__(self, topic: str, type_name: str, *, latched: bool = False, queue_size: int = UNLIMITED) -> None:
         """Advertise. Args: queue_size: of messages that wait for a slow receiver."""
-        self._latched = latched
-        self._publisher = rospy.Publisher(topic, message_class, tcp_nodelay=True, latch=latched, queue_size=queue_size)
-        self.publish = self._publisher.publish
+        self._latched, self._encoder, self._bytes = latched, encoder(type_name), bytes_class(type_name)
+        self._publisher = rospy.Publisher(topic, self._bytes, tcp_nodelay=True, latch=latched, queue_size=queue_size)
+
+    def publish(self, message: RosMessage) -> None:
+        """As for all outputs."""
+        self._publisher.publish(self._bytes(self._encoder.encode(message)))
 
     @property
     def wanted(self) -> bool:
@@ -38,39 +41,30 @@ class RospyOutput:
 class RoscppOutput:
     """A topic of the simulation, which has many: roscpp sends them all in one thread, and rospy in one for each."""
 
-    def __init__(self, topic: str, message_class: Any, *, latched: bool = False) -> None:
+    def __init__(self, topic: str, type_name: str, *, latched: bool = False) -> None:
         """Advertise, as the node `publishing_node()`. Raises: ParameterError: it has another type already."""
         _start()
-        self._latched = latched
+        self._latched, self._encoder, of_type = latched, encoder(type_name), message_class(type_name)
         try:
             self._publisher = Publisher(
                 rospy.resolve_name(topic),
-                message_class._type,
-                message_class._md5sum,
-                message_class._full_text,
-                has_header=message_class._has_header,
+                of_type._type,
+                of_type._md5sum,
+                of_type._full_text,
+                has_header=of_type._has_header,
                 latched=latched,
             )
         except RuntimeError as error:
             raise ParameterError(str(error)) from None
-        self.publish_bytes = self._publisher.publish
-        """Publishes a serialized message; roscpp numbers those with headers."""
 
-    def publish(self, message: Any) -> None:
-        """Publish a message of the topic's class."""
-        self.publish_bytes(serialized(message))
+    def publish(self, message: RosMessage) -> None:
+        """As for all outputs; roscpp numbers messages with headers."""
+        self._publisher.publish(self._encoder.encode(message))
 
     @property
     def wanted(self) -> bool:
         """Whether there is a receiver for the next message, now or (latched) later."""
         return self._latched or self._publisher.num_subscribers > 0
-
-
-def serialized(message: Any) -> bytes:
-    """Return a message as it is sent."""
-    buffer = BytesIO()
-    message.serialize(buffer)
-    return buffer.getvalue()
 
 
 def publishing_node() -> str:
@@ -96,29 +90,3 @@ def _end_with_it() -> None:
     while not wait_for_shutdown(CHECK_S):
         if not is_ok():
             end()
-
-
-@cache
-def received_class(message_class: Any) -> Any:
-    """Return a class for received messages of a type that only keeps their bytes, for `read`.
-
-    A message that cannot be read is reported by the node that reads it; the connection stays open.
-    """
-
-    class Received(message_class):  # type: ignore[misc]
-        def __init__(self) -> None:
-            """Not that of the type, which would fill in every attribute."""
-
-        def deserialize(self, data: bytes) -> Any:
-            self.data = data
-            return self
-
-    return Received
-
-
-def read(message_class: Any, data: bytes) -> Any:
-    """Return a message of a class. Raises: ValueError: the bytes are not such a message."""
-    try:
-        return message_class().deserialize(data)
-    except (genpy.DeserializationError, ValueError, OverflowError, MemoryError) as error:
-        raise ValueError(f"not a {message_class.__name__}: {error}") from None

@@ -31,7 +31,7 @@ from robotteamsim.nodes.node import KINDS, Output, ParameterError
 from robotteamsim.nodes.rosout import forward_logging
 from robotteamsim.nodes.shutdown import Shutdown
 from robotteamsim.nodes.steps import REPORT_TIMEOUT_S
-from robotteamsim.recording.bag_types import Ros2Types
+from robotteamsim.recording.bag_types import ROS2, bag_typestore, decoded
 from robotteamsim.ros2.arguments import given_parameters
 from robotteamsim.ros2.topics import Ros2Output, Sender, StampedOutput, filled, interface, quality
 from robotteamsim.scenario.problems import suggestion
@@ -106,7 +106,6 @@ class Ros2Node:
 
     def __init__(self, name: str, shutdown: Shutdown, *, owns_settings: bool) -> None:
         """Args: owns_settings: whether the settings that all nodes share are parameters of this one."""
-        self.make = Ros2Types()
         self._owns_settings = owns_settings
         self._shutdown = shutdown
         self._node = RclpyNode(name)
@@ -219,10 +218,10 @@ class Ros2Node:
         is_stamped = type_name == TWIST and self._stamps_commands
         type_name = f"{TWIST}Stamped" if is_stamped else type_name
         try:
-            self._outputs.append(Ros2Output(self._node, self.make, topic, type_name, latched=latched))
+            self._outputs.append(Ros2Output(self._node, topic, type_name, latched=latched))
         except (InvalidQosOverridesError, ParameterException, RuntimeError) as error:
             raise ParameterError(f"qos_overrides.{topic}: {error}") from None
-        return StampedOutput(self._outputs[-1], self.make) if is_stamped else self._outputs[-1]
+        return StampedOutput(self._outputs[-1]) if is_stamped else self._outputs[-1]
 
     def listen(
         self,
@@ -264,14 +263,14 @@ class Ros2Node:
             except ValueError:
                 receive(data)  # reports it
             else:
-                receive(bytes(self.make.typestore.serialize_cdr(message.twist, TWIST.replace("/", "/msg/"))))
+                receive(bytes(bag_typestore(ROS2).serialize_cdr(message.twist, TWIST.replace("/", "/msg/"))))
 
         return unstamp
 
     def read(self, type_name: str, data: bytes) -> tuple[int, Any]:
         """As for all nodes."""
         try:
-            message = self.make.typestore.deserialize_cdr(data, type_name.replace("/", "/msg/"))
+            message = decoded(type_name, data, ROS2)
         except Exception as error:  # rosbags raises any exception for damaged bytes
             raise ValueError(f"not a {type_name}: {error}") from None
         if not hasattr(message, "header"):
@@ -286,7 +285,7 @@ class Ros2Node:
 
         def respond(request: Any, response: Any) -> Any:
             try:
-                return filled(response, serve(request), self.make)
+                return filled(response, serve(request))
             except (ValueError, RobotTeamSimError) as error:  # of a service that has no message for it
                 logger.error("%s: %s", name, error)
                 return response

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
-
-from robotteamsim.nodes.motion import TeamOdometry
+from robotteamsim.message_parts import RosMessage
 from robotteamsim.nodes.node import Node
 from robotteamsim.nodes.outputs import ORIGIN, TeamOutputs
 from robotteamsim.nodes.settings import Settings
-from robotteamsim.nodes.stage import Unprefixed
+from robotteamsim.nodes.stage import unprefixed
 from robotteamsim.recording.topics import robots
 
 _MOVING = ("odom", "base_footprint")
@@ -23,21 +22,23 @@ class Ros2TeamOutputs(TeamOutputs):
     def __init__(self, node: Node, settings: Settings, *, localized: bool) -> None:
         """As for all outputs of a team."""
         super().__init__(node, settings, localized=localized)
-        self._own_make = {i: Unprefixed(node.make, i) for i in self._here}
         names = {i: settings.robot_topic(i, "tf") for i in self._here if settings.prefix}
         self._own_tf = {i: node.output(name, robots.TF.type_name) for i, name in names.items()}
         for i in self._own_tf:
-            links = robots.robot_transforms(self._own_make[i], 0, i, self._models[i], ORIGIN)
-            fixed = [link for link in links if link.child_frame_id not in _MOVING]
+            links = robots.robot_transforms(0, i, self._models[i], ORIGIN)
+            fixed = [link for link in _own(links, i) if link["child_frame_id"] not in _MOVING]
             output = node.output(settings.robot_topic(i, "tf_static"), robots.TF.type_name, latched=True)
-            output.publish(self._make(robots.TF.type_name, transforms=fixed))
+            output.publish({"transforms": fixed})
 
-    def _publish_tf(self, time_ns: int, odometry: TeamOdometry, present: np.ndarray) -> None:
-        super()._publish_tf(time_ns, odometry, present)
-        readings: list[Any] | None = None
+    def _publish_tf(self, step: Any) -> None:
+        super()._publish_tf(step)
         for i, output in self._own_tf.items():
-            if present[i] and output.wanted:
-                readings = odometry.readings() if readings is None else readings
-                links = self._links(self._own_make[i], time_ns, i, readings[i])
-                moving = [link for link in links if link.child_frame_id in _MOVING]
-                output.publish(self._make(robots.TF.type_name, transforms=moving))
+            if step.present[i] and output.wanted:
+                links = self._links(step, i)
+                moving = [link for link in _own(links, i) if link["child_frame_id"] in _MOVING]
+                output.publish({"transforms": moving})
+
+
+def _own(links: Sequence[RosMessage], robot_id: int) -> list[RosMessage]:
+    """Return the transforms of a robot as they are in its namespace."""
+    return [unprefixed(link, robot_id) for link in links]

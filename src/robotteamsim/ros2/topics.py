@@ -12,9 +12,9 @@ from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.serialization import deserialize_message
 
-from robotteamsim.message_parts import header
+from robotteamsim.message_parts import RosMessage
 from robotteamsim.nodes.node import ParameterError
-from robotteamsim.recording.bag_types import Ros2Types
+from robotteamsim.recording.bag_types import ROS2, encoder
 
 QUEUE = 10
 """Number of messages of a topic that wait for a slow reader, and of a latched one that a late reader may get."""
@@ -70,13 +70,12 @@ class Sender:
 class Ros2Output:
     """A topic of a node."""
 
-    def __init__(self, node: RclpyNode, make: Ros2Types, topic: str, type_name: str, *, latched: bool) -> None:
+    def __init__(self, node: RclpyNode, topic: str, type_name: str, *, latched: bool) -> None:
         """Advertise. Raises: ParameterError: its type is not installed."""
         self.sender = Sender(topic)
         """Counts the messages that could not be sent."""
         self._latched = latched
-        self._make = make
-        self._type = type_name.replace("/", "/msg/")
+        self._encoder = encoder(type_name, ROS2)
         self._publisher = node.create_publisher(
             interface("msg", type_name),
             topic,
@@ -95,35 +94,32 @@ class Ros2Output:
         """Whether there is a receiver for the next message, now or (latched) later."""
         return self._latched or self.receivers > 0
 
-    def publish(self, message: Any) -> None:
-        """Publish a message."""
-        self.sender.send(self._publisher.publish, bytes(self._make.typestore.serialize_cdr(message, self._type)))
+    def publish(self, message: RosMessage) -> None:
+        """As for all outputs."""
+        self.sender.send(self._publisher.publish, self._encoder.encode(message))
 
 
 class StampedOutput:
     """A topic of geometry_msgs/TwistStamped, for a node that publishes Twist."""
 
-    def __init__(self, output: Ros2Output, make: Ros2Types) -> None:
-        """Args: make: makes the messages."""
-        self._output, self._make = output, make
+    def __init__(self, output: Ros2Output) -> None:
+        self._output = output
 
     @property
     def wanted(self) -> bool:
         """As for all outputs."""
         return self._output.wanted
 
-    def publish(self, message: Any) -> None:
+    def publish(self, message: RosMessage) -> None:
         """Publish a Twist, with stamp 0."""
-        stamped = self._make("geometry_msgs/TwistStamped", header=header(self._make, 0, ""), twist=message)
-        self._output.publish(stamped)
+        self._output.publish({"twist": message})
 
 
-def filled(response: Any, values: Mapping[str, Any], make: Ros2Types) -> Any:
-    """Return the response of a service with these attributes. Args: make: has made the messages among them."""
+def filled(response: Any, values: Mapping[str, Any]) -> Any:
+    """Return the response of a service with these attributes."""
+    types = response.get_fields_and_field_types()
     for name, value in values.items():
-        type_name = getattr(value, "__msgtype__", None)
-        if type_name is not None:  # of rosbags' classes; a response of rclpy takes only messages of its own
-            data = bytes(make.typestore.serialize_cdr(value, type_name))
-            value = deserialize_message(data, interface("msg", type_name.replace("/msg/", "/")))
+        if isinstance(value, dict):  # a message; a response of rclpy takes only those of its own
+            value = deserialize_message(encoder(types[name], ROS2).encode(value), interface("msg", types[name]))
         setattr(response, name, value)
     return response

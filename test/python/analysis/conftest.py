@@ -4,16 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
+from rosbags.interfaces import Connection
 from rosbags.rosbag1 import Writer
 
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.mission.events import Event
 from robotteamsim.recording import BagWriter
-from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.recording.bag_types import bag_typestore, encoder
 from robotteamsim.recording.results import EventList
 from robotteamsim.recording.topics import robots
 from robotteamsim.scenario import load
@@ -65,19 +67,21 @@ def comes_again(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
 
 @pytest.fixture(scope="session")
 def write_bag() -> Callable[..., Path]:
-    """Write samples into a bag; `compression` is "bz2" or "lz4"."""
+    """Write samples into a bag, of our messages or of those of rosbags; `compression` is "bz2" or "lz4"."""
+    serialize = bag_typestore().serialize_ros1
 
     def write(path: Path, samples: Iterable[Sample], compression: str | None = None) -> Path:
-        typestore, connections = BagTypes().typestore, {}
+        connections: dict[str, Connection] = {}
         bag = Writer(path)
         if compression:
             bag.set_compression(Writer.CompressionFormat[compression.upper()])
         with bag:
             for topic, kind, time_ns, message in samples:
-                kind = kind.replace("/", "/msg/")
+                name = kind.replace("/", "/msg/")
                 if topic not in connections:
-                    connections[topic] = bag.add_connection(topic, kind, typestore=typestore)
-                bag.write(connections[topic], time_ns, typestore.serialize_ros1(message, kind))
+                    connections[topic] = bag.add_connection(topic, name, typestore=bag_typestore())
+                encode = encoder(kind).encode if isinstance(message, dict) else partial(serialize, typename=name)
+                bag.write(connections[topic], time_ns, encode(message))
         return path
 
     return write
@@ -85,20 +89,12 @@ def write_bag() -> Callable[..., Path]:
 
 @pytest.fixture(scope="session")
 def odometry() -> Callable[..., Any]:
-    """Make a nav_msgs/Odometry; `frame` replaces that of robot 0, `make` makes it of ROS 2."""
-    of_ros1 = BagTypes()
+    """Make a nav_msgs/Odometry; `frame` replaces that of robot 0."""
 
-    def message(
-        time_ns: int,
-        x_m: float,
-        y_m: float,
-        yaw_rad: float = 0.0,
-        frame: str = "robot_0/odom",
-        make: BagTypes = of_ros1,
-    ) -> Any:
+    def message(time_ns: int, x_m: float, y_m: float, yaw_rad: float = 0.0, frame: str = "robot_0/odom") -> Any:
         reading = OdometryReading(PoseReading.from_pose(Pose(x_m, y_m, yaw_rad)), Twist())
-        built = robots.odometry(make, time_ns, 0, reading)
-        built.header.frame_id = frame
+        built = robots.odometry(time_ns, 0, reading)
+        built["header"]["frame_id"] = frame
         return built
 
     return message
@@ -107,10 +103,9 @@ def odometry() -> Callable[..., Any]:
 @pytest.fixture(scope="session")
 def placed_at() -> Callable[..., Any]:
     """Make a tf2_msgs/TFMessage that places robot 0's odometry in map."""
-    make = BagTypes()
 
     def message(time_ns: int, x_m: float, y_m: float, yaw_rad: float) -> Any:
-        place = robots.localization(make, time_ns, 0, PoseReading.from_pose(Pose(x_m, y_m, yaw_rad)))
-        return make("tf2_msgs/TFMessage", transforms=[place])
+        place = robots.localization(time_ns, 0, PoseReading.from_pose(Pose(x_m, y_m, yaw_rad)))
+        return {"transforms": [place]}
 
     return message

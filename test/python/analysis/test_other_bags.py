@@ -18,10 +18,9 @@ from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.errors import RecordingError
 from robotteamsim.geometry import PoseReading
 from robotteamsim.message_parts import header
-from robotteamsim.recording.bag_types import BagTypes, Ros2Types
+from robotteamsim.recording.bag_types import ROS2, bag_typestore, encoder
 from robotteamsim.recording.topics.base import pose
 
-MAKE = BagTypes()
 SECOND_NS = 10**9
 START_NS = 1_700_000_000 * SECOND_NS
 ODOMETRY, POSE, TF = "nav_msgs/Odometry", "geometry_msgs/PoseStamped", "tf2_msgs/TFMessage"
@@ -38,32 +37,30 @@ def time_ns(step: int) -> int:
 def drive(odometry):
     """A robot that drives 10 m along x in 10 s."""
 
-    def samples(topic: str, *, late_ns: int = 0, stamp_ns: int = 0, frame: str = "odom", make=MAKE) -> Iterator[Sample]:
+    def samples(topic: str, *, late_ns: int = 0, stamp_ns: int = 0, frame: str = "odom") -> Iterator[Sample]:
         for step in STEPS:
             at_ns = time_ns(step)
-            message = odometry(at_ns + stamp_ns, 0.1 * step, 0.0, frame=frame, make=make)
+            message = odometry(at_ns + stamp_ns, 0.1 * step, 0.0, frame=frame)
             yield topic, ODOMETRY, at_ns + late_ns, message
 
     return samples
 
 
-def transform(parent: str, child: str, at_ns: int, x_m: float, y_m: float, make: BagTypes = MAKE) -> Any:
-    one = make(
-        "geometry_msgs/TransformStamped",
-        header=header(make, at_ns, parent),
-        child_frame_id=child,
-        transform=make(
-            "geometry_msgs/Transform",
-            translation=make("geometry_msgs/Vector3", x=x_m, y=y_m, z=0.0),
-            rotation=make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
-        ),
-    )
-    return make(TF, transforms=[one])
+def transform(parent: str, child: str, at_ns: int, x_m: float, y_m: float) -> Any:
+    one = {
+        "header": header(at_ns, parent),
+        "child_frame_id": child,
+        "transform": {
+            "translation": {"x": x_m, "y": y_m, "z": 0.0},
+            "rotation": {"x": 0.0, "y": 0.0, "z": 0.0, "w": 1.0},
+        },
+    }
+    return {"transforms": [one]}
 
 
-def placed(topic: str, child: str, x_m: float, y_m: float, make: BagTypes = MAKE) -> list[Sample]:
+def placed(topic: str, child: str, x_m: float, y_m: float) -> list[Sample]:
     """map -> child at a place, from the start on."""
-    return [(topic, TF, time_ns(0), transform("map", child, time_ns(0), x_m, y_m, make))]
+    return [(topic, TF, time_ns(0), transform("map", child, time_ns(0), x_m, y_m))]
 
 
 def write(write_bag, path: Path, *samples: Any) -> Path:
@@ -84,16 +81,16 @@ def ends(run: Any) -> dict[str, list[tuple[float, ...]]]:
 
 def test_each_robot_of_a_folder_is_placed_by_the_tf_of_its_namespace(drive, tmp_path):
     """As nav2 does with several robots: all call their frames map, odom and base_link."""
-    make, bag = Ros2Types(), FolderWriter(tmp_path / "team", version=9, storage_plugin=StoragePlugin.MCAP)
-    samples = [sample for k in (1, 2) for sample in drive(f"/robot{k}/odom", make=make)]
-    samples += placed("/robot1/tf", "odom", 100.0, 50.0, make) + placed("/robot2/tf_static", "odom", 200.0, 50.0, make)
+    bag = FolderWriter(tmp_path / "team", version=9, storage_plugin=StoragePlugin.MCAP)
+    samples = [sample for k in (1, 2) for sample in drive(f"/robot{k}/odom")]
+    samples += placed("/robot1/tf", "odom", 100.0, 50.0) + placed("/robot2/tf_static", "odom", 200.0, 50.0)
     connections: dict[str, Any] = {}
     with bag:
         for topic, kind, at_ns, message in sorted(samples, key=lambda sample: sample[2]):
             name = kind.replace("/", "/msg/")
             if topic not in connections:
-                connections[topic] = bag.add_connection(topic, name, typestore=make.typestore)
-            bag.write(connections[topic], at_ns, make.typestore.serialize_cdr(message, name))
+                connections[topic] = bag.add_connection(topic, name, typestore=bag_typestore(ROS2))
+            bag.write(connections[topic], at_ns, encoder(kind, ROS2).encode(message))
     run = read_run([tmp_path / "team"])
     assert ends(run) == {"robot1": [(100.0, 50.0), (110.0, 50.0)], "robot2": [(200.0, 50.0), (210.0, 50.0)]}
     assert [robot.track.source for robot in run.robots] == ["odom and tf"] * 2
@@ -118,7 +115,7 @@ def test_tf_of_the_robot_counts_before_that_of_the_team(write_bag, drive, tmp_pa
 
 def test_tf_of_old_programs_is_read(odometry, tmp_path):
     """tf/tfMessage, of rosserial for example, has the fields and the MD5 sum of tf2_msgs/TFMessage."""
-    path, types = tmp_path / "serial.bag", MAKE.typestore
+    path, types = tmp_path / "serial.bag", bag_typestore()
     with Writer(path) as bag:
         odom = bag.add_connection("/odom", "nav_msgs/msg/Odometry", typestore=types)
         definition, md5 = types.generate_msgdef("tf2_msgs/msg/TFMessage")
@@ -126,10 +123,10 @@ def test_tf_of_old_programs_is_read(odometry, tmp_path):
         assert md5 == "94810edda583a504dfda3829e70d7eec"
         at_ns = time_ns(0)
         place = transform("map", "odom", at_ns, 100.0, 50.0)
-        bag.write(tf, at_ns, types.serialize_ros1(place, "tf2_msgs/msg/TFMessage"))
+        bag.write(tf, at_ns, encoder(TF).encode(place))
         for step in STEPS:
             message = odometry(time_ns(step), 0.1 * step, 0.0, frame="odom")
-            bag.write(odom, time_ns(step), types.serialize_ros1(message, "nav_msgs/msg/Odometry"))
+            bag.write(odom, time_ns(step), encoder("nav_msgs/Odometry").encode(message))
     assert ends(read_run([path])) == {"robot": [(100.0, 50.0), (110.0, 50.0)]}
 
 
@@ -139,11 +136,10 @@ def poses(topic: str, frame: str = "world") -> list[Sample]:
             topic,
             POSE,
             time_ns(step),
-            MAKE(
-                POSE,
-                header=header(MAKE, time_ns(step), frame),
-                pose=pose(MAKE, PoseReading(0.1 * step, 0.0, 0.0, 1.0)),
-            ),
+            {
+                "header": header(time_ns(step), frame),
+                "pose": pose(PoseReading(0.1 * step, 0.0, 0.0, 1.0)),
+            },
         )
         for step in STEPS
     ]
@@ -324,7 +320,7 @@ def test_header_with_the_stamp_0_is_named_instead_of_a_second_run(write_bag, odo
 def test_jump_of_motion_capture_is_no_reset_of_an_odometry(write_bag, tmp_path):
     samples = poses("/vrpn/pose")
     for _, _, _, message in samples[50:]:
-        message.pose.position.x += 9.0
+        message["pose"]["position"]["x"] += 9.0
     (note,) = run_totals(read_run([write_bag(tmp_path / "mocap.bag", samples)])).notes
     assert note == (
         "vrpn: 1 jump faster than 20 m/s, the first of 9.1 m at 5.0 s: breaks in its recorded poses, not driven"

@@ -17,14 +17,13 @@ from robotteamsim.errors import RecordingError
 from robotteamsim.message_parts import header, point
 from robotteamsim.recording import BagWriter
 from robotteamsim.recording.bag_reader import BagReader
-from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.recording.bag_types import bag_typestore, encoder
 from robotteamsim.recording.topics import base, world
 from robotteamsim.scenario import load
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.simulation import Simulation
 
 STEP_NS = 100_000_000
-MAKE = BagTypes()
 
 
 def odometry_samples(odometry, topic="/robot_0/odom", steps=21, **attributes):
@@ -121,19 +120,19 @@ def test_robots_may_have_any_namespace_or_none(write_bag, odometry, tmp_path):
 
 def test_poses_of_a_lost_robot_are_omitted(write_bag, odometry, tmp_path):
     samples = list(odometry_samples(odometry))
-    samples[5][3].pose.pose.position.x = math.nan
+    samples[5][3]["pose"]["pose"]["position"]["x"] = math.nan
     track = read_run([write_bag(tmp_path / "lost.bag", samples)]).robots[0].track
     assert len(track.stamps_ns) == 20
     assert track.driven_m[-1] == pytest.approx(2.0)
 
 
 def test_topic_of_a_version_without_the_needed_attributes_is_named(odometry, tmp_path):
-    path, typestore = tmp_path / "old.bag", MAKE.typestore
+    path, typestore = tmp_path / "old.bag", bag_typestore()
     with Writer(path) as bag:
         kind = "nav_msgs/msg/Odometry"
         odom = bag.add_connection("/robot_0/odom", kind, typestore=typestore)
         for _, _, time_ns, message in odometry_samples(odometry):
-            bag.write(odom, time_ns, typestore.serialize_ros1(message, kind))
+            bag.write(odom, time_ns, encoder("nav_msgs/Odometry").encode(message))
         state = "robotteamsim/msg/NetworkState"
         network = bag.add_connection("/network/state", state, msgdef="uint32 num_robots\n", md5sum="0" * 32)
         bag.write(network, 10**9, b"\3\0\0\0")
@@ -144,7 +143,7 @@ def test_topic_of_a_version_without_the_needed_attributes_is_named(odometry, tmp
 
 def test_map_is_read_unchanged(write_bag, odometry, tmp_path):
     cells = np.array([[0, 100, -1], [0, 0, 100]], dtype=np.int8)
-    grid = base.occupancy_grid(MAKE, 0, OccupancyGrid((-1.0, 2.0), 0.5, cells))
+    grid = base.occupancy_grid(0, OccupancyGrid((-1.0, 2.0), 0.5, cells))
     samples = [("/map", "nav_msgs/OccupancyGrid", 1, grid), *odometry_samples(odometry)]
     run = read_run([write_bag(tmp_path / "map.bag", samples)])
     assert (run.grid.origin_m, run.grid.resolution_m) == ((-1.0, 2.0), 0.5)
@@ -153,40 +152,37 @@ def test_map_is_read_unchanged(write_bag, odometry, tmp_path):
 
 def test_map_that_grows_is_read_as_it_is_in_the_end(write_bag, odometry, tmp_path):
     grids = [OccupancyGrid((0.0, 0.0), 0.5, np.full((2, size), 100, dtype=np.int8)) for size in (3, 5)]
-    maps = [
-        ("/map", "nav_msgs/OccupancyGrid", t, base.occupancy_grid(MAKE, t, grid)) for t, grid in enumerate(grids, 1)
-    ]
+    maps = [("/map", "nav_msgs/OccupancyGrid", t, base.occupancy_grid(t, grid)) for t, grid in enumerate(grids, 1)]
     run = read_run([write_bag(tmp_path / "slam.bag", [*maps, *odometry_samples(odometry)])])
     assert run.grid.cells.shape == (2, 5)
 
 
 def test_messages_after_the_end_of_the_mission_do_not_count(write_bag, odometry, tmp_path):
     def status(time_ns, state):
-        return MAKE(
-            "robotteamsim/MissionStatus",
-            header=header(MAKE, time_ns, "map"),
-            scenario="hall",
-            state=state,
-            end="aborted" if state == "ended" else "",
-            time_s=(time_ns - 10**9) / 1e9,
-            explored=np.zeros(1, dtype=np.uint8),
-            explored_by=np.zeros(0, dtype=np.int32),
-            victims=["heard"],
-            assistance=[],
-            target_area=0,
-            endangered_links=0,
-            noise_db=10.0,
-            running=state == "running",
-            epoch=0,
-            has_area=False,
-            area_center=point(MAKE, (0.0, 0.0)),
-            area_radius_m=0.0,
-            has_base=True,
-            discoveries_delivered=3,
-            mean_delivery_delay_s=1.5,
-            max_delivery_delay_s=2.5,
-            undelivered=[],
-        )
+        return {
+            "header": header(time_ns, "map"),
+            "scenario": "hall",
+            "state": state,
+            "end": "aborted" if state == "ended" else "",
+            "time_s": (time_ns - 10**9) / 1e9,
+            "explored": np.zeros(1, dtype=np.uint8),
+            "explored_by": np.zeros(0, dtype=np.int32),
+            "victims": ["heard"],
+            "assistance": [],
+            "target_area": 0,
+            "endangered_links": 0,
+            "noise_db": 10.0,
+            "running": state == "running",
+            "epoch": 0,
+            "has_area": False,
+            "area_center": point((0.0, 0.0)),
+            "area_radius_m": 0.0,
+            "has_base": True,
+            "discoveries_delivered": 3,
+            "mean_delivery_delay_s": 1.5,
+            "max_delivery_delay_s": 2.5,
+            "undelivered": [],
+        }
 
     states = [(1_000_000_000, "running"), (2_000_000_000, "ended"), (3_000_000_000, "ended")]
     samples = [("/mission/status", "robotteamsim/MissionStatus", t, status(t, state)) for t, state in states]
@@ -199,7 +195,7 @@ def test_messages_after_the_end_of_the_mission_do_not_count(write_bag, odometry,
 
 
 def test_bag_without_the_topics_is_rejected(write_bag, tmp_path):
-    path = write_bag(tmp_path / "clock.bag", [("/clock", "rosgraph_msgs/Clock", 1, world.clock(MAKE, 1))])
+    path = write_bag(tmp_path / "clock.bag", [("/clock", "rosgraph_msgs/Clock", 1, world.clock(1))])
     with pytest.raises(RecordingError) as refused:
         read_run([path])
     wanted = "expected odometry, poses or tf of a robot, /mission/status or /network/state"
@@ -214,7 +210,7 @@ def test_empty_bag_is_rejected(write_bag, tmp_path):
 def test_bag_of_two_runs_is_rejected(write_bag, odometry, tmp_path):
     first, second = list(odometry_samples(odometry)), list(odometry_samples(odometry))
     for _, _, _, message in second:
-        message.pose.pose.position.y = 0.01  # messages with the same values would be copies
+        message["pose"]["pose"]["position"]["y"] = 0.01  # messages with the same values would be copies
     again = [(topic, kind, time_ns + 3 * 10**9, message) for topic, kind, time_ns, message in second]
     with pytest.raises(
         RecordingError, match=r"/robot_0/odom: time goes back from 3\.0 to 1\.0 s; expected one run per"
@@ -223,15 +219,19 @@ def test_bag_of_two_runs_is_rejected(write_bag, odometry, tmp_path):
 
 
 def areas_of_radius(radius_m):
-    area = MAKE(
-        "robotteamsim/Area", name="A", center=point(MAKE, (0, 0)), radius_m=radius_m, explored=False, target=False
-    )
-    return MAKE("robotteamsim/Areas", header=header(MAKE, 1, "map"), areas=[area])
+    area = {
+        "name": "A",
+        "center": point((0, 0)),
+        "radius_m": radius_m,
+        "explored": False,
+        "target": False,
+    }
+    return {"header": header(1, "map"), "areas": [area]}
 
 
 def map_of_resolution(resolution_m):
     grid = OccupancyGrid((0.0, 0.0), resolution_m, np.zeros((2, 2), dtype=np.int8))
-    return base.occupancy_grid(MAKE, 1, grid)
+    return base.occupancy_grid(1, grid)
 
 
 @pytest.mark.parametrize(

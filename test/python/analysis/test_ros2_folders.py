@@ -14,11 +14,10 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 
 from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.errors import RecordingError
-from robotteamsim.recording.bag_types import Ros2Types
+from robotteamsim.recording.bag_types import ROS2, bag_typestore, encoder
 from robotteamsim.view.from_bag import recording_of
 
-MAKE = Ros2Types()
-ODOMETRY = "nav_msgs/msg/Odometry"
+ODOMETRY = "nav_msgs/Odometry"
 SECOND_NS = 10**9
 
 
@@ -26,7 +25,7 @@ def drive(odometry: Callable[..., Any], steps: Iterable[int] = range(101)) -> It
     """A robot that drives 10 m in 10 s; topic, time and message of some of its steps of 0.1 s."""
     for step in steps:
         time_ns = 1000 * SECOND_NS + step * SECOND_NS // 10
-        yield "/odom", time_ns, odometry(time_ns, 0.1 * step, 0.0, frame="odom", make=MAKE)
+        yield "/odom", time_ns, odometry(time_ns, 0.1 * step, 0.0, frame="odom")
 
 
 def write(
@@ -41,9 +40,8 @@ def write(
     with bag:
         for topic, time_ns, message in messages:
             if topic not in connections:
-                connections[topic] = bag.add_connection(topic, message.__msgtype__, typestore=MAKE.typestore)
-            data = MAKE.typestore.serialize_cdr(message, message.__msgtype__)
-            bag.write(connections[topic], time_ns, data)
+                connections[topic] = bag.add_connection(topic, "nav_msgs/msg/Odometry", typestore=bag_typestore(ROS2))
+            bag.write(connections[topic], time_ns, encoder(ODOMETRY, ROS2).encode(message))
     return folder
 
 
@@ -138,7 +136,7 @@ def test_file_without_definitions_is_read(odometry, tmp_path):
             INSERT INTO messages (topic_id, timestamp, data) VALUES (2, 1000000000000, x'00010000');
             """)
         for _, time_ns, message in drive(odometry):
-            data = bytes(MAKE.typestore.serialize_cdr(message, ODOMETRY))
+            data = encoder(ODOMETRY, ROS2).encode(message)
             base.execute("INSERT INTO messages (topic_id, timestamp, data) VALUES (1, ?, ?)", (time_ns, data))
     base.close()
     assert driven(path) == ("humble_0", 10.0, 10.0)

@@ -21,12 +21,9 @@ from robotteamsim.analysis.runs.recorded_run import RecordedNetwork
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.palette import robot_colour
 from robotteamsim.recording.bag_reader import BagReader
-from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.recording.topics import base
 from robotteamsim.scenario import Bounds, load
 from robotteamsim.scenario.plan import OccupancyGrid
-
-MAKE = BagTypes()
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +38,7 @@ def real(write_bag, odometry, tmp_path_factory):
     cells = np.full((400, 400), -1, dtype=np.int8)
     cells[180:220, 190:260] = 0
     cells[180, 190:260] = 100
-    grid = base.occupancy_grid(MAKE, 0, OccupancyGrid((-10.0, -10.0), 0.05, cells))
+    grid = base.occupancy_grid(0, OccupancyGrid((-10.0, -10.0), 0.05, cells))
     samples = [("/map", "nav_msgs/OccupancyGrid", 1, grid)]
     for step in range(200):
         angle, time_ns = step / 30.0, 10**9 + step * 10**8

@@ -17,7 +17,6 @@ from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.recorded_run import RecordedNetwork
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.mission.events import Event, RobotRemoved, RobotSpawned
-from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.recording.topics import mission
 
 
@@ -65,14 +64,14 @@ def test_track_breaks_where_its_robot_comes_again_and_knows_its_absences(comes_a
 
 
 def test_odometry_that_restarts_is_not_a_path_back_to_its_origin(write_bag, odometry, tmp_path):
-    make, second_ns = BagTypes(), 10**9
+    second_ns = 10**9
     places_m = [0.0, 1.0, 2.0, 0.0, 1.0]
     samples = [
         ("/robot_0/odom", "nav_msgs/Odometry", stamp_ns, odometry(stamp_ns, x_m, 0.0))
         for stamp_ns, x_m in zip(range(second_ns, 6 * second_ns, second_ns), places_m, strict=True)
     ]
     for stamp_ns, what in ((4 * second_ns - 1, RobotRemoved(robot_id=0)), (4 * second_ns, RobotSpawned(robot_id=0))):
-        event = mission.mission_event(make, stamp_ns, Event(0.0, what, ""))
+        event = mission.mission_event(stamp_ns, Event(0.0, what, ""))
         samples.append(("/mission/events", "robotteamsim/MissionEvent", stamp_ns, event))
     (robot,) = read_run([write_bag(tmp_path / "odom.bag", samples)]).robots
     assert (robot.track.breaks, robot.track.driven_m.tolist()) == ([3], [0.0, 1.0, 2.0, 2.0, 3.0])

@@ -10,7 +10,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 
 from robotteamsim.cli import main
 from robotteamsim.geometry import PoseReading, Twist
-from robotteamsim.recording.bag_types import Ros2Types
+from robotteamsim.recording.bag_types import ROS2, bag_typestore, encoder
 from robotteamsim.recording.topics import robots
 from robotteamsim.sensing.readings import OdometryReading
 
@@ -18,14 +18,14 @@ from robotteamsim.sensing.readings import OdometryReading
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """A robot drives 2 m in 2 s by its wheels, and 4 m by its camera."""
-    path, make = tmp_path / "rosbag2", Ros2Types()
+    path = tmp_path / "rosbag2"
     with Writer(path, version=9, storage_plugin=StoragePlugin.SQLITE3) as bag:
         for topic, step_m in (("/robot1/wheels", 0.1), ("/robot1/camera", 0.2)):
-            connection = bag.add_connection(topic, "nav_msgs/msg/Odometry", typestore=make.typestore)
+            connection = bag.add_connection(topic, "nav_msgs/msg/Odometry", typestore=bag_typestore(ROS2))
             for step in range(21):
                 reading = OdometryReading(PoseReading(step * step_m, 0.0, 0.0, 1.0), Twist())
-                message = robots.odometry(make, 10**9 + step * 10**8, 0, reading)
-                data = make.typestore.serialize_cdr(message, "nav_msgs/msg/Odometry")
+                message = robots.odometry(10**9 + step * 10**8, 0, reading)
+                data = encoder("nav_msgs/Odometry", ROS2).encode(message)
                 bag.write(connection, 10**9 + step * 10**8, data)
     return path
 

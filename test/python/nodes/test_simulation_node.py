@@ -13,7 +13,6 @@ from robotteamsim.errors import PlacementError
 from robotteamsim.nodes import settings as settings_module
 from robotteamsim.nodes.settings import Settings
 from robotteamsim.nodes.simulation import SteppedSimulation
-from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.scenario import Scenario, load
 from robotteamsim.simulation import Simulation
 
@@ -24,7 +23,7 @@ class Node:
     last_words = ""
 
     def __init__(self, **parameters):
-        self.parameters, self.services, self.make, self.has_ended = parameters, {}, BagTypes(), threading.Event()
+        self.parameters, self.services, self.has_ended = parameters, {}, threading.Event()
 
     def parameter(self, name, default):
         return self.parameters.get(name.removeprefix("~"), default)

@@ -6,8 +6,9 @@ import math
 
 import pytest
 
+from robotteamsim.message_parts import header
 from robotteamsim.nodes.transforms import Transforms
-from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.recording.bag_types import decoded, encoder
 
 S = 10**9
 
@@ -22,7 +23,7 @@ class Node:
         self.receivers[topic] = receive
 
     def read(self, type_name, data):
-        return 0, data
+        return 0, decoded(type_name, data)
 
 
 @pytest.fixture
@@ -36,15 +37,11 @@ def transforms(node):
 
 
 def send(node, topic, parent, child, *, time_ns=0, at=(0.0, 0.0, 0.0), turn=(0.0, 0.0, 0.0, 1.0)):
-    make = BagTypes()
-    place, turn = (
-        make("geometry_msgs/Vector3", **dict(zip("xyz", at, strict=True))),
-        dict(zip("xyzw", turn, strict=True)),
-    )
-    transform = make("geometry_msgs/Transform", translation=place, rotation=make("geometry_msgs/Quaternion", **turn))
-    header = make("std_msgs/Header", seq=0, stamp=make.time(time_ns), frame_id=parent)
-    link = make("geometry_msgs/TransformStamped", header=header, child_frame_id=child, transform=transform)
-    node.receivers[topic](make("tf2_msgs/TFMessage", transforms=[link]))
+    place, rotation = (dict(zip("xyzw", numbers, strict=False)) for numbers in (at, turn))
+    transform = {"translation": place, "rotation": rotation}
+    link = {"header": header(time_ns, parent), "child_frame_id": child, "transform": transform}
+    type_name = "tf2_msgs/TFMessage"
+    node.receivers[topic](encoder(type_name).encode({"transforms": [link]}))
 
 
 def yawed(yaw_rad):

@@ -95,7 +95,7 @@ def test_interrupted_step_leaves_an_active_file_and_not_the_name_of_a_complete_o
     recording.begin(trial.setup)
     recording.step(trial.record(1))
     monkeypatch.setattr(storage_mcap, "write_record", interrupt)
-    monkeypatch.setattr(rosbag1.Writer, "write", interrupt)
+    monkeypatch.setattr("robotteamsim.recording.bag_writer._Writer.write", interrupt)
     with pytest.raises(KeyboardInterrupt):
         recording.step(trial.record(2))
     monkeypatch.undo()

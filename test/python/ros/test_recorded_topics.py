@@ -3,7 +3,6 @@
 from robotteamsim.nodes.recorded import recorded_topics
 from robotteamsim.nodes.settings import Settings
 from robotteamsim.recording.bag import BagMessages
-from robotteamsim.recording.bag_types import BagTypes
 from robotteamsim.scenario import load
 from robotteamsim.setup import resolve
 
@@ -12,7 +11,7 @@ SENSORS = ("robots.sensors=[{kind: gps, datum_lat_deg: 40, datum_lon_deg: -8}, {
 
 def test_all_topics_of_a_headless_bag_are_recorded_those_of_additional_sensors_among_them():
     scenario = load("garage_sar", SENSORS)
-    headless = {topic.name for topic in BagMessages(resolve(scenario), BagTypes()).topics()}
+    headless = {topic.name for topic in BagMessages(resolve(scenario)).topics()}
     assert {"/robot_2/fix", "/robot_2/front"} < headless
     assert headless <= set(recorded_topics(Settings(scenario)))
 

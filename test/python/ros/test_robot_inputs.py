@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from io import BytesIO
-
 import numpy as np
 import pytest
 
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.nodes.inputs import RobotInputs
 from robotteamsim.nodes.settings import Settings
+from robotteamsim.recording.bag_types import encoder
 from robotteamsim.recording.topics import robots
-from robotteamsim.ros.messages import RosTypes
+from robotteamsim.ros.messages import read
 from robotteamsim.ros.ros1 import Ros1Node
-from robotteamsim.ros.topics import read
 from robotteamsim.scenario import load
 from robotteamsim.sensing.readings import OdometryReading
 from robotteamsim.sensing.robots import RobotSensors
@@ -47,27 +45,24 @@ def course():
 
 
 def values_of(inputs, robot, time_ns, reading):
-    make = RosTypes()
     sent = {
-        inputs.odometry.topic: robots.odometry(make, time_ns, 0, reading.odometry),
-        inputs.truth.topic: robots.ground_truth(make, time_ns, 0, reading),
-        inputs.scan.topic: robots.scan(make, time_ns, 0, robot.laser, reading.ranges_m),
-        inputs.contact.topic: robots.contact(make, time_ns, 0, reading.in_contact, reading.contact_angles_rad),
+        inputs.odometry.topic: robots.odometry(time_ns, 0, reading.odometry),
+        inputs.truth.topic: robots.ground_truth(time_ns, 0, reading),
+        inputs.scan.topic: robots.scan(time_ns, 0, robot.laser, reading.ranges_m),
+        inputs.contact.topic: robots.contact(time_ns, 0, reading.in_contact, reading.contact_angles_rad),
     }
     for sensor in robot.sensors:
         if sensor.name in reading.sensors:
-            sent[f"/robot_0/{sensor.name}"] = sensor.message(make, time_ns, 0, reading.sensors[sensor.name])
+            sent[f"/robot_0/{sensor.name}"] = sensor.message(time_ns, 0, reading.sensors[sensor.name])
     topics = {
         one.topic: one for one in (inputs.odometry, inputs.truth, inputs.scan, inputs.contact, *inputs.additional)
     }
     assert topics.keys() >= sent.keys()
-    return {name: topics[name].decode(received(message)) for name, message in sent.items()}
+    return {name: topics[name].decode(received(topics[name].type_name, message)) for name, message in sent.items()}
 
 
-def received(message):
-    buffer = BytesIO()
-    message.serialize(buffer)
-    return read(type(message), buffer.getvalue())
+def received(type_name, message):
+    return read(type_name, encoder(type_name).encode(message))
 
 
 def test_readings_from_topics_are_those_of_the_headless_run_to_the_bit(course):

@@ -8,9 +8,8 @@ import rospy
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.nodes.gate import Pacer
 from robotteamsim.nodes.settings import Settings
-from robotteamsim.nodes.stage import StageRequests, Unprefixed
+from robotteamsim.nodes.stage import StageRequests, unprefixed
 from robotteamsim.recording.topics import robots
-from robotteamsim.ros.messages import RosTypes
 from robotteamsim.ros.ros1 import Ros1Node
 from robotteamsim.scenario import load
 from robotteamsim.sensing.readings import OdometryReading
@@ -51,11 +50,12 @@ def test_wrong_speedup_is_ignored_with_one_line(follow, caplog, request_, reason
 
 
 def test_single_robot_of_stage_has_topics_and_frames_without_a_prefix(hall_scenario):
-    make, robot = Unprefixed(RosTypes(), 0), hall_scenario().robots[0]
-    links = robots.transforms(make, 0, [robot], [OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())]).transforms
-    frames = [(link.header.frame_id, link.child_frame_id) for link in links]
+    robot = hall_scenario().robots[0]
+    links = robots.robot_transforms(0, 0, robot, OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist()))
+    links = [unprefixed(link, 0) for link in links]
+    frames = [(link["header"]["frame_id"], link["child_frame_id"]) for link in links]
     assert frames == [("odom", "base_footprint"), ("base_footprint", "base_link"), ("base_link", "base_laser_link")]
-    assert robots.contact(make, 0, 0, in_contact=False).header.frame_id == "base_link"
+    assert unprefixed(robots.contact(0, 0, in_contact=False), 0)["header"]["frame_id"] == "base_link"
     settings = Settings(load("tutorial_arena"))
     assert replace(settings, prefix=False).robot_topic(0, "odom") == "/odom"
     assert settings.robot_topic(0, "odom") == "/robot_0/odom"

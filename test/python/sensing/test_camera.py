@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import PoseReading, Twist
-from robotteamsim.recording.bag_types import BagTypes, Ros2Types
+from robotteamsim.recording.bag_types import ROS1, ROS2, decoded, encoder
 from robotteamsim.recording.topics.robots import robot_transforms
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan
@@ -74,14 +74,16 @@ def test_camera_takes_every_nth_image():
     assert taken == [False, False, True] * 2
 
 
-@pytest.mark.parametrize("make", [BagTypes(), Ros2Types()], ids=["ROS 1", "ROS 2"])
-def test_messages_have_the_image_and_the_calibration(make):
+@pytest.mark.parametrize("ros", [ROS1, ROS2], ids=["ROS 1", "ROS 2"])
+def test_messages_have_the_image_and_the_calibration(ros):
     robot = PlacedRobot(start_pose=(2.0, 5.0, 0.0), sensors=(COLOUR, DEPTH))
     world = MujocoWorld(PLAN, [robot], Run(world="mujoco"), objects=(BOX,))
     readings = RobotSensors(world, [robot], 1).read()[0].sensors
     topics = {}
     for camera in robot.sensors:
-        topics |= camera.messages(make, 5, 0, readings[camera.name])
+        for name, message in camera.messages(5, 0, readings[camera.name]).items():
+            kind = camera.topics[name]
+            topics[name] = decoded(kind, encoder(kind, ros).encode(message), ros)
     assert list(topics) == ["colour/image", "colour/camera_info", "depth/image", "depth/camera_info"]
     image, depth, info = topics["colour/image"], topics["depth/image"], topics["colour/camera_info"]
     assert (image.encoding, image.step, image.header.frame_id) == ("rgb8", 960, "robot_0/colour_optical_frame")
@@ -94,16 +96,16 @@ def test_messages_have_the_image_and_the_calibration(make):
 
 def test_point_of_known_place_is_projected_to_its_pixel():
     """From `map` by the transforms of tf and the calibration of CameraInfo; the image has the box there."""
-    make, camera = BagTypes(), DEPTH.model_copy(update={"yaw_rad": 0.3, "left_m": 0.05, "height_m": 0.6})
+    camera = DEPTH.model_copy(update={"yaw_rad": 0.3, "left_m": 0.05, "height_m": 0.6})
     robot = PlacedRobot(start_pose=(2.0, 4.0, 0.2), sensors=(camera,))
     (depth_m,), (empty_m,) = images_of(robot, BOX), images_of(robot)
     reading = OdometryReading(PoseReading(2.0, 4.0, math.sin(0.1), math.cos(0.1)), Twist())  # as if `odom` were `map`
-    links = {link.child_frame_id: link for link in robot_transforms(make, 0, 0, robot, reading)}
-    info = camera.messages(make, 0, 0, depth_m)["depth/camera_info"]
-    frame, place_of_camera = info.header.frame_id, np.eye(4)
+    links = {link["child_frame_id"]: link for link in robot_transforms(0, 0, robot, reading)}
+    info = camera.messages(0, 0, depth_m)["depth/camera_info"]
+    frame, place_of_camera = info["header"]["frame_id"], np.eye(4)
     while frame in links:
-        place_of_camera = matrix_of(links[frame].transform) @ place_of_camera
-        frame = links[frame].header.frame_id
+        place_of_camera = matrix_of(links[frame]["transform"]) @ place_of_camera
+        frame = links[frame]["header"]["frame_id"]
     assert frame == "robot_0/odom"
     for corner in (
         (4.8, 4.8, 0.5),
@@ -111,7 +113,7 @@ def test_point_of_known_place_is_projected_to_its_pixel():
         (4.8, 4.8, 0.25),
     ):  # top edge and one on the side towards the robot
         x, y, z = (np.linalg.inv(place_of_camera) @ (*corner, 1.0))[:3]
-        column, row, scale = info.K.reshape(3, 3) @ (x, y, z)
+        column, row, scale = info["k"].reshape(3, 3) @ (x, y, z)
         column, row = round(column / scale), round(row / scale)
         around = depth_m[row - 2 : row + 3, column - 2 : column + 3]
         assert around.min() == pytest.approx(z, abs=0.02)
@@ -120,9 +122,9 @@ def test_point_of_known_place_is_projected_to_its_pixel():
 
 
 def matrix_of(transform) -> np.ndarray:
-    q, place, matrix = transform.rotation, transform.translation, np.eye(4)
-    matrix[:3, :3] = Rotation.from_quat([q.x, q.y, q.z, q.w]).as_matrix()
-    matrix[:3, 3] = place.x, place.y, place.z
+    matrix = np.eye(4)
+    matrix[:3, :3] = Rotation.from_quat([transform["rotation"].get(axis, 0.0) for axis in "xyzw"]).as_matrix()
+    matrix[:3, 3] = [transform["translation"].get(axis, 0.0) for axis in "xyz"]
     return matrix
 
 

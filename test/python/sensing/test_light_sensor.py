@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import PoseReading, Twist
-from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.recording.bag_types import decoded, encoder
 from robotteamsim.recording.topics.robots import robot_transforms
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan
@@ -85,16 +85,16 @@ def test_schedule_switches_lights():
 
 
 def test_message_has_the_axis_as_x_axis_of_its_frame():
-    make, world = BagTypes(), world_of(LAMP)
+    world = world_of(LAMP)
     left_lx = read_lx(world)[2]
-    message = LEFT.message(make, 5, 0, left_lx)
+    message = decoded(LEFT.type_name, encoder(LEFT.type_name).encode(LEFT.message(5, 0, left_lx)))
     assert (message.illuminance, message.header.frame_id) == (left_lx, "robot_0/left_link")
     assert LEFT.reading(message) == pytest.approx(left_lx)
-    links = robot_transforms(make, 0, 0, ROBOT, OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist()))
+    links = robot_transforms(0, 0, ROBOT, OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist()))
     axes = {}
     for link in links[-3:]:
-        q = link.transform.rotation
-        axes[link.child_frame_id] = Rotation.from_quat([q.x, q.y, q.z, q.w]).apply([1.0, 0.0, 0.0])
+        rotation = Rotation.from_quat([link["transform"]["rotation"].get(axis, 0.0) for axis in "xyzw"])
+        axes[link["child_frame_id"]] = rotation.apply([1.0, 0.0, 0.0])
     assert axes["robot_0/up_link"] == pytest.approx([0.0, 0.0, 1.0], abs=1e-12)
     assert axes["robot_0/ahead_link"] == pytest.approx([1.0, 0.0, 0.0], abs=1e-12)
     assert axes["robot_0/left_link"] == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)

@@ -20,7 +20,7 @@ from robotteamsim import palette
 from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording import BagWriter, McapWriter
-from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.recording.bag_types import bag_typestore
 from robotteamsim.recording.results import EventList
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Door
@@ -128,17 +128,17 @@ def test_a_bag_shows_the_lasers_the_doors_and_the_voice_map(
 def test_a_bag_with_impossible_numbers_is_rejected_in_one_line(
     hall_scenario: Callable[..., Scenario], tmp_path: Path
 ) -> None:
-    path, make = tmp_path / "odd.bag", BagTypes()
+    path, types = tmp_path / "odd.bag", bag_typestore()
     Simulation(hall_scenario(mission=Mission(time_limit_s=1.0))).run([BagWriter(tmp_path / "good.bag")])
     with Reader(tmp_path / "good.bag") as good, Writer(path) as odd:
         connections = {}
         for known, time_ns, data in good.messages():
             if known.topic not in connections:
-                connections[known.topic] = odd.add_connection(known.topic, known.msgtype, typestore=make.typestore)
+                connections[known.topic] = odd.add_connection(known.topic, known.msgtype, typestore=types)
             if known.topic == "/voice_map/values":
-                message = make.typestore.deserialize_ros1(data, known.msgtype)
+                message = types.deserialize_ros1(data, known.msgtype)
                 message.data = np.full_like(message.data, 1e30)
-                data = make.typestore.serialize_ros1(message, known.msgtype)
+                data = types.serialize_ros1(message, known.msgtype)
             odd.write(connections[known.topic], time_ns, data)
     with pytest.raises(RecordingError) as refused:
         recording_of(read_run([path]), [path])

@@ -18,7 +18,7 @@ from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.errors import RecordingError
 from robotteamsim.hazards import BURNING
 from robotteamsim.recording import BagWriter
-from robotteamsim.recording.bag_types import BagTypes
+from robotteamsim.recording.bag_types import bag_typestore
 from robotteamsim.recording.topics.world import FIRE, SMOKE, smoke_cells
 from robotteamsim.scenario.loading import from_mapping
 from robotteamsim.scenario.scenario import Scenario
@@ -219,19 +219,17 @@ def test_a_bag_shows_the_same_fire_and_smoke(mission: tuple[Recording, _Truth, P
 def test_a_bag_whose_floor_changes_is_rejected_in_one_line(
     mission: tuple[Recording, _Truth, Path], tmp_path: Path, topic: str
 ) -> None:
-    path, make = tmp_path / "odd.bag", BagTypes()
+    path, types = tmp_path / "odd.bag", bag_typestore()
     with Reader(mission[2]) as good, Writer(path) as odd:
-        connections = {
-            c.topic: odd.add_connection(c.topic, c.msgtype, typestore=make.typestore) for c in good.connections
-        }
+        connections = {c.topic: odd.add_connection(c.topic, c.msgtype, typestore=types) for c in good.connections}
         count = 0
         for known, time_ns, data in good.messages():
             count += known.topic == topic
             if known.topic == topic and count == 2:  # soon after the first, so that it would not be shown
-                message = make.typestore.deserialize_ros1(data, known.msgtype)
+                message = types.deserialize_ros1(data, known.msgtype)
                 message.info.height //= 2
                 message.data = message.data[: message.info.height * message.info.width]
-                data = make.typestore.serialize_ros1(message, known.msgtype)
+                data = types.serialize_ros1(message, known.msgtype)
             odd.write(connections[known.topic], time_ns, data)
     with pytest.raises(
         RecordingError,

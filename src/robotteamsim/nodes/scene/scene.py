@@ -106,7 +106,6 @@ class Layer:
     """A latched topic of markers."""
 
     def __init__(self, node: Node, name: str, markers: Iterable[Marker] = ()) -> None:
-        self._make = node.make
         self._output = node.output(f"/scene/{name}", ARRAY, latched=True)
         self._shown: dict[tuple[str, int], None] = {}
         self.draw(markers, gone=[_deletion("", 0, DELETE_ALL)])  # those of an earlier run
@@ -116,9 +115,9 @@ class Layer:
         found = list(markers)
         shown = dict.fromkeys((item.ns, item.id) for item in found)
         deletions = [*gone, *(_deletion(*key, DELETE) for key in self._shown if key not in shown)]
-        message = array_message(self._make, deletions + found)
+        message = array_message(deletions + found)
         self._output.publish(message)
-        self._again = self._make(ARRAY, markers=message.markers[len(deletions) :])
+        self._again = {"markers": message["markers"][len(deletions) :]}
         self._shown = shown
 
     def draw_again(self) -> None:
@@ -287,17 +286,7 @@ def _publish_frame(node: Node, bounds: Bounds) -> None:
 
     This also defines `map`, which the world may not publish; rviz warns if its fixed frame does not exist.
     """
-    make = node.make
     x, y = ((low + high) / 2.0 for low, high in zip(bounds.min, bounds.max, strict=True))
-    place = make(
-        "geometry_msgs/Transform",
-        translation=make("geometry_msgs/Vector3", x=x, y=y, z=0.0),
-        rotation=make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=0.0, w=1.0),
-    )
-    frame = make(
-        "geometry_msgs/TransformStamped",
-        header=header(make, 0, MAP_FRAME),
-        child_frame_id="building",
-        transform=place,
-    )
-    node.output(STATIC, TF.type_name, latched=True).publish(make(TF.type_name, transforms=[frame]))
+    place = {"translation": {"x": x, "y": y}, "rotation": {"w": 1.0}}
+    frame = {"header": header(0, MAP_FRAME), "child_frame_id": "building", "transform": place}
+    node.output(STATIC, TF.type_name, latched=True).publish({"transforms": [frame]})

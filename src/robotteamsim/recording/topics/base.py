@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from robotteamsim.geometry import PoseReading, Twist
-from robotteamsim.message_parts import MAP_FRAME, Make, header, point
+from robotteamsim.message_parts import MAP_FRAME, RosMessage, header, point
 from robotteamsim.network.compact import LinksEncoder
 from robotteamsim.propagation import FieldMap
 from robotteamsim.scenario import Scenario
@@ -72,7 +72,7 @@ class Topic:
 
     values:   of (source, step) or, for each robot, of (source, step, robot_id), in the form of the arguments of
               `message`; None if the step has no message. A step is a `StepRecord`, or a part of one.
-    message:  makes the message of (make, time [ns], *values).
+    message:  makes the `RosMessage` of (time [ns], *values).
     latched:  whether later subscribers get the last message.
     version:  of a step's contents, for a latched topic that rarely changes: bags have a message per change.
     several:  whether the values are those of several messages.
@@ -92,11 +92,11 @@ class Topic:
     in_bags: bool = True
     read: Callable[..., Any] | None = None
 
-    def messages(self, make: Make, time_ns: int, values: Sequence[Any] | None) -> list[Any]:
+    def messages(self, time_ns: int, values: Sequence[Any] | None) -> list[Any]:
         """Return the messages of a step's values."""
         if values is None:
             return []
-        return [self.message(make, time_ns, *one) for one in (values if self.several else (values,))]
+        return [self.message(time_ns, *one) for one in (values if self.several else (values,))]
 
 
 class Changes:
@@ -117,66 +117,60 @@ class Changes:
         return True
 
 
-def pose(make: Make, reading: PoseReading) -> Any:
+def pose(reading: PoseReading) -> RosMessage:
     """geometry_msgs/Pose."""
-    return make(
-        "geometry_msgs/Pose", position=point(make, (reading.x_m, reading.y_m)), orientation=quaternion(make, reading)
-    )
+    return {"position": {"x": reading.x_m, "y": reading.y_m}, "orientation": quaternion(reading)}
 
 
-def quaternion(make: Make, reading: PoseReading) -> Any:
+def quaternion(reading: PoseReading) -> RosMessage:
     """geometry_msgs/Quaternion."""
-    return make("geometry_msgs/Quaternion", x=0.0, y=0.0, z=reading.qz, w=reading.qw)
+    return {"z": reading.qz, "w": reading.qw}
 
 
-def twist(make: Make, command: Twist) -> Any:
+def twist(command: Twist) -> RosMessage:
     """geometry_msgs/Twist."""
-    return make(
-        "geometry_msgs/Twist",
-        linear=make("geometry_msgs/Vector3", x=command.linear_x_mps, y=command.linear_y_mps, z=0.0),
-        angular=make("geometry_msgs/Vector3", x=0.0, y=0.0, z=command.angular_z_radps),
-    )
+    return {
+        "linear": {"x": command.linear_x_mps, "y": command.linear_y_mps},
+        "angular": {"z": command.angular_z_radps},
+    }
 
 
-def occupancy_grid(make: Make, time_ns: int, grid: OccupancyGrid) -> Any:
+def occupancy_grid(time_ns: int, grid: OccupancyGrid) -> RosMessage:
     """nav_msgs/OccupancyGrid."""
     rows, columns = grid.cells.shape
     origin = PoseReading(float(grid.origin_m[0]), float(grid.origin_m[1]), 0.0, 1.0)
-    return make(
-        "nav_msgs/OccupancyGrid",
-        header=header(make, time_ns, MAP_FRAME),
-        info=make(
-            "nav_msgs/MapMetaData",
-            map_load_time=make.time(time_ns),
-            resolution=grid.resolution_m,
-            width=columns,
-            height=rows,
-            origin=pose(make, origin),
-        ),
-        data=np.asarray(grid.cells, dtype=np.int8).ravel(),
-    )
+    return {
+        "header": header(time_ns, MAP_FRAME),
+        "info": {
+            "map_load_time": time_ns,
+            "resolution": grid.resolution_m,
+            "width": columns,
+            "height": rows,
+            "origin": pose(origin),
+        },
+        "data": np.asarray(grid.cells, dtype=np.int8),
+    }
 
 
-def field_map_picture(make: Make, time_ns: int, field: FieldMap) -> Any:
+def field_map_picture(time_ns: int, field: FieldMap) -> RosMessage:
     """nav_msgs/OccupancyGrid of a map of levels, or of a belief in per cent, for rviz: integers from 0 to 100."""
     levels = np.clip(np.round(field.values), 0, 100).astype(np.int8)
-    return occupancy_grid(make, time_ns, OccupancyGrid(field.origin_m, field.resolution_m, levels))
+    return occupancy_grid(time_ns, OccupancyGrid(field.origin_m, field.resolution_m, levels))
 
 
-def field_map(make: Make, time_ns: int, field: FieldMap, quantity: str, unit: str) -> Any:
+def field_map(time_ns: int, field: FieldMap, quantity: str, unit: str) -> RosMessage:
     """robotteamsim/FloatMap, such as quantity "voice_level" in unit "dB"."""
     rows, columns = field.values.shape
-    return make(
-        "robotteamsim/FloatMap",
-        header=header(make, time_ns, MAP_FRAME),
-        quantity=quantity,
-        unit=unit,
-        resolution_m=field.resolution_m,
-        width=columns,
-        height=rows,
-        origin=point(make, field.origin_m),
-        data=np.asarray(field.values, dtype=np.float32).ravel(),
-    )
+    return {
+        "header": header(time_ns, MAP_FRAME),
+        "quantity": quantity,
+        "unit": unit,
+        "resolution_m": field.resolution_m,
+        "width": columns,
+        "height": rows,
+        "origin": point(field.origin_m),
+        "data": np.asarray(field.values, dtype=np.float32),
+    }
 
 
 def read_twist(message: Any) -> Twist:

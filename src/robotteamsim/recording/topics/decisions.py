@@ -8,44 +8,42 @@ import msgspec
 
 from robotteamsim.geometry import Twist
 from robotteamsim.interface import Decision, SwarmContext
-from robotteamsim.message_parts import MAP_FRAME, Make, header, point, robot_frame
+from robotteamsim.message_parts import MAP_FRAME, RosMessage, header, point, robot_frame
 from robotteamsim.recording.topics.base import Topic, When, field_map_picture, read_point, read_twist, twist
 from robotteamsim.recording.topics.radio import network_messages, read_outbox
 
 
-def twist_stamped(make: Make, time_ns: int, robot_id: int, command: Twist) -> Any:
+def twist_stamped(time_ns: int, robot_id: int, command: Twist) -> RosMessage:
     """geometry_msgs/TwistStamped, of `cmd_vel_stamped`: carries the stamp of the step it answers."""
-    return make(
-        "geometry_msgs/TwistStamped",
-        header=header(make, time_ns, robot_frame(robot_id, "base_link")),
-        twist=twist(make, command),
-    )
+    return {
+        "header": header(time_ns, robot_frame(robot_id, "base_link")),
+        "twist": twist(command),
+    }
 
 
-def controller_status(make: Make, time_ns: int, robot_id: int, decision: Decision) -> Any:
+def controller_status(time_ns: int, robot_id: int, decision: Decision) -> RosMessage:
     """robotteamsim/ControllerStatus."""
-    return make(
-        "robotteamsim/ControllerStatus",
-        header=header(make, time_ns, MAP_FRAME),
-        robot_id=robot_id,
-        excluded=bool(decision.excluded),
-        swarm=int(decision.swarm),
-        has_goal=decision.goal_m is not None,
-        goal=point(make, decision.goal_m or (0.0, 0.0)),
-        local_best=float(decision.local_best),
-        has_local_best=decision.local_best_m is not None,
-        local_best_place=point(make, decision.local_best_m or (0.0, 0.0)),
-        area=int(decision.area),
-        search_counter=int(decision.search_counter),
-        context=[] if decision.context is None else [swarm_context(make, decision.context)],
-        fault=decision.fault,
-        done=decision.done,
-    )
+    return {
+        "header": header(time_ns, MAP_FRAME),
+        "robot_id": robot_id,
+        "excluded": decision.excluded,
+        "swarm": decision.swarm,
+        "has_goal": decision.goal_m is not None,
+        "goal": point(decision.goal_m or (0.0, 0.0)),
+        "local_best": decision.local_best,
+        "has_local_best": decision.local_best_m is not None,
+        "local_best_place": point(decision.local_best_m or (0.0, 0.0)),
+        "area": decision.area,
+        "search_counter": decision.search_counter,
+        "context": [] if decision.context is None else [swarm_context(decision.context)],
+        "fault": decision.fault,
+        "done": decision.done,
+    }
 
 
-def swarm_context(make: Make, context: SwarmContext) -> Any:
+def swarm_context(context: SwarmContext) -> RosMessage:
     """robotteamsim/SwarmContext."""
-    return make("robotteamsim/SwarmContext", **msgspec.structs.asdict(context))
+    return msgspec.structs.asdict(context)
 
 
 def read_decision(message: Any) -> Decision:
@@ -79,7 +77,7 @@ COMMAND = Topic(
     "geometry_msgs/Twist",
     When.STEP,
     lambda _, step, i: (step.decisions[i].twist,),
-    lambda make, _, command: twist(make, command),
+    lambda _, command: twist(command),
     read=lambda message, *_: read_twist(message),
 )
 STAMPED_COMMAND = Topic(

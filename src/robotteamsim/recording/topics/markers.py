@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
 
 from robotteamsim.geometry import Pose, PoseReading
-from robotteamsim.message_parts import MAP_FRAME, Make, header
+from robotteamsim.message_parts import MAP_FRAME, RosMessage, header
 from robotteamsim.recording.topics.base import pose
 
 ARROW, CUBE, SPHERE, CYLINDER, LINE_STRIP, LINE_LIST, TEXT_VIEW_FACING, TRIANGLE_LIST = 0, 1, 2, 3, 4, 5, 9, 11
@@ -42,40 +41,35 @@ class Marker:
     action: int = ADD
 
 
-def marker_message(make: Make, marker: Marker) -> Any:
+def marker_message(marker: Marker) -> RosMessage:
     """visualization_msgs/Marker.
 
     Its stamp is 0, "at any time", so that rviz needs no current transform, which a paused or slow world lacks.
     """
     x_m, y_m, z_m = marker.position
-    place = pose(make, PoseReading.from_pose(Pose(x_m, y_m, marker.yaw_rad)))
-    place.position.z = z_m
+    place = pose(PoseReading.from_pose(Pose(x_m, y_m, marker.yaw_rad)))
+    place["position"]["z"] = z_m
     length_m, width_m, height_m = marker.scale
-    return make(
-        "visualization_msgs/Marker",
-        header=header(make, 0, MAP_FRAME),
-        ns=marker.ns,
-        id=marker.id,
-        type=marker.type,
-        action=marker.action,
-        pose=place,
-        scale=make("geometry_msgs/Vector3", x=length_m, y=width_m, z=height_m),
-        color=_colour(make, marker.tint),
-        lifetime=make.duration(0),
-        frame_locked=False,
-        points=[make("geometry_msgs/Point", x=x, y=y, z=z) for x, y, z in marker.points],
-        colors=[_colour(make, tint) for tint in marker.tints],
-        text=marker.text,
-        mesh_resource="",
-        mesh_use_embedded_materials=False,
-    )
+    return {
+        "header": header(0, MAP_FRAME),
+        "ns": marker.ns,
+        "id": marker.id,
+        "type": marker.type,
+        "action": marker.action,
+        "pose": place,
+        "scale": {"x": length_m, "y": width_m, "z": height_m},
+        "color": _colour(marker.tint),
+        "points": [{"x": x, "y": y, "z": z} for x, y, z in marker.points],
+        "colors": [_colour(tint) for tint in marker.tints],
+        "text": marker.text,
+    }
 
 
-def array_message(make: Make, markers: list[Marker]) -> Any:
+def array_message(markers: list[Marker]) -> RosMessage:
     """visualization_msgs/MarkerArray."""
-    return make(ARRAY, markers=[marker_message(make, marker) for marker in markers])
+    return {"markers": [marker_message(marker) for marker in markers]}
 
 
-def _colour(make: Make, tint: Colour) -> Any:
+def _colour(tint: Colour) -> RosMessage:
     red, green, blue, opacity = tint
-    return make("std_msgs/ColorRGBA", r=red, g=green, b=blue, a=opacity)
+    return {"r": red, "g": green, "b": blue, "a": opacity}

@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 
 from robotteamsim.interface import Assistance, Decision, Discovery, Task
-from robotteamsim.message_parts import MAP_FRAME, Make, header, point
+from robotteamsim.message_parts import MAP_FRAME, RosMessage, header, point
 from robotteamsim.mission.egress import Egress, ExitEgress, PersonEgress
 from robotteamsim.mission.events import Event, VictimLocated
 from robotteamsim.mission.status import DeliveredDiscoveries, MissionStatus, VictimState
@@ -21,47 +21,43 @@ from robotteamsim.setup import Setup
 _NOTHING_DELIVERED = DeliveredDiscoveries()
 
 
-def mission_status(make: Make, time_ns: int, scenario_name: str, status: MissionStatus, noise_db: float) -> Any:
+def mission_status(time_ns: int, scenario_name: str, status: MissionStatus, noise_db: float) -> RosMessage:
     """robotteamsim/MissionStatus."""
     task, delivered = status.task, status.delivered or _NOTHING_DELIVERED
-    return make(
-        "robotteamsim/MissionStatus",
-        header=header(make, time_ns, MAP_FRAME),
-        scenario=scenario_name,
-        state=status.state,
-        end=status.end,
-        time_s=status.time_s,
-        explored=np.array(status.explored, dtype=np.uint8),
-        victims=list(status.victims),
-        target_area=status.target_area,
-        endangered_links=status.endangered_links,
-        noise_db=float(noise_db),
-        running=task.running,
-        epoch=task.epoch,
-        has_area=task.area_center_m is not None,
-        area_center=point(make, task.area_center_m or (0.0, 0.0)),
-        area_radius_m=float(task.area_radius_m),
-        explored_by=np.array(task.explored_by, dtype=np.int32),
-        has_base=status.delivered is not None,
-        discoveries_delivered=delivered.count,
-        mean_delivery_delay_s=delivered.mean_delay_s,
-        max_delivery_delay_s=delivered.max_delay_s,
-        undelivered=[_discovery(make, discovery) for discovery in task.undelivered],
-        assistance=[
-            make("robotteamsim/Assistance", **msgspec.structs.asdict(assistance)) for assistance in task.assistance
-        ],
-    )
+    return {
+        "header": header(time_ns, MAP_FRAME),
+        "scenario": scenario_name,
+        "state": status.state,
+        "end": status.end,
+        "time_s": status.time_s,
+        "explored": status.explored,
+        "victims": status.victims,
+        "target_area": status.target_area,
+        "endangered_links": status.endangered_links,
+        "noise_db": noise_db,
+        "running": task.running,
+        "epoch": task.epoch,
+        "has_area": task.area_center_m is not None,
+        "area_center": point(task.area_center_m or (0.0, 0.0)),
+        "area_radius_m": task.area_radius_m,
+        "explored_by": task.explored_by,
+        "has_base": status.delivered is not None,
+        "discoveries_delivered": delivered.count,
+        "mean_delivery_delay_s": delivered.mean_delay_s,
+        "max_delivery_delay_s": delivered.max_delay_s,
+        "undelivered": [_discovery(discovery) for discovery in task.undelivered],
+        "assistance": [msgspec.structs.asdict(assistance) for assistance in task.assistance],
+    }
 
 
-def _discovery(make: Make, discovery: Discovery) -> Any:
-    return make(
-        "robotteamsim/Discovery",
-        kind=discovery.kind,
-        name=discovery.name,
-        robot_id=discovery.robot_id,
-        position=point(make, discovery.position_m),
-        time_s=discovery.time_s,
-    )
+def _discovery(discovery: Discovery) -> RosMessage:
+    return {
+        "kind": discovery.kind,
+        "name": discovery.name,
+        "robot_id": discovery.robot_id,
+        "position": point(discovery.position_m),
+        "time_s": discovery.time_s,
+    }
 
 
 def read_task(message: Any, num_robots: int) -> Task:
@@ -85,60 +81,55 @@ def read_task(message: Any, num_robots: int) -> Task:
     )
 
 
-def mission_event(make: Make, time_ns: int, event: Event) -> Any:
+def mission_event(time_ns: int, event: Event) -> RosMessage:
     """robotteamsim/MissionEvent."""
-    return make(
-        "robotteamsim/MissionEvent",
-        header=header(make, time_ns, MAP_FRAME),
+    return {
+        "header": header(time_ns, MAP_FRAME),
         **event.row(),
-        error_m=event.what.error_m if isinstance(event.what, VictimLocated) else 0.0,
-    )
+        "error_m": event.what.error_m if isinstance(event.what, VictimLocated) else 0.0,
+    }
 
 
-def victims(make: Make, time_ns: int, all_victims: Sequence[Victim], states: Sequence[VictimState]) -> Any:
+def victims(time_ns: int, all_victims: Sequence[Victim], states: Sequence[VictimState]) -> RosMessage:
     """robotteamsim/Victims."""
-    return make(
-        "robotteamsim/Victims",
-        header=header(make, time_ns, MAP_FRAME),
-        victims=[
-            make("robotteamsim/Victim", name=victim.name, position=point(make, victim.position), state=state)
+    return {
+        "header": header(time_ns, MAP_FRAME),
+        "victims": [
+            {"name": victim.name, "position": point(victim.position), "state": state}
             for victim, state in zip(all_victims, states, strict=True)
         ],
-    )
+    }
 
 
-def areas(make: Make, time_ns: int, all_areas: Sequence[Area], status: MissionStatus) -> Any:
+def areas(time_ns: int, all_areas: Sequence[Area], status: MissionStatus) -> RosMessage:
     """robotteamsim/Areas."""
-    return make(
-        "robotteamsim/Areas",
-        header=header(make, time_ns, MAP_FRAME),
-        areas=[
-            make(
-                "robotteamsim/Area",
-                name=area.name,
-                center=point(make, area.center),
-                radius_m=area.radius_m,
-                explored=status.explored[index],
-                target=index == status.target_area,
-            )
+    return {
+        "header": header(time_ns, MAP_FRAME),
+        "areas": [
+            {
+                "name": area.name,
+                "center": point(area.center),
+                "radius_m": area.radius_m,
+                "explored": status.explored[index],
+                "target": index == status.target_area,
+            }
             for index, area in enumerate(all_areas)
         ],
-    )
+    }
 
 
-def egress(make: Make, time_ns: int, state: Egress) -> Any:
+def egress(time_ns: int, state: Egress) -> RosMessage:
     """robotteamsim/Egress."""
-    return make(
-        "robotteamsim/Egress",
-        header=header(make, time_ns, MAP_FRAME),
-        ignition_s=_or_nan(state.ignition_s),
-        people=[_part(make, "robotteamsim/PersonEgress", person) for person in state.people],
-        exits=[_part(make, "robotteamsim/ExitEgress", way_out) for way_out in state.exits],
-    )
+    return {
+        "header": header(time_ns, MAP_FRAME),
+        "ignition_s": _or_nan(state.ignition_s),
+        "people": [_part(person) for person in state.people],
+        "exits": [_part(way_out) for way_out in state.exits],
+    }
 
 
-def _part(make: Make, type_name: str, part: PersonEgress | ExitEgress) -> Any:
-    return make(type_name, **{key: _or_nan(value) for key, value in msgspec.structs.asdict(part).items()})
+def _part(part: PersonEgress | ExitEgress) -> RosMessage:
+    return {key: _or_nan(value) for key, value in msgspec.structs.asdict(part).items()}
 
 
 def _or_nan(value: Any) -> Any:
@@ -163,7 +154,6 @@ def _or_none(value: Any) -> Any:
 
 
 def sensor_world(
-    make: Make,
     time_ns: int,
     status: MissionStatus,
     setup: Setup,
@@ -171,7 +161,7 @@ def sensor_world(
     positions_m: np.ndarray,
     decisions: Sequence[Decision],
     all_victims: Sequence[Victim],
-) -> Any:
+) -> RosMessage:
     """robotteamsim/SensorWorld [dissertation, 5.3].
 
     Args: present: bool, shape (n,).  positions_m: true ones in `map`, shape (n, 2) [m].
@@ -179,27 +169,29 @@ def sensor_world(
     areas_m = [area.center for area in setup.scenario.mission.areas]
     victims_m = np.array([victim.position for victim in all_victims], dtype=np.float64).reshape(-1, 2)
     robots = []
-    for robot_id in np.flatnonzero(present).tolist():
-        decision, position = decisions[robot_id], positions_m[robot_id]
+    offsets_m = positions_m[:, np.newaxis] - victims_m
+    distances_m = np.hypot(offsets_m[..., 0], offsets_m[..., 1])
+    for robot_id, position in enumerate(positions_m.tolist()):
+        if not present[robot_id]:
+            continue
+        decision = decisions[robot_id]
         area = decision.area if 0 <= decision.area < len(areas_m) else status.target_area
         robots.append(
-            make(
-                "robotteamsim/SensorWorldRobot",
-                robot_id=robot_id,
-                has_local_best=decision.local_best_m is not None,
-                local_best=point(make, decision.local_best_m or (0.0, 0.0)),
-                value=float(decision.local_best),
-                victim_distances_m=np.hypot(*(victims_m - position).T),
-                area=area,
-                area_distance_m=math.nan if area < 0 else math.dist(areas_m[area], position),
-            )
+            {
+                "robot_id": robot_id,
+                "has_local_best": decision.local_best_m is not None,
+                "local_best": point(decision.local_best_m or (0.0, 0.0)),
+                "value": decision.local_best,
+                "victim_distances_m": distances_m[robot_id],
+                "area": area,
+                "area_distance_m": math.nan if area < 0 else math.dist(areas_m[area], position),
+            }
         )
-    return make(
-        "robotteamsim/SensorWorld",
-        header=header(make, time_ns, MAP_FRAME),
-        victims=[victim.name for victim in all_victims],
-        robots=robots,
-    )
+    return {
+        "header": header(time_ns, MAP_FRAME),
+        "victims": [victim.name for victim in all_victims],
+        "robots": robots,
+    }
 
 
 MISSION_STATUS = Topic(

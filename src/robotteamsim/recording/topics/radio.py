@@ -6,9 +6,7 @@ from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
-import numpy as np
-
-from robotteamsim.message_parts import MAP_FRAME, Make, header, point
+from robotteamsim.message_parts import MAP_FRAME, RosMessage, header, point
 from robotteamsim.network.compact import CompactLinks
 from robotteamsim.network.messages import Message, NetworkState, Traffic
 from robotteamsim.propagation import FieldMap
@@ -20,16 +18,15 @@ from robotteamsim.simulation import StepRecord
 LOUDEST_DB = 1e6
 
 
-def voice(make: Make, time_ns: int, reading: VoiceReading) -> Any:
+def voice(time_ns: int, reading: VoiceReading) -> RosMessage:
     """robotteamsim/Voice."""
-    return make(
-        "robotteamsim/Voice",
-        header=header(make, time_ns, MAP_FRAME),
-        level_db=float(reading.level_db),
-        heard=bool(reading.heard),
-        local_best=point(make, reading.local_best_m),
-        local_best_level_db=float(reading.local_best_level_db),
-    )
+    return {
+        "header": header(time_ns, MAP_FRAME),
+        "level_db": reading.level_db,
+        "heard": reading.heard,
+        "local_best": point(reading.local_best_m),
+        "local_best_level_db": reading.local_best_level_db,
+    }
 
 
 def read_voice(message: Any) -> VoiceReading:
@@ -40,21 +37,17 @@ def read_voice(message: Any) -> VoiceReading:
     return VoiceReading(message.level_db, bool(message.heard), place_m, message.local_best_level_db)
 
 
-def radio_map_picture(make: Make, time_ns: int, field: FieldMap) -> Any:
+def radio_map_picture(time_ns: int, field: FieldMap) -> RosMessage:
     """nav_msgs/OccupancyGrid of a map of signal strengths, for rviz: 0 at -100 dBm and below, 100 at 0 dBm."""
-    return field_map_picture(make, time_ns, FieldMap(field.origin_m, field.resolution_m, field.values + 100.0))
+    return field_map_picture(time_ns, FieldMap(field.origin_m, field.resolution_m, field.values + 100.0))
 
 
-def network_messages(make: Make, time_ns: int, messages: Iterable[Message]) -> Any:
+def network_messages(time_ns: int, messages: Iterable[Message]) -> RosMessage:
     """robotteamsim/NetworkMessages, of `network/tx` and `network/rx`."""
-    return make(
-        "robotteamsim/NetworkMessages",
-        header=header(make, time_ns, ""),
-        messages=[
-            make("robotteamsim/NetworkMessage", sender=m.sender, receiver=m.receiver, payload=m.payload)
-            for m in messages
-        ],
-    )
+    return {
+        "header": header(time_ns, ""),
+        "messages": [{"sender": m.sender, "receiver": m.receiver, "payload": m.payload} for m in messages],
+    }
 
 
 def read_network_messages(message: Any, num_robots: int) -> list[Message]:
@@ -74,44 +67,41 @@ def read_outbox(message: Any, robot_id: int, num_robots: int) -> list[Message]:
     return sent
 
 
-def network_state(make: Make, time_ns: int, network: NetworkState) -> Any:
+def network_state(time_ns: int, network: NetworkState) -> RosMessage:
     """robotteamsim/NetworkState."""
-    return make(
-        "robotteamsim/NetworkState",
-        header=header(make, time_ns, MAP_FRAME),
-        num_robots=len(network.adjacency),
-        rssi_dbm=network.rssi_dbm.ravel(),
-        link=network.link.ravel(),
-        adjacency=network.adjacency.astype(np.uint8).ravel(),
-        hop_count=network.hop_count.astype(np.int32).ravel(),
-        break_matrix=network.break_matrix.ravel(),
-        fiedler_value=float(network.fiedler_value),
-        swarm_connectivity=float(network.swarm_connectivity),
-        endangered=network.endangered.astype(np.uint8).ravel(),
-        num_endangered=network.num_endangered,
+    return {
+        "header": header(time_ns, MAP_FRAME),
+        "num_robots": len(network.adjacency),
+        "rssi_dbm": network.rssi_dbm,
+        "link": network.link,
+        "adjacency": network.adjacency,
+        "hop_count": network.hop_count,
+        "break_matrix": network.break_matrix,
+        "fiedler_value": network.fiedler_value,
+        "swarm_connectivity": network.swarm_connectivity,
+        "endangered": network.endangered,
+        "num_endangered": network.num_endangered,
         **_traffic(network.traffic),
-    )
+    }
 
 
-def network_links(make: Make, time_ns: int, links: CompactLinks) -> Any:
+def network_links(time_ns: int, links: CompactLinks) -> RosMessage:
     """robotteamsim/NetworkLinks."""
-    first, second = (np.ascontiguousarray(ids, dtype=np.uint32) for ids in links.weakened.T)
-    return make(
-        "robotteamsim/NetworkLinks",
-        header=header(make, time_ns, MAP_FRAME),
-        num_robots=len(links.present),
-        present=links.present.astype(np.uint8),
-        adjacency=links.adjacency.ravel(),
-        endangered=links.endangered.ravel(),
-        num_links=links.num_links,
-        num_endangered=links.num_endangered,
-        fiedler_value=float(links.fiedler_value),
-        swarm_connectivity=float(links.swarm_connectivity),
-        weakened_first=first,
-        weakened_second=second,
-        weakened_rssi_dbm=links.weakened_rssi_dbm,
+    return {
+        "header": header(time_ns, MAP_FRAME),
+        "num_robots": len(links.present),
+        "present": links.present,
+        "adjacency": links.adjacency,
+        "endangered": links.endangered,
+        "num_links": links.num_links,
+        "num_endangered": links.num_endangered,
+        "fiedler_value": links.fiedler_value,
+        "swarm_connectivity": links.swarm_connectivity,
+        "weakened_first": links.weakened[:, 0].tolist(),
+        "weakened_second": links.weakened[:, 1].tolist(),
+        "weakened_rssi_dbm": links.weakened_rssi_dbm,
         **_traffic(links.traffic),
-    )
+    }
 
 
 def _traffic(traffic: Traffic) -> dict[str, Any]:
@@ -120,9 +110,9 @@ def _traffic(traffic: Traffic) -> dict[str, Any]:
         "delivered": traffic.delivered,
         "lost": traffic.lost,
         "cut_off": traffic.cut_off,
-        "mean_delay_s": float(traffic.mean_delay_s),
-        "refused_senders": np.array([refusal.sender for refusal in traffic.refused], dtype=np.uint32),
-        "refused_bytes": np.array([refusal.num_bytes for refusal in traffic.refused], dtype=np.uint32),
+        "mean_delay_s": traffic.mean_delay_s,
+        "refused_senders": [refusal.sender for refusal in traffic.refused],
+        "refused_bytes": [refusal.num_bytes for refusal in traffic.refused],
         "max_message_bytes": traffic.refused[0].limit_bytes if traffic.refused else 0,
     }
 

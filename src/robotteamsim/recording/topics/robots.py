@@ -10,7 +10,7 @@ import msgspec
 import numpy as np
 
 from robotteamsim.geometry import PoseReading, Twist
-from robotteamsim.message_parts import MAP_FRAME, Make, header, robot_frame
+from robotteamsim.message_parts import MAP_FRAME, RosMessage, header, robot_frame
 from robotteamsim.recording.topics.base import (
     Source,
     Topic,
@@ -26,10 +26,6 @@ from robotteamsim.scenario.sensors.base import Frame
 from robotteamsim.sensing.readings import OdometryReading, RobotReading
 from robotteamsim.simulation import StepRecord
 
-# Indices of the nine covariances of x, y and yaw among the 36 of (x, y, z, roll, pitch, yaw), and the element of the
-# triangle that each one is. All others are 0: the floor is level, so z, roll and pitch are known.
-_PLANE_OF_36 = np.array([0, 1, 5, 6, 7, 11, 30, 31, 35])
-_OF_TRIANGLE = np.array([0, 1, 2, 1, 3, 4, 2, 4, 5])
 _IDENTITY = PoseReading(0.0, 0.0, 0.0, 1.0)
 
 
@@ -40,40 +36,40 @@ class ContactReading(msgspec.Struct, frozen=True):
     angles_rad: tuple[float, ...] = ()
 
 
-def odometry(make: Make, time_ns: int, robot_id: int, reading: OdometryReading) -> Any:
+def odometry(time_ns: int, robot_id: int, reading: OdometryReading) -> RosMessage:
     """nav_msgs/Odometry for `odom`."""
-    return _odometry(make, time_ns, robot_frame(robot_id, "odom"), robot_id, reading)
+    return _odometry(time_ns, robot_frame(robot_id, "odom"), robot_id, reading)
 
 
-def ground_truth(make: Make, time_ns: int, robot_id: int, reading: RobotReading) -> Any:
+def ground_truth(time_ns: int, robot_id: int, reading: RobotReading) -> RosMessage:
     """nav_msgs/Odometry, of `base_pose_ground_truth`."""
-    return _odometry(make, time_ns, MAP_FRAME, robot_id, OdometryReading(reading.ground_truth, reading.twist))
+    return _odometry(time_ns, MAP_FRAME, robot_id, OdometryReading(reading.ground_truth, reading.twist))
 
 
-def _odometry(make: Make, time_ns: int, frame: str, robot_id: int, reading: OdometryReading) -> Any:
-    pose_covariance = pose_covariances(np.array(reading.pose_covariance))
-    twist_covariance = twist_covariances(np.array(reading.twist_variances))
-    return make(
-        "nav_msgs/Odometry",
-        header=header(make, time_ns, frame),
-        child_frame_id=robot_frame(robot_id, "base_footprint"),
-        pose=make("geometry_msgs/PoseWithCovariance", pose=pose(make, reading.pose), covariance=pose_covariance),
-        twist=make("geometry_msgs/TwistWithCovariance", twist=twist(make, reading.twist), covariance=twist_covariance),
+def _odometry(time_ns: int, frame: str, robot_id: int, reading: OdometryReading) -> RosMessage:
+    return {
+        "header": header(time_ns, frame),
+        "child_frame_id": robot_frame(robot_id, "base_footprint"),
+        "pose": {"pose": pose(reading.pose), "covariance": _pose_covariance(reading)},
+        "twist": {"twist": twist(reading.twist), "covariance": _twist_covariance(reading)},
+    }
+
+
+def _pose_covariance(reading: OdometryReading) -> list[float]:
+    """Return the covariance of x, y, z, roll, pitch, yaw, row by row. The floor is level: z, roll, pitch are known."""
+    xx, xy, x_yaw, yy, y_yaw, yaw_yaw = reading.pose_covariance
+    of_x, of_y, of_yaw = (
+        [xx, xy, 0.0, 0.0, 0.0, x_yaw],
+        [xy, yy, 0.0, 0.0, 0.0, y_yaw],
+        [x_yaw, y_yaw, 0.0, 0.0, 0.0, yaw_yaw],
     )
+    return of_x + of_y + 18 * [0.0] + of_yaw
 
 
-def pose_covariances(triangles: np.ndarray) -> np.ndarray:
-    """Return `OdometryReading.pose_covariance`, shape (..., 6), in the layout of ROS, shape (..., 36)."""
-    covariances = np.zeros((*triangles.shape[:-1], 36))
-    covariances[..., _PLANE_OF_36] = triangles[..., _OF_TRIANGLE]
-    return covariances
-
-
-def twist_covariances(variances: np.ndarray) -> np.ndarray:
-    """Return `OdometryReading.twist_variances`, shape (..., 3), in the layout of ROS, shape (..., 36)."""
-    covariances = np.zeros((*variances.shape[:-1], 36))
-    covariances[..., [0, 7, 35]] = variances
-    return covariances
+def _twist_covariance(reading: OdometryReading) -> list[float]:
+    """Return the covariance of the speeds along x, y, z and around them, row by row."""
+    forward, left, turn = reading.twist_variances
+    return [forward, *6 * [0.0], left, *27 * [0.0], turn]
 
 
 def read_odometry(message: Any) -> OdometryReading:
@@ -94,9 +90,9 @@ def read_odometry(message: Any) -> OdometryReading:
     )
 
 
-def scan(make: Make, time_ns: int, robot_id: int, laser: Laser, ranges_m: np.ndarray, step_s: float = 0.0) -> Any:
+def scan(time_ns: int, robot_id: int, laser: Laser, ranges_m: np.ndarray, step_s: float = 0.0) -> RosMessage:
     """sensor_msgs/LaserScan, of `base_scan`. Args: step_s: time between two scans [s]; 0: unknown."""
-    return laser.scan(make, header(make, time_ns, robot_frame(robot_id, "base_laser_link")), ranges_m, step_s)
+    return laser.scan(header(time_ns, robot_frame(robot_id, "base_laser_link")), ranges_m, step_s)
 
 
 def read_ranges_m(message: Any, beams: int) -> np.ndarray:
@@ -109,14 +105,13 @@ def read_ranges_m(message: Any, beams: int) -> np.ndarray:
     return np.array(message.ranges, dtype=np.float32)
 
 
-def contact(make: Make, time_ns: int, robot_id: int, in_contact: bool, angles_rad: tuple[float, ...] = ()) -> Any:
+def contact(time_ns: int, robot_id: int, in_contact: bool, angles_rad: tuple[float, ...] = ()) -> RosMessage:
     """robotteamsim/Contact."""
-    return make(
-        "robotteamsim/Contact",
-        header=header(make, time_ns, robot_frame(robot_id, "base_link")),
-        in_contact=bool(in_contact),
-        angles_rad=np.array(angles_rad, dtype=np.float64),
-    )
+    return {
+        "header": header(time_ns, robot_frame(robot_id, "base_link")),
+        "in_contact": in_contact,
+        "angles_rad": angles_rad,
+    }
 
 
 def read_contact(message: Any) -> ContactReading:
@@ -126,12 +121,11 @@ def read_contact(message: Any) -> ContactReading:
 
 
 def transforms(
-    make: Make,
     time_ns: int,
     robots: Sequence[Robot],
     odometry: Iterable[OdometryReading | None],
     origins: Sequence[PoseReading] = (),
-) -> Any:
+) -> RosMessage:
     """tf2_msgs/TFMessage: the `robot_transforms` of all robots, in id order; None for an absent robot.
 
     Args: origins: of each odometry in `map`, for the `localization` of each robot; empty: without.
@@ -139,9 +133,9 @@ def transforms(
     links = []
     for robot_id, (robot, reading) in enumerate(zip(robots, odometry, strict=True)):
         if reading is not None:
-            links += [localization(make, time_ns, robot_id, origins[robot_id])] if origins else []
-            links += robot_transforms(make, time_ns, robot_id, robot, reading)
-    return make("tf2_msgs/TFMessage", transforms=links)
+            links += [localization(time_ns, robot_id, origins[robot_id])] if origins else []
+            links += robot_transforms(time_ns, robot_id, robot, reading)
+    return {"transforms": links}
 
 
 def odometry_origin(reading: RobotReading) -> PoseReading:
@@ -151,62 +145,57 @@ def odometry_origin(reading: RobotReading) -> PoseReading:
     return PoseReading.from_pose(reading.ground_truth.pose @ reading.odometry.pose.pose.inverse())
 
 
-def robot_transforms(make: Make, time_ns: int, robot_id: int, robot: Robot, odometry: OdometryReading) -> list[Any]:
+def robot_transforms(time_ns: int, robot_id: int, robot: Robot, odometry: OdometryReading) -> list[Any]:
     """geometry_msgs/TransformStamped[]: odom -> base_footprint -> base_link -> base_laser_link.
 
     The frames of additional sensors follow, base_link -> <name>_link -> <name>_optical_frame of cameras.
     """
     laser = PoseReading(robot.laser.forward_m, robot.laser.left_m, 0.0, 1.0)
     links = [
-        _transform(make, time_ns, robot_id, "odom", "base_footprint", odometry.pose),
-        _transform(make, time_ns, robot_id, "base_footprint", "base_link", _IDENTITY),
-        _transform(make, time_ns, robot_id, "base_link", "base_laser_link", laser, robot.laser.height_m),
+        _transform(time_ns, robot_id, "odom", "base_footprint", odometry.pose),
+        _transform(time_ns, robot_id, "base_footprint", "base_link", _IDENTITY),
+        _transform(time_ns, robot_id, "base_link", "base_laser_link", laser, robot.laser.height_m),
     ]
     frames = (frame for sensor in robot.sensors for frame in sensor.frames())
-    return [*links, *(_sensor_transform(make, time_ns, robot_id, frame) for frame in frames)]
+    return [*links, *(_sensor_transform(time_ns, robot_id, frame) for frame in frames)]
 
 
-def localization(make: Make, time_ns: int, robot_id: int, place: PoseReading) -> Any:
+def localization(time_ns: int, robot_id: int, place: PoseReading) -> RosMessage:
     """geometry_msgs/TransformStamped: map -> odom, for an odometry that began at `place`."""
-    return make(
-        "geometry_msgs/TransformStamped",
-        header=header(make, time_ns, MAP_FRAME),
-        child_frame_id=robot_frame(robot_id, "odom"),
-        transform=_pose_as_transform(make, place, 0.0),
-    )
+    return {
+        "header": header(time_ns, MAP_FRAME),
+        "child_frame_id": robot_frame(robot_id, "odom"),
+        "transform": _pose_as_transform(place, 0.0),
+    }
 
 
 def _transform(
-    make: Make, time_ns: int, robot_id: int, parent: str, child: str, place: PoseReading, height_m: float = 0.0
-) -> Any:
-    return make(
-        "geometry_msgs/TransformStamped",
-        header=header(make, time_ns, robot_frame(robot_id, parent)),
-        child_frame_id=robot_frame(robot_id, child),
-        transform=_pose_as_transform(make, place, height_m),
-    )
+    time_ns: int, robot_id: int, parent: str, child: str, place: PoseReading, height_m: float = 0.0
+) -> RosMessage:
+    return {
+        "header": header(time_ns, robot_frame(robot_id, parent)),
+        "child_frame_id": robot_frame(robot_id, child),
+        "transform": _pose_as_transform(place, height_m),
+    }
 
 
-def _sensor_transform(make: Make, time_ns: int, robot_id: int, frame: Frame) -> Any:
+def _sensor_transform(time_ns: int, robot_id: int, frame: Frame) -> RosMessage:
     (x, y, z), (qx, qy, qz, qw) = frame.position_m, frame.rotation
-    return make(
-        "geometry_msgs/TransformStamped",
-        header=header(make, time_ns, robot_frame(robot_id, frame.parent)),
-        child_frame_id=robot_frame(robot_id, frame.name),
-        transform=make(
-            "geometry_msgs/Transform",
-            translation=make("geometry_msgs/Vector3", x=x, y=y, z=z),
-            rotation=make("geometry_msgs/Quaternion", x=qx, y=qy, z=qz, w=qw),
-        ),
-    )
+    return {
+        "header": header(time_ns, robot_frame(robot_id, frame.parent)),
+        "child_frame_id": robot_frame(robot_id, frame.name),
+        "transform": {
+            "translation": {"x": x, "y": y, "z": z},
+            "rotation": {"x": qx, "y": qy, "z": qz, "w": qw},
+        },
+    }
 
 
-def _pose_as_transform(make: Make, place: PoseReading, height_m: float) -> Any:
-    return make(
-        "geometry_msgs/Transform",
-        translation=make("geometry_msgs/Vector3", x=place.x_m, y=place.y_m, z=height_m),
-        rotation=quaternion(make, place),
-    )
+def _pose_as_transform(place: PoseReading, height_m: float) -> RosMessage:
+    return {
+        "translation": {"x": place.x_m, "y": place.y_m, "z": height_m},
+        "rotation": quaternion(place),
+    }
 
 
 def _of_all(source: Source, record: StepRecord) -> tuple[Sequence[Robot], list[OdometryReading | None]]:

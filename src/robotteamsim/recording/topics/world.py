@@ -13,7 +13,7 @@ from robotteamsim import palette
 from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.hazards import BURNING, BURNT_OUT, HazardField
 from robotteamsim.hazards.field import FARTHEST_SIGHT_M
-from robotteamsim.message_parts import MAP_FRAME, Make, header, point
+from robotteamsim.message_parts import MAP_FRAME, RosMessage, header, point
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.topics.base import Topic, When, check_finite, check_place, field_map, occupancy_grid
 from robotteamsim.recording.topics.markers import ADD, CUBE, CYLINDER, DELETE_ALL, Marker, array_message
@@ -43,21 +43,20 @@ class TeamPresence(msgspec.Struct, frozen=True):
     arrivals: tuple[int, ...]
 
 
-def clock(make: Make, time_ns: int) -> Any:
+def clock(time_ns: int) -> RosMessage:
     """rosgraph_msgs/Clock."""
-    return make("rosgraph_msgs/Clock", clock=make.time(time_ns))
+    return {"clock": time_ns}
 
 
-def doors(make: Make, time_ns: int, states: DoorStates) -> Any:
+def doors(time_ns: int, states: DoorStates) -> RosMessage:
     """robotteamsim/Doors."""
-    return make(
-        "robotteamsim/Doors",
-        header=header(make, time_ns, MAP_FRAME),
-        doors=[
-            make("robotteamsim/Door", name=name, closed=door.closed, opening=float(door.opening), motion=door.motion)
+    return {
+        "header": header(time_ns, MAP_FRAME),
+        "doors": [
+            {"name": name, "closed": door.closed, "opening": door.opening, "motion": door.motion}
             for name, door in states.items()
         ],
-    )
+    }
 
 
 def read_doors(message: Any) -> Mapping[str, bool]:
@@ -65,20 +64,15 @@ def read_doors(message: Any) -> Mapping[str, bool]:
     return {door.name: bool(door.closed) for door in message.doors}
 
 
-def people(make: Make, time_ns: int, states: Sequence[PersonState]) -> Any:
+def people(time_ns: int, states: Sequence[PersonState]) -> RosMessage:
     """robotteamsim/People."""
-    return make(
-        "robotteamsim/People",
-        header=header(make, time_ns, MAP_FRAME),
-        people=[
-            make("robotteamsim/Person", name=one.name, position=point(make, one.position_m), motion=one.motion)
-            for one in states
-        ],
-    )
+    return {
+        "header": header(time_ns, MAP_FRAME),
+        "people": [{"name": one.name, "position": point(one.position_m), "motion": one.motion} for one in states],
+    }
 
 
 def robots(
-    make: Make,
     time_ns: int,
     present: np.ndarray,
     arrivals: Sequence[int],
@@ -86,22 +80,21 @@ def robots(
     failed: Collection[int] = (),
     loads: Mapping[int, str] = MappingProxyType({}),
     roles: Sequence[Role] = (),
-) -> Any:
+) -> RosMessage:
     """robotteamsim/Robots.
 
     Args: present: bool, shape (n,).  mishaps, loads: by id.  roles: in id order.
     """
     numbers = [MISHAPS.index(mishaps.get(robot_id)) for robot_id in range(len(arrivals))] if mishaps else []
-    return make(
-        "robotteamsim/Robots",
-        header=header(make, time_ns, MAP_FRAME),
-        present=present.astype(np.uint8),
-        mishaps=np.array(numbers, dtype=np.uint8),
-        arrivals=np.array(arrivals, dtype=np.uint32),
-        failed_by_heat=np.array([robot_id in failed for robot_id in range(len(arrivals))], dtype=np.uint8),
-        roles=np.array([ROLES.index(role) for role in roles], dtype=np.uint8),
-        loads=[loads.get(robot_id, "") for robot_id in range(len(arrivals))] if loads else [],
-    )
+    return {
+        "header": header(time_ns, MAP_FRAME),
+        "present": present,
+        "mishaps": numbers,
+        "arrivals": arrivals,
+        "failed_by_heat": [robot_id in failed for robot_id in range(len(arrivals))],
+        "roles": [ROLES.index(role) for role in roles],
+        "loads": [loads.get(robot_id, "") for robot_id in range(len(arrivals))] if loads else [],
+    }
 
 
 def read_robots(message: Any, num_robots: int) -> TeamPresence:
@@ -113,14 +106,14 @@ def read_robots(message: Any, num_robots: int) -> TeamPresence:
     return TeamPresence(tuple(map(bool, message.present)), tuple(message.arrivals))
 
 
-def objects(make: Make, _: int, states: ObjectStates, *, replace: bool = False) -> Any:
+def objects(_: int, states: ObjectStates, *, replace: bool = False) -> RosMessage:
     """visualization_msgs/MarkerArray: one marker per object, with its index as id and its name as text.
 
     Args: replace: first delete all other markers.
     """
     markers = [_object_marker(i, obj, at) for i, (obj, at) in enumerate(zip(*states, strict=True))]
     clearing = [Marker(_OBJECTS, 0, CUBE, (1.0, 1.0, 1.0, 1.0), action=DELETE_ALL)] if replace else []
-    return array_message(make, [*clearing, *markers])
+    return array_message([*clearing, *markers])
 
 
 def _object_marker(marker_id: int, obj: MovableObject, at: Pose) -> Marker:
@@ -166,7 +159,7 @@ def smoke_cells(field: HazardField) -> np.ndarray:
     return np.round(100.0 * (1.0 - visibility_m / FARTHEST_SIGHT_M)).astype(np.int8)
 
 
-def _hazards(name: str, type_name: str, message: Callable[[Make, int, HazardField], Any]) -> Topic:
+def _hazards(name: str, type_name: str, message: Callable[[int, HazardField], Any]) -> Topic:
     return Topic(
         name,
         type_name,
@@ -179,16 +172,16 @@ def _hazards(name: str, type_name: str, message: Callable[[Make, int, HazardFiel
 
 
 def _hazard_grid(name: str, cells: Callable[[HazardField], np.ndarray]) -> Topic:
-    def message(make: Make, time_ns: int, field: HazardField) -> Any:
-        return occupancy_grid(make, time_ns, OccupancyGrid(field.origin_m, field.resolution_m, cells(field)))
+    def message(time_ns: int, field: HazardField) -> RosMessage:
+        return occupancy_grid(time_ns, OccupancyGrid(field.origin_m, field.resolution_m, cells(field)))
 
     return _hazards(name, "nav_msgs/OccupancyGrid", message)
 
 
 def _hazard_map(name: str, values: Callable[[HazardField], np.ndarray], quantity: str, unit: str) -> Topic:
-    def message(make: Make, time_ns: int, field: HazardField) -> Any:
+    def message(time_ns: int, field: HazardField) -> RosMessage:
         numbers = FieldMap(field.origin_m, field.resolution_m, values(field))
-        return field_map(make, time_ns, numbers, quantity, unit)
+        return field_map(time_ns, numbers, quantity, unit)
 
     return _hazards(name, "robotteamsim/FloatMap", message)
 
@@ -231,7 +224,7 @@ OBJECTS = Topic(
     "visualization_msgs/MarkerArray",
     When.CHANGE,
     lambda source, record: (record.objects, source.objects.replace(record.objects.models)),
-    lambda make, time_ns, states, replace: objects(make, time_ns, states, replace=replace),
+    lambda time_ns, states, replace: objects(time_ns, states, replace=replace),
     latched=True,
     version=lambda record: record.objects,
     read=lambda message, *_: read_objects(message),

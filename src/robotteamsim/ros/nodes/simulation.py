@@ -4,7 +4,6 @@ from robotteamsim.nodes.settings import read_settings
 from robotteamsim.nodes.simulation import SteppedSimulation
 from robotteamsim.ros.node import run
 from robotteamsim.ros.ros1 import Ros1Node
-from robotteamsim.ros.team_outputs import BulkTeamOutputs
 from robotteamsim.ros.topics import RoscppOutput
 
 
@@ -15,4 +14,4 @@ def main() -> None:
 
 def _serve() -> None:
     node = Ros1Node(RoscppOutput)
-    SteppedSimulation(node, read_settings(node, report_s=0.0), BulkTeamOutputs).serve()
+    SteppedSimulation(node, read_settings(node, report_s=0.0)).serve()

@@ -14,7 +14,7 @@ import numpy as np
 from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer
 
 from robotteamsim.geometry import Pose
-from robotteamsim.message_parts import Make, header, robot_frame
+from robotteamsim.message_parts import RosMessage, header, robot_frame
 from robotteamsim.scenario.base import Model, wrong
 
 _NAME = re.compile("[a-z][a-z0-9_]*")
@@ -171,7 +171,7 @@ class Sensor(Model):
         """Return the reading of a step. Args: generator: of its noise."""
         raise NotImplementedError
 
-    def message(self, make: Make, time_ns: int, robot_id: int, reading: Any) -> Any:
+    def message(self, time_ns: int, robot_id: int, reading: Any) -> RosMessage:
         """Return the message of a reading."""
         raise NotImplementedError
 
@@ -188,9 +188,9 @@ class Sensor(Model):
         """Names of its topics in the robot's namespace, and their types; `messages` has the same keys."""
         return {self.name: self.type_name}
 
-    def messages(self, make: Make, time_ns: int, robot_id: int, reading: Any, step_s: float = 0.0) -> dict[str, Any]:
+    def messages(self, time_ns: int, robot_id: int, reading: Any, step_s: float = 0.0) -> dict[str, RosMessage]:
         """Return its messages by the names of `topics`. Args: step_s: length of a step [s]; 0: unknown."""
-        return {self.name: self.message(make, time_ns, robot_id, reading)}
+        return {self.name: self.message(time_ns, robot_id, reading)}
 
 
 class MountedSensor(Sensor):
@@ -209,8 +209,8 @@ class MountedSensor(Sensor):
     def _link(self, rotation: tuple[float, float, float, float]) -> Frame:
         return Frame(f"{self.name}_link", "base_link", (self.forward_m, self.left_m, self.height_m), rotation)
 
-    def _header(self, make: Make, time_ns: int, robot_id: int) -> Any:
-        return header(make, time_ns, robot_frame(robot_id, f"{self.name}_link"))
+    def _header(self, time_ns: int, robot_id: int) -> RosMessage:
+        return header(time_ns, robot_frame(robot_id, f"{self.name}_link"))
 
 
 def expect_within(name: str, value: float, low: float, high: float) -> float:

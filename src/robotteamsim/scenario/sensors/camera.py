@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from robotteamsim.message_parts import Make, header, robot_frame
+from robotteamsim.message_parts import RosMessage, header, robot_frame
 from robotteamsim.scenario.base import SMALLEST
 from robotteamsim.scenario.sensors.base import Carrier, Frame, Moment, MountedSensor, SensorName
 
@@ -61,28 +61,24 @@ class Camera(MountedSensor):
         """See `Sensor`."""
         return carrier.image(self)
 
-    def messages(
-        self, make: Make, time_ns: int, robot_id: int, reading: np.ndarray, step_s: float = 0.0
-    ) -> dict[str, Any]:
+    def messages(self, time_ns: int, robot_id: int, reading: np.ndarray, step_s: float = 0.0) -> dict[str, RosMessage]:
         """See `Sensor`."""
         image, info = self.topics
         return {
-            image: self.message(make, time_ns, robot_id, reading),
-            info: self._calibration(make, time_ns, robot_id),
+            image: self.message(time_ns, robot_id, reading),
+            info: self._calibration(time_ns, robot_id),
         }
 
-    def message(self, make: Make, time_ns: int, robot_id: int, reading: np.ndarray) -> Any:
+    def message(self, time_ns: int, robot_id: int, reading: np.ndarray) -> RosMessage:
         """See `Sensor`."""
-        return make(
-            "sensor_msgs/Image",
-            header=self._header(make, time_ns, robot_id),
-            height=self.height_px,
-            width=self.width_px,
-            encoding="rgb8" if self.images == "rgb" else "32FC1",
-            is_bigendian=0,
-            step=reading.nbytes // self.height_px,
-            data=np.frombuffer(reading.astype(reading.dtype.newbyteorder("<")).tobytes(), np.uint8),
-        )
+        return {
+            "header": self._header(time_ns, robot_id),
+            "height": self.height_px,
+            "width": self.width_px,
+            "encoding": "rgb8" if self.images == "rgb" else "32FC1",
+            "step": reading.nbytes // self.height_px,
+            "data": np.frombuffer(reading.astype(reading.dtype.newbyteorder("<")).tobytes(), np.uint8),
+        }
 
     def reading(self, message: Any) -> np.ndarray:
         """See `Sensor`."""
@@ -93,26 +89,22 @@ class Camera(MountedSensor):
             raise ValueError(f"image: {text}; expected {self.width_px} x {self.height_px} {expected[0]}")
         return np.frombuffer(bytes(message.data), expected[1]).reshape(expected[2])
 
-    def _calibration(self, make: Make, time_ns: int, robot_id: int) -> Any:
+    def _calibration(self, time_ns: int, robot_id: int) -> RosMessage:
         focal, x, y = self.focal_px, 0.5 * self.width_px, 0.5 * self.height_px
-        return make(
-            "sensor_msgs/CameraInfo",
-            header=self._header(make, time_ns, robot_id),
-            height=self.height_px,
-            width=self.width_px,
-            distortion_model="plumb_bob",
-            D=np.zeros(5),
-            K=np.array([focal, 0.0, x, 0.0, focal, y, 0.0, 0.0, 1.0]),
-            R=np.eye(3).ravel(),
-            P=np.array([focal, 0.0, x, 0.0, 0.0, focal, y, 0.0, 0.0, 0.0, 1.0, 0.0]),
-            binning_x=0,
-            binning_y=0,
-            roi=make("sensor_msgs/RegionOfInterest", x_offset=0, y_offset=0, height=0, width=0, do_rectify=False),
-        )
+        return {
+            "header": self._header(time_ns, robot_id),
+            "height": self.height_px,
+            "width": self.width_px,
+            "distortion_model": "plumb_bob",
+            "d": np.zeros(5),
+            "k": np.array([focal, 0.0, x, 0.0, focal, y, 0.0, 0.0, 1.0]),
+            "r": np.eye(3),
+            "p": np.array([focal, 0.0, x, 0.0, 0.0, focal, y, 0.0, 0.0, 0.0, 1.0, 0.0]),
+        }
 
     @property
     def _optical_frame(self) -> str:
         return f"{self.name}_optical_frame"
 
-    def _header(self, make: Make, time_ns: int, robot_id: int) -> Any:
-        return header(make, time_ns, robot_frame(robot_id, self._optical_frame))
+    def _header(self, time_ns: int, robot_id: int) -> RosMessage:
+        return header(time_ns, robot_frame(robot_id, self._optical_frame))

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from robotteamsim.message_parts import Make, header, robot_frame
+from robotteamsim.message_parts import RosMessage, header, robot_frame
 from robotteamsim.scenario.base import SMALLEST
 from robotteamsim.scenario.sensors.base import Carrier, Moment, Sensor, SensorName, expect_within
 
@@ -66,18 +66,17 @@ class Gps(Sensor):
         east_m, north_m = (np.array((carrier.pose.x_m, carrier.pose.y_m)) + errors_m).tolist()
         return Fix(*geodetic(east_m, north_m, self.datum_lat_deg, self.datum_lon_deg), self.noise_m**2)
 
-    def message(self, make: Make, time_ns: int, robot_id: int, reading: Fix) -> Any:
+    def message(self, time_ns: int, robot_id: int, reading: Fix) -> RosMessage:
         """See `Sensor`."""
-        return make(
-            "sensor_msgs/NavSatFix",
-            header=header(make, time_ns, robot_frame(robot_id, "base_link")),
-            status=make("sensor_msgs/NavSatStatus", status=_STATUS_FIX, service=_SERVICE_GPS),
-            latitude=reading.latitude_deg,
-            longitude=reading.longitude_deg,
-            altitude=reading.altitude_m,
-            position_covariance=np.diag([reading.variance_m2, reading.variance_m2, 0.0]).ravel(),
-            position_covariance_type=_COVARIANCE_TYPE_DIAGONAL_KNOWN,
-        )
+        return {
+            "header": header(time_ns, robot_frame(robot_id, "base_link")),
+            "status": {"status": _STATUS_FIX, "service": _SERVICE_GPS},
+            "latitude": reading.latitude_deg,
+            "longitude": reading.longitude_deg,
+            "altitude": reading.altitude_m,
+            "position_covariance": np.diag([reading.variance_m2, reading.variance_m2, 0.0]).ravel(),
+            "position_covariance_type": _COVARIANCE_TYPE_DIAGONAL_KNOWN,
+        }
 
     def reading(self, message: Any) -> Fix:
         """See `Sensor`."""

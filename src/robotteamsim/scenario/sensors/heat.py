@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from robotteamsim.message_parts import MAP_FRAME, Make, header, point
+from robotteamsim.message_parts import MAP_FRAME, RosMessage, header, point
 from robotteamsim.scenario.base import SMALLEST
 from robotteamsim.scenario.sensors.base import Carrier, Moment, Sensor, SensorName, expect_within
 
@@ -48,15 +48,14 @@ class HeatSensor(Sensor):
         """See `Sensor`."""
         return HeatReading(carrier.air.temperature_c(), *carrier.air.hot_places(self.range_m))
 
-    def message(self, make: Make, time_ns: int, robot_id: int, reading: HeatReading) -> Any:
+    def message(self, time_ns: int, robot_id: int, reading: HeatReading) -> RosMessage:
         """See `Sensor`."""
-        return make(
-            "robotteamsim/Heat",
-            header=header(make, time_ns, MAP_FRAME),
-            temperature_c=reading.temperature_c,
-            hot=[point(make, place) for place in reading.hot_m],
-            hot_c=np.array(reading.hot_c, dtype=np.float64),
-        )
+        return {
+            "header": header(time_ns, MAP_FRAME),
+            "temperature_c": reading.temperature_c,
+            "hot": [point(place) for place in reading.hot_m],
+            "hot_c": reading.hot_c,
+        }
 
     def reading(self, message: Any) -> HeatReading:
         """See `Sensor`."""

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from robotteamsim.message_parts import Make
+from robotteamsim.message_parts import RosMessage
 from robotteamsim.scenario.base import SMALLEST, Model, wrong
 from robotteamsim.scenario.sensors.base import BeamModel, Carrier, Fan, Moment, MountedSensor
 
@@ -61,22 +61,18 @@ class Laser(Model):
             no_return_m=math.inf if as_rep_117 else self.range_max_m,
         )
 
-    def scan(self, make: Make, header: Any, ranges_m: np.ndarray, scan_s: float) -> Any:
+    def scan(self, header: Any, ranges_m: np.ndarray, scan_s: float) -> RosMessage:
         """sensor_msgs/LaserScan. Args: scan_s: time between two scans [s]."""
-        return make(
-            "sensor_msgs/LaserScan",
-            header=header,
-            angle_min=self.angle_min_rad,
-            # Not 0 for one beam: Karto divides by it, and expects (angle_max - angle_min) / angle_increment + 1 ranges.
-            angle_max=self.angle_max_rad if self.beams > 1 else self.angle_min_rad,
-            angle_increment=(self.angle_max_rad - self.angle_min_rad) / max(self.beams - 1, 1),
-            time_increment=0.0,
-            scan_time=scan_s,
-            range_min=self.range_min_m,
-            range_max=self.range_max_m,
-            ranges=np.asarray(ranges_m, dtype=np.float32),
-            intensities=np.zeros(0, dtype=np.float32),
-        )
+        return {
+            "header": header,
+            "angle_min": self.angle_min_rad,
+            "angle_max": self.angle_max_rad if self.beams > 1 else self.angle_min_rad,
+            "angle_increment": (self.angle_max_rad - self.angle_min_rad) / max(self.beams - 1, 1),
+            "scan_time": scan_s,
+            "range_min": self.range_min_m,
+            "range_max": self.range_max_m,
+            "ranges": np.asarray(ranges_m, dtype=np.float32),
+        }
 
     def ranges_m(self, message: Any) -> np.ndarray:
         """Return the ranges of a sensor_msgs/LaserScan, float32, shape (beams,). Raises: ValueError: another number."""
@@ -103,15 +99,13 @@ class MountedLaser(Laser, MountedSensor):
         noise_m = generator.normal(0.0, self.noise_m, self.beams) if self.noise_m > 0.0 else np.empty(0)
         return carrier.ranges_m(self.beam_model(self.yaw_rad), noise_m)
 
-    def message(self, make: Make, time_ns: int, robot_id: int, reading: np.ndarray, step_s: float = 0.0) -> Any:
+    def message(self, time_ns: int, robot_id: int, reading: np.ndarray, step_s: float = 0.0) -> RosMessage:
         """See `Sensor`."""
-        return self.scan(make, self._header(make, time_ns, robot_id), reading, self.every_steps * step_s)
+        return self.scan(self._header(time_ns, robot_id), reading, self.every_steps * step_s)
 
-    def messages(
-        self, make: Make, time_ns: int, robot_id: int, reading: np.ndarray, step_s: float = 0.0
-    ) -> dict[str, Any]:
+    def messages(self, time_ns: int, robot_id: int, reading: np.ndarray, step_s: float = 0.0) -> dict[str, RosMessage]:
         """See `Sensor`."""
-        return {self.name: self.message(make, time_ns, robot_id, reading, step_s)}
+        return {self.name: self.message(time_ns, robot_id, reading, step_s)}
 
     def reading(self, message: Any) -> np.ndarray:
         """See `Sensor`."""

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field
 
-from robotteamsim.message_parts import Make
+from robotteamsim.message_parts import RosMessage
 from robotteamsim.scenario.base import SMALLEST
 from robotteamsim.scenario.sensors.base import Carrier, Frame, MountedSensor, expect_within
 
@@ -35,14 +35,13 @@ class LightSensor(MountedSensor):
         """See `Sensor`."""
         return carrier.illuminance_lx(self)
 
-    def message(self, make: Make, time_ns: int, robot_id: int, reading: float) -> Any:
+    def message(self, time_ns: int, robot_id: int, reading: float) -> RosMessage:
         """See `Sensor`."""
-        return make(
-            "sensor_msgs/Illuminance",
-            header=self._header(make, time_ns, robot_id),
-            illuminance=reading,
-            variance=0.0,
-        )
+        return {
+            "header": self._header(time_ns, robot_id),
+            "illuminance": reading,
+            "variance": 0.0,
+        }
 
     def reading(self, message: Any) -> float:
         """See `Sensor`."""

@@ -8,7 +8,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field, model_validator
 
-from robotteamsim.message_parts import Make
+from robotteamsim.message_parts import RosMessage
 from robotteamsim.scenario.base import SMALLEST, wrong
 from robotteamsim.scenario.sensors.base import BeamModel, Carrier, Fan, MountedSensor
 
@@ -54,17 +54,16 @@ class Sonar(MountedSensor):
         noise_m = generator.normal(0.0, self.noise_m, 1) if self.noise_m > 0.0 else np.empty(0)
         return carrier.nearest_m(beams, noise_m)
 
-    def message(self, make: Make, time_ns: int, robot_id: int, reading: float) -> Any:
+    def message(self, time_ns: int, robot_id: int, reading: float) -> RosMessage:
         """See `Sensor`."""
-        return make(
-            "sensor_msgs/Range",
-            header=self._header(make, time_ns, robot_id),
-            radiation_type=_ULTRASOUND,
-            field_of_view=self.opening_rad,
-            min_range=self.range_min_m,
-            max_range=self.range_max_m,
-            range=reading,
-        )
+        return {
+            "header": self._header(time_ns, robot_id),
+            "radiation_type": _ULTRASOUND,
+            "field_of_view": self.opening_rad,
+            "min_range": self.range_min_m,
+            "max_range": self.range_max_m,
+            "range": reading,
+        }
 
     def reading(self, message: Any) -> float:
         """See `Sensor`."""
