@@ -11,12 +11,11 @@ import time
 from collections import defaultdict
 from math import hypot
 
-from nav_msgs.msg import Odometry
 from running import Program
 from watching import Outcome, Processes, Watch, wait_for
 
 from robotteamsim.recording.topics.robots import read_odometry
-from robotteamsim.ros.topics import read
+from robotteamsim.ros.messages import read
 from robotteamsim.scenario import load
 from robotteamsim.setup import resolve
 
@@ -54,7 +53,7 @@ class Motion:
                 newest_s = self._speeds[robot][-1][0] if self._speeds[robot] else time_s
                 self._answers[robot].append(max(time_s, newest_s))
             else:
-                twist = read_odometry(read(Odometry, data)).twist
+                twist = read_odometry(read("nav_msgs/Odometry", data)).twist
                 self._speeds[robot].append((time_s, hypot(twist.linear_x_mps, twist.linear_y_mps)))
 
     def clear(self) -> None:

@@ -157,7 +157,7 @@ class MessageTarget:
         )
         from sensor_msgs.msg import LaserScan, NavSatFix, Range
 
-        from robotteamsim.ros.topics import read
+        from robotteamsim.ros.messages import read
         from robotteamsim.scenario.sensors import Gps, HeatSensor, Sonar
 
         self._read = read
@@ -196,7 +196,7 @@ class MessageTarget:
     def check(self, data: bytes) -> None:
         message, decode = self._targets[data[0] % len(self._targets)]
         with contextlib.suppress(ValueError):
-            decode(self._read(type(message), data[1:]))
+            decode(self._read(message._type, data[1:]))
 
 
 class MissionTarget:

@@ -20,15 +20,14 @@ pytestmark = pytest.mark.filterwarnings("ignore")
 
 WAITING_NODE = """
 import sys
-from std_msgs.msg import String
 from robotteamsim.ros.node import on_shutdown, run
 from robotteamsim.ros.topics import RoscppOutput
 from robotteamsim.nodes.steps import Steps
 
 def serve():
-    words = RoscppOutput("/words", String, latched=True)
-    words.publish(String("before"))
-    words.publish(String("heard late"))
+    words = RoscppOutput("/words", "std_msgs/String", latched=True)
+    words.publish({"data": "before"})
+    words.publish({"data": "heard late"})
     steps = Steps("/pace", lambda *_: ["/pace"], print)
     on_shutdown(steps.close)
     print("serving", flush=True)
