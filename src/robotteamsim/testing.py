@@ -1,10 +1,11 @@
-"""Checks of a user's own controllers and environments, for tests: see `docs/testing.md`."""
+"""Checks of a user's own controllers, sensors and environments, for tests: see `docs/testing.md`."""
 
 from __future__ import annotations
 
 import copy
+import json
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import redirect_stdout
 from io import StringIO
 from itertools import islice
@@ -16,6 +17,7 @@ import numpy as np
 from robotteamsim.errors import ScenarioError
 from robotteamsim.interface import EVERYBODY, Decision, Message
 from robotteamsim.mission import Sensed
+from robotteamsim.recording.bag_types import ROS1, ROS2, decoded, encoder
 from robotteamsim.rng import stream
 from robotteamsim.scenario import Scenario, load
 from robotteamsim.setup import Setup, resolve
@@ -23,7 +25,10 @@ from robotteamsim.simulation import Simulation
 from robotteamsim.simulation.controllers import TeamControllers
 
 if TYPE_CHECKING:
+    from rosbags.typesys import Stores
+
     from robotteamsim.learning import TeamEnv
+    from robotteamsim.scenario.sensors import Sensor
 
 STRANGE = ("?", "", "null", "[]", "{}", '{"level_db": "loud"}', "\u00e9")
 """Messages of other programs, which may use the same network."""
@@ -127,6 +132,68 @@ def _check_same(name: str, expected: Sequence[_Team], found: Iterator[_Team], wh
                     f"{name}: robot {robot_id}, step {step}: {field} {values[1]!r:.60} {where}, {values[0]!r:.60} "
                     "before; expected the same: random numbers from stream(), nothing shared by robots"
                 )
+
+
+def check_sensor(
+    sensor: Mapping[str, Any],
+    scenario: str | os.PathLike[str] = "garage_sar",
+    overrides: Sequence[str] = (),
+    steps: int = 50,
+) -> None:
+    """Check that a sensor measures as `Sensor` says, and that its readings arrive in ROS 1, in ROS 2 and in bags.
+
+    It measures at least once; the same with the same seed; leaves the mission as it is without it; and its messages are
+    those of their types, from which `reading` makes the reading again.
+
+    Args:   sensor: a member of `robots.sensors`, such as {"kind": "sonar", "name": "front"}.
+            scenario, overrides: as of `load`.
+            steps: of each mission, at least 1.
+    Raises: AssertionError: one line that says what it does instead, and in which step.
+            RobotTeamSimError: the scenario is invalid, such as of an unknown kind.
+    """
+    plain = load(scenario, overrides)
+    setup = resolve(load(scenario, [*overrides, f"robots.sensors={json.dumps([sensor])}"]))
+    carried = setup.robots[0].sensors[0]
+    name, mission, again, without = carried.name, Simulation(setup), Simulation(setup), Simulation(plain)
+    measured = 0
+    for _ in range(steps):
+        record, other = mission.step(), again.step()
+        what, time_ns = f"{name}, step {record.step_index}", record.sim_time_ns
+        moved = record.state.true_pose.tobytes() != without.step().state.true_pose.tobytes()
+        assert not moved, f"{what}: the robots are elsewhere than without it; expected a sensor that changes nothing"
+        for robot_id in np.flatnonzero(record.present).tolist():
+            # Messages are compared, because readings are of any class.
+            found = [_messages(carried, time_ns, one.readings[robot_id].sensors.get(name)) for one in (record, other)]
+            assert found[0] == found[1], f"{what}: another reading with the same seed; expected noise of the generator"
+            if found[0]:
+                measured += 1
+                _check_reading(carried, what, time_ns, found[0])
+    assert measured, f"{name}: measured nothing in {steps} steps"
+
+
+def _messages(sensor: Sensor, time_ns: int, reading: Any) -> dict[tuple[str, Stores], bytes]:
+    """Return the messages of a reading, by topic and version of ROS; {} if it did not measure."""
+    if reading is None:
+        return {}
+    messages = sensor.messages(time_ns, 0, reading)
+    assert messages.keys() == sensor.topics.keys(), (
+        f"{sensor.name}: messages of {', '.join(messages)}; expected those of its topics: {', '.join(sensor.topics)}"
+    )
+    return {
+        (topic, ros): encoder(sensor.topics[topic], ros).encode(message)
+        for topic, message in messages.items()
+        for ros in (ROS1, ROS2)
+    }
+
+
+def _check_reading(sensor: Sensor, what: str, time_ns: int, messages: dict[tuple[str, Stores], bytes]) -> None:
+    """Raises: AssertionError: the reading of a message has other messages."""
+    topic, type_name = next(iter(sensor.topics.items()))
+    for ros in (ROS1, ROS2):
+        reading = sensor.reading(decoded(type_name, messages[topic, ros], ros))
+        assert _messages(sensor, time_ns, reading) == messages, (
+            f"{what}: reading(message) is another reading than that of the message: {reading!r:.60}"
+        )
 
 
 def check_env(scenario: str | Scenario, steps: int = 60, **rules: Any) -> None:

@@ -8,6 +8,7 @@ import shlex
 from pathlib import Path
 
 import pytest
+from own_package import SENSORS, TYPE, install
 from peer import ALL, ALL_LATCHED, MISSION, Peer
 from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from running import running
@@ -143,3 +144,13 @@ def test_clock_shows_the_time_to_nodes_with_simulated_time(paused, peer):
     while not clock:
         step(peer)
     peer.wait_until(lambda: clock[-1].clock.sec * 10**9 + clock[-1].clock.nanosec >= 10**8, "the end of a step")
+
+
+def test_sensor_of_a_users_package_is_on_its_topic(tmp_path, peer, monkeypatch):
+    monkeypatch.setenv("PYTHONPATH", install(tmp_path)["PYTHONPATH"])
+    with running((*PAUSED, "--set", SENSORS), tmp_path):
+        arrays = peer.listen("/robot_1/others", TYPE)
+        peer.wait_until(lambda: peer.node.count_publishers("/robot_1/others"), "the sensor")
+        step(peer)
+        peer.wait_until(lambda: arrays, "a reading")
+    assert len(arrays[0].poses) == 2

@@ -10,6 +10,7 @@ from rosbags.typesys.store import Typestore
 
 from robotteamsim._core.recording import MessageEncoder
 from robotteamsim.errors import RecordingError
+from robotteamsim.scenario.sensors import KINDS
 from robotteamsim.scenario.shipped import share_roots
 
 ROS1, ROS2 = Stores.ROS1_NOETIC, Stores.ROS2_HUMBLE
@@ -24,11 +25,14 @@ _TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 def encoder(type_name: str, ros: Stores = ROS1) -> MessageEncoder:
     """Return what makes the bytes of messages (`message_parts`) of a type such as "nav_msgs/Odometry".
 
-    Raises: RecordingError: as `bag_typestore`.
+    Raises: RecordingError: there is no definition of the type; as `bag_typestore`.
     """
+    types = bag_typestore(ros).fielddefs
+    if (name := type_name.replace("/", "/msg/")) not in types:
+        raise RecordingError(f"{type_name}: no definition found; a sensor's own types are in its `definitions`")
     made = MessageEncoder(type_name, is_cdr=ros is not ROS1)
     attributes: Any
-    _, attributes = bag_typestore(ros).fielddefs[type_name.replace("/", "/msg/")]
+    _, attributes = types[name]
     for name, description in attributes:
         if ros is ROS1 and name == _NOTHING:
             continue
@@ -65,6 +69,9 @@ def bag_typestore(ros: Stores = ROS1) -> Typestore:
         types = get_types_from_msg(_TF_MESSAGE, "tf2_msgs/msg/TFMessage")
     for path in _message_files():
         types.update(get_types_from_msg(path.read_text(encoding="utf-8"), f"robotteamsim/msg/{path.stem}"))
+    for sensor in KINDS.values():
+        for type_name, definition in sensor.definitions.items():
+            types.update(get_types_from_msg(definition, type_name.replace("/", "/msg/")))
     typestore.register(types)
     return typestore
 

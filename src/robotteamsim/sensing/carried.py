@@ -108,6 +108,10 @@ class _Carrier:
     around: _Surroundings
 
     @property
+    def world(self) -> AnyWorld:
+        return self.around.world
+
+    @property
     def pose(self) -> Pose:
         return self.around.world.poses()[self.robot_id]
 

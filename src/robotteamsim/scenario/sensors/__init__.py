@@ -1,6 +1,10 @@
-"""The sensors that robots can carry besides `base_scan`. Each kind is a file; this is the list of kinds."""
+"""The sensors that robots can carry besides `base_scan`: each kind of ours is a file, others are in users' packages."""
 
-from typing import Annotated
+import logging
+from functools import reduce
+from importlib.metadata import entry_points
+from operator import or_
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Tag
 
@@ -12,8 +16,10 @@ from robotteamsim.scenario.sensors.heat import HeatReading, HeatSensor
 from robotteamsim.scenario.sensors.laser import Laser, MountedLaser
 from robotteamsim.scenario.sensors.light import LightSensor
 from robotteamsim.scenario.sensors.sonar import Sonar
+from robotteamsim.wording import described
 
 __all__ = [
+    "KINDS",
     "AnySensor",
     "Camera",
     "Fix",
@@ -28,13 +34,48 @@ __all__ = [
     "is_free_name",
 ]
 
-AnySensor = Annotated[
-    Annotated[MountedLaser, Tag("<laser>")]
-    | Annotated[Sonar, Tag("<sonar>")]
-    | Annotated[Camera, Tag("<camera>")]
-    | Annotated[LightSensor, Tag("<light>")]
-    | Annotated[Gps, Tag("<gps>")]
-    | Annotated[HeatSensor, Tag("<heat>")],
-    by_kind(),
-]
-"""A sensor of any kind."""
+ENTRY_POINTS = "robotteamsim.sensors"
+"""The group of entry points with which other packages register kinds: `thermometer = my_package:Thermometer`."""
+
+
+def _kinds() -> dict[str, type[Sensor]]:
+    """Return the kinds, ours first. One that cannot be used is left out, with a warning."""
+    kinds: dict[str, type[Sensor]] = {
+        "laser": MountedLaser,
+        "sonar": Sonar,
+        "camera": Camera,
+        "light": LightSensor,
+        "gps": Gps,
+        "heat": HeatSensor,
+    }
+    for point in sorted(entry_points(group=ENTRY_POINTS)):
+        try:
+            kinds |= {point.name: _checked(point.name, point.load(), kinds)}
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # Any error in the user's module is reported in one line.
+            logging.getLogger(__name__).warning("sensor %s of %s: %s", point.name, point.value, described(error))
+    return kinds
+
+
+def _checked(name: str, found: Any, known: dict[str, type[Sensor]]) -> type[Sensor]:
+    """Raises: TypeError, ValueError: it is not the class of another kind of sensor."""
+    if not (isinstance(found, type) and issubclass(found, Sensor)):
+        raise TypeError(f"expected a class below robotteamsim.scenario.sensors.base.Sensor, not {found!r:.40}")
+    if name in known:
+        raise ValueError("there is another sensor of this kind")
+    if (kind := found.model_fields["kind"].default) != name:
+        raise ValueError(f"its key kind has the default {kind!r:.40}; expected '{name}'")
+    if not hasattr(found, "type_name"):
+        raise ValueError("expected a class variable type_name, such as 'sensor_msgs/Temperature'")
+    return found
+
+
+KINDS = _kinds()
+
+if TYPE_CHECKING:
+    AnySensor = Sensor
+else:
+    _members = (Annotated[sensor, Tag(f"<{kind}>")] for kind, sensor in KINDS.items())
+    AnySensor = Annotated[reduce(or_, _members), by_kind()]
+    """A sensor of any kind."""

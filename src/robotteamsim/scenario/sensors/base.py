@@ -1,13 +1,16 @@
 """What all kinds of sensors have in common. Each kind is one file: its keys, its model, its topic and its message.
 
-A kind that is added is one class here below `Sensor`, and one line in `scenario.sensors.AnySensor`.
+A kind that is added is one class below `Sensor`: here with a line in `scenario.sensors`, or in a user's own package
+(docs/own_sensor.md).
 """
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Protocol
 
 import numpy as np
@@ -99,6 +102,14 @@ class Carrier(Protocol):
     """What a sensor measures from: the robot that carries it, after the last step of the world."""
 
     @property
+    def robot_id(self) -> int:
+        """The id of the robot."""
+
+    @property
+    def world(self) -> Any:
+        """The world, a `world.contract.AnyWorld`: its plan, all robots, doors and objects. A sensor changes nothing."""
+
+    @property
     def pose(self) -> Pose:
         """The true pose in `map`."""
 
@@ -152,7 +163,9 @@ class Sensor(Model):
     kind: str
 
     type_name: ClassVar[str]
-    """The type of its message."""
+    """The type of its message, such as "sensor_msgs/Range"."""
+    definitions: ClassVar[Mapping[str, str]] = MappingProxyType({})
+    """Types of messages that no version of ROS has, in the language of .msg files, for bags and MCAP files."""
     needs_mujoco: ClassVar[bool] = False
     """Whether only the world of MuJoCo has what it measures."""
     needs_fire: ClassVar[bool] = False
@@ -209,7 +222,8 @@ class MountedSensor(Sensor):
     def _link(self, rotation: tuple[float, float, float, float]) -> Frame:
         return Frame(f"{self.name}_link", "base_link", (self.forward_m, self.left_m, self.height_m), rotation)
 
-    def _header(self, time_ns: int, robot_id: int) -> RosMessage:
+    def header(self, time_ns: int, robot_id: int) -> RosMessage:
+        """Return the header of a message in its frame."""
         return header(time_ns, robot_frame(robot_id, f"{self.name}_link"))
 
 

@@ -72,7 +72,7 @@ class Camera(MountedSensor):
     def message(self, time_ns: int, robot_id: int, reading: np.ndarray) -> RosMessage:
         """See `Sensor`."""
         return {
-            "header": self._header(time_ns, robot_id),
+            "header": self.header(time_ns, robot_id),
             "height": self.height_px,
             "width": self.width_px,
             "encoding": "rgb8" if self.images == "rgb" else "32FC1",
@@ -92,7 +92,7 @@ class Camera(MountedSensor):
     def _calibration(self, time_ns: int, robot_id: int) -> RosMessage:
         focal, x, y = self.focal_px, 0.5 * self.width_px, 0.5 * self.height_px
         return {
-            "header": self._header(time_ns, robot_id),
+            "header": self.header(time_ns, robot_id),
             "height": self.height_px,
             "width": self.width_px,
             "distortion_model": "plumb_bob",
@@ -106,5 +106,6 @@ class Camera(MountedSensor):
     def _optical_frame(self) -> str:
         return f"{self.name}_optical_frame"
 
-    def _header(self, time_ns: int, robot_id: int) -> RosMessage:
+    def header(self, time_ns: int, robot_id: int) -> RosMessage:
+        """Return the header of an image."""
         return header(time_ns, robot_frame(robot_id, self._optical_frame))

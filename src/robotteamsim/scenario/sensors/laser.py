@@ -101,7 +101,7 @@ class MountedLaser(Laser, MountedSensor):
 
     def message(self, time_ns: int, robot_id: int, reading: np.ndarray, step_s: float = 0.0) -> RosMessage:
         """See `Sensor`."""
-        return self.scan(self._header(time_ns, robot_id), reading, self.every_steps * step_s)
+        return self.scan(self.header(time_ns, robot_id), reading, self.every_steps * step_s)
 
     def messages(self, time_ns: int, robot_id: int, reading: np.ndarray, step_s: float = 0.0) -> dict[str, RosMessage]:
         """See `Sensor`."""

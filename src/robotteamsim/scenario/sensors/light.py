@@ -38,7 +38,7 @@ class LightSensor(MountedSensor):
     def message(self, time_ns: int, robot_id: int, reading: float) -> RosMessage:
         """See `Sensor`."""
         return {
-            "header": self._header(time_ns, robot_id),
+            "header": self.header(time_ns, robot_id),
             "illuminance": reading,
             "variance": 0.0,
         }

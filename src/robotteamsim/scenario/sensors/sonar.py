@@ -57,7 +57,7 @@ class Sonar(MountedSensor):
     def message(self, time_ns: int, robot_id: int, reading: float) -> RosMessage:
         """See `Sensor`."""
         return {
-            "header": self._header(time_ns, robot_id),
+            "header": self.header(time_ns, robot_id),
             "radiation_type": _ULTRASOUND,
             "field_of_view": self.opening_rad,
             "min_range": self.range_min_m,
