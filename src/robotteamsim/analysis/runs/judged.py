@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import math
 from bisect import bisect_right
 from collections.abc import Sequence
 from operator import itemgetter
@@ -12,24 +10,21 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
-from robotteamsim import _core
 from robotteamsim.analysis.runs.recorded_run import RecordedRobot, RecordedRun
-from robotteamsim.errors import PlacementError, RecordingError
+from robotteamsim.errors import RecordingError
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.interface import Decision
-from robotteamsim.mission import Sensed
 from robotteamsim.network.messages import Message
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.topics.decisions import OUTBOX, STATUS
 from robotteamsim.scenario import Scenario
 from robotteamsim.sensing.readings import OdometryReading, RobotReading
 from robotteamsim.setup import Setup, resolve
-from robotteamsim.simulation import Observer, Result, Simulation
-from robotteamsim.simulation.trial import Trial
+from robotteamsim.simulation import Observer, Result
+from robotteamsim.simulation.judge import Judge
 from robotteamsim.wording import counted
 
 _NO_RANGES = np.zeros(0, np.float32)
-_NOWHERE = Pose(math.nan, math.nan, math.nan)
 
 
 def judge(run: RecordedRun, paths: Sequence[Path], scenario: Scenario, observers: Sequence[Observer] = ()) -> Result:
@@ -44,20 +39,21 @@ def judge(run: RecordedRun, paths: Sequence[Path], scenario: Scenario, observers
     """
     setup = resolve(scenario)
     robots = _team(run, setup, paths)
-    recorded = _Recorded(setup, run, robots, _Said(paths, robots, setup))
-    simulation = Simulation(setup, controllers=recorded)
-    simulation.sensors = recorded
-    simulation.mission.start()
-    trial = Trial(setup, observers)
+    said, step_ns = _Said(paths, robots, setup), scenario.run.step_ns
+    stamps_ns = [robot.track.stamps_ns[[0, -1]] for robot in robots if robot] or [np.array([run.start_ns, run.end_ns])]
+    first_ns, end_ns = int(np.min(stamps_ns)), int(np.max(stamps_ns))
+    judged = Judge(setup, observers)
     try:
-        while True:
-            recorded.begin_step(simulation)
-            record = simulation.step()
-            trial.add(record)
-            if trial.result is not None or recorded.is_over:
-                return trial.result or trial.end(record)
+        for stamp_ns in range(first_ns, end_ns + 1, step_ns):
+            readings = [_reading(robot, stamp_ns) for robot in robots]
+            record = judged.follow(
+                readings, [said.decision(i, stamp_ns - step_ns, stamp_ns) for i in range(len(robots))]
+            )
+            if judged.trial.result is not None:
+                return judged.trial.result
+        return judged.trial.end(record)
     finally:
-        trial.abandon()
+        judged.trial.abandon()
 
 
 def _team(run: RecordedRun, setup: Setup, paths: Sequence[Path]) -> list[RecordedRobot | None]:
@@ -120,70 +116,15 @@ class _Said:
         return msgspec.structs.replace(status, outbox=tuple(message for _, message in messages[first:end]))
 
 
-class _Recorded:
-    """Sensors and controllers of robots that do what a bag says."""
-
-    def __init__(self, setup: Setup, run: RecordedRun, robots: Sequence[RecordedRobot | None], said: _Said) -> None:
-        self._robots, self._said, self._step_ns = robots, said, setup.scenario.run.step_ns
-        stamps_ns = [robot.track.stamps_ns[[0, -1]] for robot in robots if robot]
-        first_ns, self._end_ns = run.start_ns, run.end_ns
-        if stamps_ns:
-            first_ns, self._end_ns = int(np.min(stamps_ns)), int(np.max(stamps_ns))
-        self._stamp_ns = first_ns - self._step_ns
-        """Of the current step."""
-
-    @property
-    def faults(self) -> Sequence[str]:
-        """As for all controllers."""
-        return [""] * len(self._robots)
-
-    @property
-    def is_over(self) -> bool:
-        """Whether there is no further step."""
-        return self._stamp_ns + self._step_ns > self._end_ns
-
-    def begin_step(self, simulation: Simulation) -> None:
-        """Begin the next step: put the bodies where the robots are at its end, and let robots leave or come."""
-        self._stamp_ns += self._step_ns
-        world = simulation.world
-        for robot_id, robot in enumerate(self._robots):
-            reading = self._reading(robot)
-            # Where there is no room, the body stays where it was.
-            with contextlib.suppress(PlacementError, ValueError):
-                if reading is None:
-                    simulation.remove_robot(robot_id)
-                elif not world.present[robot_id]:
-                    simulation.spawn_robot(robot_id, reading.true_pose)
-                else:
-                    world.set_pose(robot_id, reading.true_pose)
-
-    def read(self) -> _core.state.State:
-        """As for all sensors."""
-        state = _core.state.State(len(self._robots))
-        for robot_id, robot in enumerate(self._robots):
-            if (reading := self._reading(robot)) is not None:
-                state.put_reading(robot_id, reading)
-            else:
-                state.place(robot_id, _NOWHERE)
-        return state
-
-    def step(self, sensed: Sensed) -> tuple[Decision, ...]:
-        """As for all controllers. A robot has no command, because its body is moved."""
-        before_ns = self._stamp_ns - self._step_ns
-        return tuple(
-            self._said.decision(i, before_ns, self._stamp_ns) if is_there else Decision()
-            for i, is_there in enumerate(sensed.present.tolist())
-        )
-
-    def _reading(self, robot: RecordedRobot | None) -> RobotReading | None:
-        """Return the reading of a robot; None: it is not there now."""
-        if robot is None or self._stamp_ns < robot.track.stamps_ns[0] or not robot.track.is_present(self._stamp_ns):
-            return None
-        track, contact = robot.track, robot.contact
-        index = track.index_at(self._stamp_ns)
-        x_m, y_m, yaw_rad = track.poses[index].tolist()
-        pose = PoseReading.from_pose(Pose(x_m, y_m, yaw_rad))
-        if track.source == "truth":
-            pose = PoseReading(x_m, y_m, *track.turns[index].tolist())  # as recorded, to the bit
-        touches = contact is not None and bool(contact.at(self._stamp_ns))
-        return RobotReading(pose, Twist(), OdometryReading(pose, Twist()), _NO_RANGES, touches)
+def _reading(robot: RecordedRobot | None, stamp_ns: int) -> RobotReading | None:
+    """Return the reading of a robot; None: it is not there."""
+    if robot is None or stamp_ns < robot.track.stamps_ns[0] or not robot.track.is_present(stamp_ns):
+        return None
+    track, contact = robot.track, robot.contact
+    index = track.index_at(stamp_ns)
+    x_m, y_m, yaw_rad = track.poses[index].tolist()
+    pose = PoseReading.from_pose(Pose(x_m, y_m, yaw_rad))
+    if track.source == "truth":
+        pose = PoseReading(x_m, y_m, *track.turns[index].tolist())  # as recorded, to the bit
+    touches = contact is not None and bool(contact.at(stamp_ns))
+    return RobotReading(pose, Twist(), OdometryReading(pose, Twist()), _NO_RANGES, touches)
