@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import pty
 import re
@@ -19,6 +20,7 @@ from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
 
 SCENE = (sys.executable, "-m", "robotteamsim.ros2.scene")
+MANAGER = (sys.executable, "-m", "robotteamsim.ros2.mission_manager", "--ros-args")
 TELEOP = (sys.executable, "-m", "robotteamsim.ros2.teleop", "--ros-args", "-r", "__ns:=/robot_0")
 ADD, DELETE_ALL = 0, 3
 
@@ -137,3 +139,26 @@ def test_recording_of_an_unknown_kind_is_refused(tmp_path, peer):
     with running((*simulation, "-p", "record:=there.db3"), tmp_path) as node:
         assert node.wait() == 2, node.output
     assert "~record: 'there.db3'; expected a name that ends in .bag or .mcap" in node.output
+
+
+def test_mission_manager_judges_the_mission_of_the_simulation_step_by_step(tmp_path, peer):
+    settings = ("--lockstep", "--seed", "7", "--speed", "0", "--set", "mission.time_limit_s=30", "--paused")
+    manager = (*MANAGER, "-p", "out:=judged")
+    with running((*MISSION, "garage_sar", *settings, "--out", "own"), tmp_path) as mission:
+        statuses = [
+            peer.listen(f"{name}/mission/status", "robotteamsim/MissionStatus") for name in ("", "/mission_manager")
+        ]
+        with running(manager, tmp_path) as judged:
+            for name in ("", "/mission_manager"):
+                peer.wait_until(lambda name=name: peer.node.count_publishers(f"{name}/mission/status"), name)
+            peer.wait_until(
+                lambda: peer.node.count_subscribers("/robot_2/controller/status") > 1, "the manager's inputs"
+            )
+            peer.call("/simulation/resume", "std_srvs/Trigger")
+            assert mission.wait() == judged.wait() == 0, judged.output
+    own, found = ({m.header.stamp.sec * 10**9 + m.header.stamp.nanosec: m for m in one} for one in statuses)
+    assert len(own) > 300
+    assert {stamp: own[stamp] for stamp in own if stamp} == {stamp: found[stamp] for stamp in found if stamp}
+    results = [json.loads((tmp_path / name / "mission.json").read_text())["result"] for name in ("own", "judged")]
+    assert [result.pop("wall_s") > 0.0 for result in results] == [True, True]
+    assert results[0] == results[1]

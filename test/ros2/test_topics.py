@@ -83,6 +83,19 @@ def test_messages_of_each_step_are_the_bytes_of_an_mcap_file(paused, peer):
     assert compared > 20 * STEPS
 
 
+def test_sonar_arrives_complete_as_the_installed_type(paused, peer):
+    """In Humble a sensor_msgs/Range ends with the range, later with a variance."""
+    ranges = peer.listen("/robot_0/front", "sensor_msgs/Range")
+    peer.wait_until(lambda: peer.node.count_publishers("/robot_0/front"), "the sonar")
+    simulation = Simulation(load("garage_sar", OVERRIDES))
+    for number in range(3):
+        step(peer)
+        peer.wait_until(lambda: len(ranges) > number, f"step {number}")  # noqa: B023
+        expected = simulation.step().readings[0].sensors["front"]
+        assert ranges[-1].range == pytest.approx(expected)
+        assert getattr(ranges[-1], "variance", 0.0) == 0.0
+
+
 def unpadded(type_name: str, data: bytes) -> bytes:
     """Return the bytes of a message without what pads them."""
     store, name = bag_typestore(ROS2), type_name.replace("/", "/msg/")

@@ -129,7 +129,7 @@ class ControllerSlot:
 
     def _inbox(self, step: Step) -> list[Message]:
         topic = self._received.topic
-        return [message for values in (*step.left_out, step.values) for message in values.get(topic, ())]
+        return [message for values in step.each for message in values.get(topic, ())]
 
 
 class TeamController:

@@ -25,13 +25,14 @@ class Step:
 
     restarted: time has jumped back since the last step.
     values:    by topic; of a topic without a message in this step, that of a step left out before it.
-    left_out:  the steps left out before it, because this one was complete, too: values by topic, in the order of time.
+    each:      the values of each step, in the order of time: of those left out, because this one was complete, too, and
+               its own.
     """
 
     stamp_ns: int
     restarted: bool
     values: Mapping[str, Any]
-    left_out: tuple[Mapping[str, Any], ...]
+    each: tuple[Mapping[str, Any], ...]
 
 
 class Steps:
@@ -91,9 +92,9 @@ class Steps:
 
     def _pop(self, stamp_ns: int) -> Step:
         stamps = sorted(ns for ns in self._steps if ns <= stamp_ns)
-        left_out = [self._steps.pop(ns) for ns in stamps]
-        values = {topic: value for step in left_out for topic, value in step.items()}
-        step = Step(stamp_ns, self._restarted, values, tuple(left_out[:-1]))
+        each = tuple(self._steps.pop(ns) for ns in stamps)
+        values = {topic: value for step in each for topic, value in step.items()}
+        step = Step(stamp_ns, self._restarted, values, each)
         self._complete_ns, self._restarted = None, False
         return step
 

@@ -31,9 +31,9 @@ from robotteamsim.nodes.node import KINDS, Output, ParameterError
 from robotteamsim.nodes.rosout import forward_logging
 from robotteamsim.nodes.shutdown import Shutdown
 from robotteamsim.nodes.steps import REPORT_TIMEOUT_S
-from robotteamsim.recording.bag_types import ROS2, bag_typestore, decoded
+from robotteamsim.recording.bag_types import bag_typestore, decoded
 from robotteamsim.ros2.arguments import given_parameters
-from robotteamsim.ros2.topics import Ros2Output, Sender, StampedOutput, filled, interface, quality
+from robotteamsim.ros2.topics import Ros2Output, Sender, StampedOutput, filled, installed, interface, quality
 from robotteamsim.scenario.problems import suggestion
 from robotteamsim.wording import counted
 
@@ -263,14 +263,14 @@ class Ros2Node:
             except ValueError:
                 receive(data)  # reports it
             else:
-                receive(bytes(bag_typestore(ROS2).serialize_cdr(message.twist, TWIST.replace("/", "/msg/"))))
+                receive(bytes(bag_typestore(installed()).serialize_cdr(message.twist, TWIST.replace("/", "/msg/"))))
 
         return unstamp
 
     def read(self, type_name: str, data: bytes) -> tuple[int, Any]:
         """As for all nodes."""
         try:
-            message = decoded(type_name, data, ROS2)
+            message = decoded(type_name, data, installed())
         except Exception as error:  # rosbags raises any exception for damaged bytes
             raise ValueError(f"not a {type_name}: {error}") from None
         if not hasattr(message, "header"):

@@ -5,12 +5,14 @@ from __future__ import annotations
 import importlib
 import logging
 from collections.abc import Callable, Mapping
+from functools import cache
 from typing import Any
 
 from rclpy.node import Node as RclpyNode
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSPolicyKind, QoSProfile, ReliabilityPolicy
 from rclpy.qos_overriding_options import QoSOverridingOptions
 from rclpy.serialization import deserialize_message
+from rosbags.typesys import Stores
 
 from robotteamsim.message_parts import RosMessage
 from robotteamsim.nodes.node import ParameterError
@@ -49,6 +51,13 @@ def interface(kind: str, type_name: str) -> Any:
         ) from None
 
 
+@cache
+def installed() -> Stores:
+    """Return a version of ROS 2 with the types that are installed here, see `recording.bag_types.ROS2`."""
+    has_variance = "variance" in interface("msg", "sensor_msgs/Range").get_fields_and_field_types()
+    return ROS2 if has_variance else Stores.ROS2_HUMBLE
+
+
 class Sender:
     """Sends the messages of a topic; one that cannot be sent, as to a receiver that is too slow, is counted."""
 
@@ -75,7 +84,7 @@ class Ros2Output:
         self.sender = Sender(topic)
         """Counts the messages that could not be sent."""
         self._latched = latched
-        self._encoder = encoder(type_name, ROS2)
+        self._encoder = encoder(type_name, installed())
         self._publisher = node.create_publisher(
             interface("msg", type_name),
             topic,
@@ -120,6 +129,6 @@ def filled(response: Any, values: Mapping[str, Any]) -> Any:
     types = response.get_fields_and_field_types()
     for name, value in values.items():
         if isinstance(value, dict):  # a message; a response of rclpy takes only those of its own
-            value = deserialize_message(encoder(types[name], ROS2).encode(value), interface("msg", types[name]))
+            value = deserialize_message(encoder(types[name], installed()).encode(value), interface("msg", types[name]))
         setattr(response, name, value)
     return response

@@ -39,7 +39,7 @@ def test_messages_of_different_stamps_are_not_mixed(steps):
     step = steps.take()
     assert step.stamp_ns == 2
     assert step.values[PACE] == "pace 2"
-    assert step.left_out == ({PACE: "pace 1"},)
+    assert step.each[:-1] == ({PACE: "pace 1"},)
 
 
 def test_newest_complete_step_is_taken_and_has_the_others_before_it(steps):
@@ -47,7 +47,7 @@ def test_newest_complete_step_is_taken_and_has_the_others_before_it(steps):
         add(steps, stamp_ns, PACE, OTHER)
     step = steps.take()
     assert step.stamp_ns == 3
-    assert [values[OTHER] for values in step.left_out] == ["other 1", "other 2"]
+    assert [values[OTHER] for values in step.each[:-1]] == ["other 1", "other 2"]
 
 
 def test_topic_without_a_message_keeps_that_of_a_step_left_out(steps):
@@ -70,7 +70,7 @@ def test_messages_before_a_jump_back_in_time_are_not_used(steps):
     add(steps, 6, PACE, OTHER)
     add(steps, 1, PACE, OTHER)
     step = steps.take()
-    assert (step.stamp_ns, step.restarted, step.left_out) == (1, True, ())
+    assert (step.stamp_ns, step.restarted, len(step.each)) == (1, True, 1)
     for stamp_ns in (5, 6):
         add(steps, stamp_ns, PACE)
     steps.close()
@@ -90,7 +90,7 @@ def test_steps_that_never_become_complete_are_dropped(steps):
     for stamp_ns in range(1, 2 * MAX_STEPS):
         add(steps, stamp_ns, OTHER)
     add(steps, 2 * MAX_STEPS, PACE, OTHER)
-    assert len(steps.take().left_out) <= MAX_STEPS
+    assert len(steps.take().each) <= MAX_STEPS + 1
 
 
 def steps_that_end_with_a_warning(warned: list[str]) -> Steps:
