@@ -7,7 +7,7 @@ import re
 import tomllib
 from pathlib import Path
 
-PAGE = (Path(__file__).parents[2] / "docs" / "own_sensor.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).resolve().parents[2] / "docs" / "own_sensor.md").read_text(encoding="utf-8")
 SENSORS = 'robots.sensors=[{"kind":"neighbours","name":"others","noise_m":0,"range_max_m":100}]'
 TYPE = "geometry_msgs/PoseArray"
 
