@@ -1,4 +1,4 @@
-"""The page of a bag or an MCAP file shows what the page of the mission itself shows."""
+"""A bag or an MCAP file has the totals of its mission, and its page shows what that of the mission itself shows."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ import numpy as np
 import pytest
 
 from robotteamsim.analysis.runs.reading import read_run
+from robotteamsim.analysis.runs.totals import RunTotals, run_totals
 from robotteamsim.recording import BagWriter
 from robotteamsim.recording.mcap_writer import McapWriter
 from robotteamsim.scenario import load
-from robotteamsim.simulation import Simulation
+from robotteamsim.simulation import Result, Simulation
 from robotteamsim.view.from_bag import recording_of
 from robotteamsim.view.recorder import FrameRecorder
 
@@ -23,6 +24,8 @@ CASES = {
     "office_fire": 30,  # people who flee, doors, smoke
     "garage_rescue": 40,  # firefighters
     "office_manet": 15,  # links by distance
+    "office_egress": 20,  # no robots
+    "garage_sar": 60,
 }
 """Scenarios, and for how long they run [s]."""
 
@@ -42,16 +45,31 @@ def _plain(shown: Any) -> Any:
     return shown
 
 
+def _check_totals(found: RunTotals, expected: Result) -> None:
+    """Check that the totals of a recording are those of its mission, to the bit."""
+    assert found.mission is not None
+    for total in fields(found.mission):
+        assert getattr(found.mission, total.name) == getattr(expected, total.name), total.name
+    for robot, of_mission in zip(found.robots, expected.robots, strict=True):
+        for total in ("distance_m", "contact_s", "excluded_s"):
+            assert getattr(robot, total) == getattr(of_mission, total), (robot.name, total)
+    assert found.egress == expected.egress
+    assert found.trajectory_hash == (expected.trajectory_hash if expected.robots else None)
+    assert found.omitted == found.gaps == found.notes == ()
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
-def test_page_of_a_recording_is_that_of_the_mission(name: str, tmp_path: Path):
+def test_totals_and_page_of_a_recording_are_those_of_the_mission(name: str, tmp_path: Path):
     scenario = load(name, [f"mission.time_limit_s={CASES[name]}"])
     simulation = Simulation(scenario)
     live, files = FrameRecorder(simulation), [tmp_path / "a.bag", tmp_path / "a.mcap"]
-    simulation.run([live, BagWriter(files[0]), McapWriter(files[1])])
+    result = simulation.run([live, BagWriter(files[0]), McapWriter(files[1])])
     expected = live.recording
     for path in files:
-        found = recording_of(read_run([path]), [path], scenario)
+        run = read_run([path])
+        _check_totals(run_totals(run), result)
+        found = recording_of(run, [path], scenario)
         assert len(found.frames) == len(expected.frames)
         for frame, expected_frame in zip(found.frames, expected.frames, strict=True):
             for part in frame.__struct_fields__:
