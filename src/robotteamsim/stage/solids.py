@@ -52,6 +52,8 @@ _MOST_CHARACTERS = 80
 """Of a model's name; those of its walls and blocks are longer."""
 
 _TINY = np.finfo(float).eps
+_NARROWEST_M = 1e-5
+"""Narrower bodies are lines."""
 
 Shapes = tuple[np.ndarray, ...]
 """Outlines [m], corners in order."""
@@ -104,12 +106,17 @@ def _points(block: Entity, values: Values) -> np.ndarray:
 def polygons(outline: np.ndarray) -> list[np.ndarray]:
     """Return the valid polygons of an outline, shape (n, 2): parts of one that crosses itself, a strip of a line."""
     shape = shapely.Polygon(outline) if len(outline) > 2 else shapely.Polygon()
-    if shape.is_valid and shape.area >= MIN_AREA_M2:
+    if shape.is_valid and _has_area(shape):
         return [outline]
-    parts = [part for part in shapely.get_parts(shapely.make_valid(shape)) if part.area >= MIN_AREA_M2]
+    parts = list(filter(_has_area, shapely.get_parts(shapely.make_valid(shape))))
     path = shapely.LineString(outline if len(outline) > 1 else np.repeat(outline, 2, axis=0))
     line = path.buffer(0.5 * THIN_M, cap_style="square", join_style="mitre")
     return [np.array(part.exterior.coords[:-1]) for part in parts or [line]]
+
+
+def _has_area(shape: shapely.Geometry) -> bool:
+    """Whether a shape has an area, and keeps it where corners are rounded to whole micrometres."""
+    return shape.area >= MIN_AREA_M2 and not shape.buffer(-0.5 * _NARROWEST_M).is_empty
 
 
 class SolidReader:
@@ -179,6 +186,8 @@ class SolidReader:
     def _add_door(self, entity: Entity, centre: Pose2, size: tuple[float, ...], name: str, closed: bool) -> None:
         """Add a box that is called a door, as `plan export-stage` writes it: an open one is no obstacle."""
         self._values.number(entity, "ranger_return", "f", 1.0)
+        if min(size[:2]) < _NARROWEST_M:
+            raise entity.error("size", f"a door of {size[0]:g} x {size[1]:g} m; expected at least {_NARROWEST_M:g} m")
         start, end = (_point(end) for end in moved(np.array([[-0.5 * size[0], 0.0], [0.5 * size[0], 0.0]]), centre))
         keys = {"name": name, "start": start, "end": end, "kind": _DOORS[entity.called], "closed": closed}
         self.doors.append(Door.model_validate({**keys, "thickness_m": tidy(size[1]), **_height(size[2])}))

@@ -42,6 +42,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     changes=st.lists(st.tuples(st.integers(0, 10_000), st.sampled_from([*JUNK, ""])), min_size=1, max_size=3),
 )
 @example(words=_words("hall.world"), changes=[])
+@example(words=_words("patrol/patrol.world"), changes=[(6890, "0.000001")])
 def test_changed_world_is_imported_or_rejected_in_one_line(folder, words, changes):
     words = [word.replace("../hall.png", "hall.png") for word in words]
     for place, junk in changes:
