@@ -1,65 +1,36 @@
-// _core.recording: ROS messages as the bytes that are sent, in the formats of ROS 1 and of ROS 2 (CDR).
+// _core.recording: ROS messages and the bytes that are sent, in the formats of ROS 1 and of ROS 2 (CDR).
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <map>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "arrays.hpp"
 #include "bindings.hpp"
 #include "casters.hpp"
+#include "message_bytes.hpp"
 
 namespace robotteamsim::bindings {
 namespace {
 
-constexpr char kCdrHeader[] = {0, 1, 0, 0};  // little endian
 constexpr std::int64_t kNsPerS = 1'000'000'000;
 
-// The bytes of a message, little endian. In CDR each number is aligned to its own size.
-class Bytes {
- public:
-  explicit Bytes(bool is_cdr) : is_cdr_(is_cdr) {
-    if (is_cdr) bytes_.assign(std::begin(kCdrHeader), std::end(kCdrHeader));
-  }
-
-  bool is_cdr() const { return is_cdr_; }
-  const std::string& bytes() const { return bytes_; }
-
-  template <typename Number>
-  void Put(Number number) {
-    Align(sizeof(Number));
-    Append(&number, sizeof(Number));
-  }
-  void Align(std::size_t size) {
-    if (!is_cdr_) return;
-    while ((bytes_.size() - sizeof(kCdrHeader)) % size != 0) bytes_.push_back('\0');
-  }
-  void Append(const void* data, std::size_t size) { bytes_.append(static_cast<const char*>(data), size); }
-  void PutCount(std::size_t count) {
-    if (count > std::numeric_limits<std::uint32_t>::max()) throw std::out_of_range("too many values");
-    Put(static_cast<std::uint32_t>(count));
-  }
-  void PutText(const char* text, std::size_t size) {
-    PutCount(is_cdr_ ? size + 1 : size);
-    Append(text, size);
-    if (is_cdr_) bytes_.push_back('\0');
-  }
-
- private:
-  bool is_cdr_;
-  std::string bytes_;
-};
-
-// How values of one type of the definitions become bytes. code: of their class in the buffers of Python: (f)loat,
-// (i)nt, (u)nsigned or (n)one.
+// How values of one type of the definitions become bytes, and bytes values. code: of their class in the buffers of
+// Python: (f)loat, (i)nt, (u)nsigned or (n)one.
 struct Basic {
   void (*put)(Bytes* out, nb::handle value);
   void (*put_nothing)(Bytes* out);
+  nb::object (*get)(Source* in);
+  nb::object (*get_array)(Source* in, std::size_t count);  // nullptr: of such values there are lists
   std::size_t size;
   char code;
 };
@@ -95,9 +66,38 @@ Number NumberOf(nb::handle value) {
 }
 
 template <typename Number>
+nb::object GetNumber(Source* in) {
+  if constexpr (std::is_same_v<Number, bool>) {
+    return nb::bool_(in->Get<std::uint8_t>() != 0);
+  } else {
+    return nb::cast(in->Get<Number>());
+  }
+}
+
+template <typename Number>
+nb::object GetNumbers(Source* in, std::size_t count) {
+  using Array = nb::ndarray<nb::numpy, Number, nb::ndim<1>, nb::device::cpu>;
+  if (count > 0) in->Align(sizeof(Number));
+  if (sizeof(Number) * count > in->left()) throw std::invalid_argument("too short");
+  auto numbers = std::make_unique<Number[]>(count);
+  in->Copy(numbers.get(), sizeof(Number), count);
+  if constexpr (std::is_same_v<Number, bool>) {
+    auto* bytes = reinterpret_cast<std::uint8_t*>(numbers.get());
+    for (std::size_t i = 0; i < count; ++i) bytes[i] = bytes[i] != 0 ? 1 : 0;
+  }
+  Number* data = numbers.release();
+  const nb::capsule owner(data, [](void* owned) noexcept { delete[] static_cast<Number*>(owned); });
+  return nb::cast(Array(data, {count}, owner));
+}
+
+template <typename Number>
 Basic NumberType(char code) {
   return {[](Bytes* out, nb::handle value) { out->Put(NumberOf<Number>(value)); },
-          [](Bytes* out) { out->Put(Number{}); }, sizeof(Number), code};
+          [](Bytes* out) { out->Put(Number{}); },
+          GetNumber<Number>,
+          GetNumbers<Number>,
+          sizeof(Number),
+          code};
 }
 
 void PutText(Bytes* out, nb::handle value) {
@@ -105,6 +105,21 @@ void PutText(Bytes* out, nb::handle value) {
   const char* text = PyUnicode_AsUTF8AndSize(value.ptr(), &size);
   if (text == nullptr) throw nb::python_error();
   out->PutText(text, static_cast<std::size_t>(size));
+}
+
+nb::object GetText(Source* in) {
+  std::size_t size = in->GetCount(1);
+  const char* text = in->Skip(size);
+  if (in->is_cdr() && size-- == 0) throw std::invalid_argument("a text without its end");
+  PyObject* found = PyUnicode_DecodeUTF8(text, static_cast<Py_ssize_t>(size), nullptr);
+  if (found == nullptr) throw nb::python_error();
+  return nb::steal(found);
+}
+
+nb::object GetTime(Source* in) {
+  const auto seconds = in->Get<std::uint32_t>();
+  const std::int64_t signed_seconds = in->is_cdr() ? static_cast<std::int32_t>(seconds) : std::int64_t{seconds};
+  return nb::cast(signed_seconds * kNsPerS + in->Get<std::uint32_t>());
 }
 
 void PutSeconds(Bytes* out, std::int64_t seconds, std::int64_t nanoseconds) {
@@ -125,7 +140,7 @@ void PutTime(Bytes* out, nb::handle value) {
 const std::map<std::string, Basic>& BasicTypes() {
   static const std::map<std::string, Basic> types = {
       {"bool", NumberType<bool>('u')},
-      {"byte", NumberType<std::uint8_t>('u')},
+      {"byte", NumberType<std::int8_t>('i')},
       {"char", NumberType<std::uint8_t>('u')},
       {"int8", NumberType<std::int8_t>('i')},
       {"uint8", NumberType<std::uint8_t>('u')},
@@ -137,8 +152,8 @@ const std::map<std::string, Basic>& BasicTypes() {
       {"uint64", NumberType<std::uint64_t>('u')},
       {"float32", NumberType<float>('f')},
       {"float64", NumberType<double>('f')},
-      {"string", {PutText, [](Bytes* out) { out->PutText("", 0); }, 0, 'n'}},
-      {"time", {PutTime, [](Bytes* out) { PutSeconds(out, 0, 0); }, 0, 'n'}},
+      {"string", {PutText, [](Bytes* out) { out->PutText("", 0); }, GetText, nullptr, 0, 'n'}},
+      {"time", {PutTime, [](Bytes* out) { PutSeconds(out, 0, 0); }, GetTime, nullptr, 0, 'n'}},
   };
   return types;
 }
@@ -178,20 +193,23 @@ class Numbers {
   bool is_open_ = false, is_wanted_ = false;
 };
 
-class MessageEncoder;
+class MessageType;
 
 // An attribute of a message. count: of a fixed array, 0 of a sequence, -1 of a single value.
 struct Attribute {
   nb::str name;
   const Basic* basic = nullptr;
-  const MessageEncoder* nested = nullptr;
+  const MessageType* nested = nullptr;
   std::int64_t count = -1;
+
+  std::size_t LeastBytesOfOne() const;
+  std::size_t LeastBytes() const { return count < 0 ? LeastBytesOfOne() : count == 0 ? 4 : count * LeastBytesOfOne(); }
 };
 
-// Encodes messages of one type.
-class MessageEncoder {
+// A type of messages.
+class MessageType {
  public:
-  MessageEncoder(std::string name, bool is_cdr) : name_(std::move(name)), is_cdr_(is_cdr) {}
+  MessageType(std::string name, bool is_cdr) : name_(std::move(name)), is_cdr_(is_cdr) {}
 
   void Add(const nb::str& name, nb::handle type, std::int64_t count) {
     Attribute attribute{name, nullptr, nullptr, count};
@@ -203,8 +221,9 @@ class MessageEncoder {
       }
       attribute.basic = &found->second;
     } else {
-      attribute.nested = &nb::cast<const MessageEncoder&>(type);
+      attribute.nested = &nb::cast<const MessageType&>(type);
     }
+    least_bytes_ += attribute.LeastBytes();
     attributes_.push_back(std::move(attribute));
   }
 
@@ -214,7 +233,50 @@ class MessageEncoder {
     return nb::bytes(out.bytes().data(), out.bytes().size());
   }
 
+  nb::object Decode(nb::handle data) const {
+    Py_buffer view;
+    if (PyObject_GetBuffer(data.ptr(), &view, PyBUF_SIMPLE) != 0) throw nb::python_error();
+    const std::unique_ptr<Py_buffer, decltype(&PyBuffer_Release)> held(&view, &PyBuffer_Release);
+    try {
+      Source in(static_cast<const char*>(view.buf), static_cast<std::size_t>(view.len), is_cdr_);
+      nb::object message = Get(&in);
+      // Middlewares of ROS 2 fill up the last four bytes.
+      if (in.left() > (is_cdr_ ? 3 : 0)) throw std::invalid_argument("too long");
+      return message;
+    } catch (nb::python_error& error) {
+      nb::raise_from(error, PyExc_ValueError, "not a %s: a text that is not UTF-8", name_.c_str());
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument("not a " + name_ + ": " + error.what());
+    }
+  }
+
+  std::size_t least_bytes() const { return least_bytes_; }
+
  private:
+  nb::object Get(Source* in) const {
+    static const nb::handle kind = nb::object(nb::module_::import_("types").attr("SimpleNamespace")).release();
+    nb::dict values;
+    for (const Attribute& attribute : attributes_) values[attribute.name] = GetValue(in, attribute);
+    return kind(**values);
+  }
+
+  static nb::object GetValue(Source* in, const Attribute& attribute) {
+    if (attribute.count < 0) return GetOne(in, attribute);
+    const std::size_t count =
+        attribute.count > 0 ? static_cast<std::size_t>(attribute.count) : in->GetCount(attribute.LeastBytesOfOne());
+    if (attribute.basic != nullptr && attribute.basic->get_array != nullptr) {
+      return attribute.basic->get_array(in, count);
+    }
+    if (count > in->left()) throw std::invalid_argument("too short");
+    nb::list values;
+    for (std::size_t i = 0; i < count; ++i) values.append(GetOne(in, attribute));
+    return std::move(values);
+  }
+
+  static nb::object GetOne(Source* in, const Attribute& attribute) {
+    return attribute.nested != nullptr ? attribute.nested->Get(in) : attribute.basic->get(in);
+  }
+
   void Put(Bytes* out, nb::handle message) const {
     if (!nb::isinstance<nb::dict>(message)) throw nb::type_error((name_ + ": expected a dict").c_str());
     Py_ssize_t used = 0;
@@ -304,17 +366,25 @@ class MessageEncoder {
   std::string name_;
   bool is_cdr_;
   std::vector<Attribute> attributes_;
+  std::size_t least_bytes_ = 0;
 };
+
+std::size_t Attribute::LeastBytesOfOne() const {
+  if (nested != nullptr) return nested->least_bytes();
+  return basic->size > 0 ? basic->size : 4;
+}
 
 }  // namespace
 
 void BindRecording(nb::module_&& m) {
-  nb::class_<MessageEncoder>(m, "MessageEncoder")
+  nb::class_<MessageType>(m, "MessageType")
       .def(nb::init<std::string, bool>(), "type_name"_a, "is_cdr"_a)
-      .def("add", &MessageEncoder::Add, "attribute"_a, "type"_a, "count"_a, nb::keep_alive<1, 3>(),
-           nb::sig("def add(self, attribute: str, type: str | MessageEncoder, count: int) -> None"))
-      .def("encode", &MessageEncoder::Encode, "message"_a,
-           nb::sig("def encode(self, message: collections.abc.Mapping[str, typing.Any]) -> bytes"));
+      .def("add", &MessageType::Add, "attribute"_a, "type"_a, "count"_a, nb::keep_alive<1, 3>(),
+           nb::sig("def add(self, attribute: str, type: str | MessageType, count: int) -> None"))
+      .def("encode", &MessageType::Encode, "message"_a,
+           nb::sig("def encode(self, message: collections.abc.Mapping[str, typing.Any]) -> bytes"))
+      .def("decode", &MessageType::Decode, "data"_a,
+           nb::sig("def decode(self, data: bytes | memoryview) -> typing.Any"));
 }
 
 }  // namespace robotteamsim::bindings

@@ -33,8 +33,14 @@ def point(position_m: tuple[float, float]) -> RosMessage:
     return {"x": position_m[0], "y": position_m[1]}
 
 
-def time_ns(stamp: Any) -> int:
-    """Return the time of a stamp of genpy, rosbags or rclpy [ns]."""
-    if hasattr(stamp, "secs"):
-        return int(stamp.secs * 10**9 + stamp.nsecs)
-    return int(stamp.sec * 10**9 + stamp.nanosec)
+def stamp_ns(message: Any, latest_s: int = 2**32) -> int:
+    """Return the stamp of a message that has been read [ns], 0 without a header.
+
+    Args:   latest_s: no header of its version of ROS can hold this time [s].
+    Raises: ValueError: an answer could not have the stamp.
+    """
+    header = getattr(message, "header", None)
+    found_ns: int = header.stamp if header else 0
+    if not 0 <= found_ns < (latest_s - 1) * 10**9:
+        raise ValueError(f"stamp: {found_ns // 10**9} s; expected 0 to {latest_s} s")
+    return found_ns

@@ -17,7 +17,7 @@ import numpy as np
 from robotteamsim.errors import ScenarioError
 from robotteamsim.interface import EVERYBODY, Decision, Message
 from robotteamsim.mission import Sensed
-from robotteamsim.recording.bag_types import ROS1, ROS2, decoded, encoder
+from robotteamsim.recording.bag_types import ROS1, ROS2, message_type
 from robotteamsim.rng import stream
 from robotteamsim.scenario import Scenario, load
 from robotteamsim.setup import Setup, resolve
@@ -180,7 +180,7 @@ def _messages(sensor: Sensor, time_ns: int, reading: Any) -> dict[tuple[str, Sto
         f"{sensor.name}: messages of {', '.join(messages)}; expected those of its topics: {', '.join(sensor.topics)}"
     )
     return {
-        (topic, ros): encoder(sensor.topics[topic], ros).encode(message)
+        (topic, ros): message_type(sensor.topics[topic], ros).encode(message)
         for topic, message in messages.items()
         for ros in (ROS1, ROS2)
     }
@@ -190,7 +190,7 @@ def _check_reading(sensor: Sensor, what: str, time_ns: int, messages: dict[tuple
     """Raises: AssertionError: the reading of a message has other messages."""
     topic, type_name = next(iter(sensor.topics.items()))
     for ros in (ROS1, ROS2):
-        reading = sensor.reading(decoded(type_name, messages[topic, ros], ros))
+        reading = sensor.reading(message_type(type_name, ros).decode(messages[topic, ros]))
         assert _messages(sensor, time_ns, reading) == messages, (
             f"{what}: reading(message) is another reading than that of the message: {reading!r:.60}"
         )

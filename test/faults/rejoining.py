@@ -14,8 +14,8 @@ from math import hypot
 from running import Program
 from watching import Outcome, Processes, Watch, wait_for
 
+from robotteamsim.recording.bag_types import message_type
 from robotteamsim.recording.topics.robots import read_odometry
-from robotteamsim.ros.messages import read
 from robotteamsim.scenario import load
 from robotteamsim.setup import resolve
 
@@ -53,7 +53,7 @@ class Motion:
                 newest_s = self._speeds[robot][-1][0] if self._speeds[robot] else time_s
                 self._answers[robot].append(max(time_s, newest_s))
             else:
-                twist = read_odometry(read("nav_msgs/Odometry", data)).twist
+                twist = read_odometry(message_type("nav_msgs/Odometry").decode(data)).twist
                 self._speeds[robot].append((time_s, hypot(twist.linear_x_mps, twist.linear_y_mps)))
 
     def clear(self) -> None:

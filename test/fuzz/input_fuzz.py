@@ -157,10 +157,10 @@ class MessageTarget:
         )
         from sensor_msgs.msg import LaserScan, NavSatFix, Range
 
-        from robotteamsim.ros.messages import read
+        from robotteamsim.recording.bag_types import message_type
         from robotteamsim.scenario.sensors import Gps, HeatSensor, Sonar
 
-        self._read = read
+        self._type_of = message_type
         self._targets = (
             (Odometry(), robots.read_odometry),
             (LaserScan(ranges=[1.0] * 20), partial(robots.read_ranges_m, beams=20)),
@@ -196,7 +196,7 @@ class MessageTarget:
     def check(self, data: bytes) -> None:
         message, decode = self._targets[data[0] % len(self._targets)]
         with contextlib.suppress(ValueError):
-            decode(self._read(message._type, data[1:]))
+            decode(self._type_of(message._type).decode(data[1:]))
 
 
 class MissionTarget:

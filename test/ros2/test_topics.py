@@ -14,7 +14,7 @@ from rclpy.qos import DurabilityPolicy, ReliabilityPolicy
 from running import running
 
 from robotteamsim.recording.bag import BagMessages
-from robotteamsim.recording.bag_types import ROS2, bag_typestore, encoder
+from robotteamsim.recording.bag_types import ROS2, bag_typestore, message_type
 from robotteamsim.scenario import load
 from robotteamsim.scenario.map_image import published_map
 from robotteamsim.setup import resolve
@@ -73,7 +73,7 @@ def test_messages_of_each_step_are_the_bytes_of_an_mcap_file(paused, peer):
         peer.wait_until(lambda: len(steps) > number, f"step {number}")  # noqa: B023
         for _, name, message in contents.of_step(simulation.step()):
             if name in expected:
-                expected[name].append(encoder(types[name], ROS2).encode(message))
+                expected[name].append(message_type(types[name], ROS2).encode(message))
     compared = 0
     for name, wanted in expected.items():
         peer.wait_until(lambda: len(received[name]) >= len(wanted), name)  # noqa: B023

@@ -9,7 +9,6 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from robotteamsim.message_parts import time_ns
 from robotteamsim.nodes.inputs import Input
 from robotteamsim.nodes.node import Node
 from robotteamsim.recording.topics.robots import TF
@@ -85,4 +84,4 @@ def _read_link(message: Any, is_static: bool) -> tuple[str, _Link]:
         raise ValueError(f"{parent} -> {child}: expected finite numbers and a quaternion of norm 1")
     if not parent or not child or parent == child:
         raise ValueError(f"{parent!r} -> {child!r}: expected the names of two frames")
-    return child, _Link(parent, 0 if is_static else time_ns(message.header.stamp), position_m, rotation)
+    return child, _Link(parent, 0 if is_static else message.header.stamp, position_m, rotation)

@@ -24,14 +24,14 @@ else:
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.bag_file import BagFile, DamagedFileError
 from robotteamsim.recording.bag_paths import METADATA, files_of, is_bag
-from robotteamsim.recording.bag_types import bag_typestore
+from robotteamsim.recording.bag_types import bag_typestore, defined_type
 from robotteamsim.recording.mcap_writer import SUFFIX
 from robotteamsim.recording.results import FILE_NAME
 from robotteamsim.user_files import open_regular
 
 Reader = rosbag1.Reader | rosbag2.Reader
-Decode = Callable[[bytes, str], Any]
-"""Returns the message of data and the name of its type."""
+Decode = Callable[[bytes], Any]
+"""Returns the message of data."""
 
 
 class _Format(NamedTuple):
@@ -133,7 +133,7 @@ class BagReader:
                     absent.discard(topic)
                     decode = self._decoder(part, connection)
                     assert decode is not None, f"{topic} is not known"
-                    message: Any = decode(data, connection.msgtype)
+                    message: Any = decode(data)
                     if stamp_ns := _stamp_ns(message):
                         late_ns = time_ns - stamp_ns
                         self.late_ns[topic] = min(late_ns, self.late_ns.get(topic, late_ns), key=abs)
@@ -147,7 +147,10 @@ class BagReader:
         """Return the function that reads the messages of a connection, or None if they cannot be read."""
         key = part.format.magic, connection.msgtype, connection.digest, connection.msgdef
         if key not in self._decoders:
-            self._decoders[key] = (_ros1_decoder if part.format is _ROS1 else _cdr_decoder)(connection)
+            try:
+                self._decoders[key] = (_ros1_decoder if part.format is _ROS1 else _cdr_decoder)(connection)
+            except (ValueError, KeyError, RecursionError):  # a type with parts that are not read, or with itself as one
+                self._decoders[key] = None
         return self._decoders[key]
 
 
@@ -236,18 +239,23 @@ def _damage_reported(part: _Part) -> Iterator[None]:
 def _stamp_ns(message: Any) -> int:
     """Return the stamp of a message's header [ns], or 0 if it has none."""
     header = getattr(message, "header", None)
-    return header.stamp.sec * 10**9 + header.stamp.nanosec if header else 0
+    return header.stamp if header else 0
+
+
+def _decode(types: Typestore, name: str, *, is_cdr: bool) -> Decode:
+    decode: Decode = defined_type(types, name, is_cdr=is_cdr).decode
+    return decode
 
 
 def _ros1_decoder(connection: Any) -> Decode | None:
     """Types that are not ours are read as the bag defines them."""
     ours = bag_typestore()
     if connection.msgtype in ours.types and connection.digest in (ours.generate_msgdef(connection.msgtype)[1], "*"):
-        return ours.deserialize_ros1
+        return _decode(ours, connection.msgtype, is_cdr=False)
     if connection.msgtype in get_typestore(Stores.ROS1_NOETIC).types:
         return None  # ROS's own types never change, so this is a different type of the same name.
     types = _own_types(Stores.ROS1_NOETIC, connection.msgtype, connection.msgdef)
-    return None if types is None else types.deserialize_ros1
+    return None if types is None else _decode(types, connection.msgtype, is_cdr=False)
 
 
 def _cdr_decoder(connection: Any) -> Decode | None:
@@ -260,9 +268,9 @@ def _cdr_decoder(connection: Any) -> Decode | None:
         types = _own_types(Stores.EMPTY, connection.msgtype, connection.msgdef)
     if types is None or connection.msgtype not in types.types:
         return None
-    read = types.deserialize_cdr
+    read = _decode(types, connection.msgtype, is_cdr=True)
     # Messages may be compressed one by one, which only the yaml of their folder says.
-    return lambda data, kind: read(zstd.decompress(data) if data.startswith(_ZSTD) else data, kind)
+    return lambda data: read(zstd.decompress(data) if data.startswith(_ZSTD) else data)
 
 
 # Cached, because rosbags compiles code for each type, which takes longer than reading a short recording.

@@ -8,7 +8,7 @@ from rosbags.interfaces import Nodetype
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from rosbags.typesys.store import Typestore
 
-from robotteamsim._core.recording import MessageEncoder
+from robotteamsim._core.recording import MessageType
 from robotteamsim.errors import RecordingError
 from robotteamsim.scenario.sensors import KINDS
 from robotteamsim.scenario.shipped import share_roots
@@ -23,20 +23,29 @@ _NOTHING = "structure_needs_at_least_one_member"
 _TIMES = ("builtin_interfaces/msg/Time", "builtin_interfaces/msg/Duration")
 
 
-@cache
-def encoder(type_name: str, ros: Stores = ROS1) -> MessageEncoder:
-    """Return what makes the bytes of messages (`message_parts`) of a type such as "nav_msgs/Odometry".
+def message_type(type_name: str, ros: Stores = ROS1) -> MessageType:
+    """Return a type such as "nav_msgs/Odometry": it makes bytes of messages (`message_parts`), and messages of bytes.
 
+    Those that it makes have attributes: times are whole numbers [ns], numbers in a row arrays, others lists.
     Raises: RecordingError: there is no definition of the type; as `bag_typestore`.
     """
-    types = bag_typestore(ros).fielddefs
-    if (name := type_name.replace("/", "/msg/")) not in types:
+    types, name = bag_typestore(ros), type_name.replace("/", "/msg/")
+    if name not in types.fielddefs:
         raise RecordingError(f"{type_name}: no definition found; a sensor's own types are in its `definitions`")
-    made = MessageEncoder(type_name, is_cdr=ros is not ROS1)
+    return defined_type(types, name, is_cdr=ros is not ROS1)
+
+
+@cache
+def defined_type(types: Typestore, name: str, *, is_cdr: bool) -> MessageType:
+    """Return a type as rosbags has it. Args: name: such as "nav_msgs/msg/Odometry".
+
+    Raises: ValueError, KeyError, RecursionError: it cannot be read.
+    """
+    made = MessageType(name.replace("/msg/", "/"), is_cdr=is_cdr)
     attributes: Any
-    _, attributes = types[name]
-    for name, description in attributes:
-        if ros is ROS1 and name == _NOTHING:
+    _, attributes = types.fielddefs[name]
+    for key, description in attributes:
+        if not is_cdr and key == _NOTHING:
             continue
         kind, of = description
         count = -1
@@ -46,17 +55,10 @@ def encoder(type_name: str, ros: Stores = ROS1) -> MessageEncoder:
         if kind == Nodetype.BASE:
             attribute = of[0]
         else:
-            attribute = "time" if of in _TIMES else encoder(of.replace("/msg/", "/"), ros)
+            attribute = "time" if of in _TIMES else defined_type(types, of, is_cdr=is_cdr)
         # The matrices of sensor_msgs/CameraInfo have capitals in ROS 1 alone.
-        made.add(name.lower(), attribute, count)
+        made.add(key.lower(), attribute, count)
     return made
-
-
-def decoded(type_name: str, data: bytes, ros: Stores = ROS1) -> Any:
-    """Return a message of rosbags' classes. Raises: Exception: damaged bytes."""
-    types = bag_typestore(ros)
-    decode = types.deserialize_ros1 if ros is ROS1 else types.deserialize_cdr
-    return decode(data, type_name.replace("/", "/msg/"))
 
 
 @cache

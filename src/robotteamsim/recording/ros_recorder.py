@@ -12,7 +12,7 @@ from rosbags.typesys import Stores
 
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.bag import BagMessages, BagTopic, check_size
-from robotteamsim.recording.bag_types import bag_typestore, encoder
+from robotteamsim.recording.bag_types import bag_typestore, message_type
 from robotteamsim.recording.files import (
     cannot_write,
     check_replaceable,
@@ -58,7 +58,8 @@ class RosRecorder(ABC):
             self._remove_earlier()
             self._open()
             self._connections = {topic.name: self._connect(topic) for topic in self._contents.topics()}
-            self._encode = {topic.name: encoder(topic.type_name, self._ros).encode for topic in self._contents.topics()}
+            types = {topic.name: message_type(topic.type_name, self._ros) for topic in self._contents.topics()}
+            self._encode = {name: of_type.encode for name, of_type in types.items()}
         except OSError as error:
             remove_empty(self._created)
             raise cannot_write(self._path, error) from error

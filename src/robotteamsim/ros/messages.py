@@ -7,11 +7,6 @@ from functools import cache
 from io import BytesIO
 from typing import Any
 
-import genpy
-
-_LATEST_S = 2**32
-"""A header has 32 bits for the seconds."""
-
 
 def message_class(type_name: str) -> Any:
     """Return the class of a type such as "nav_msgs/Odometry"."""
@@ -41,21 +36,3 @@ def bytes_class(type_name: str) -> Any:
             return self
 
     return Bytes
-
-
-def read(type_name: str, data: bytes) -> Any:
-    """Return a message of a type. Raises: ValueError: the bytes are not such a message."""
-    try:
-        return message_class(type_name)().deserialize(data)
-    except (genpy.DeserializationError, ValueError, OverflowError, MemoryError) as error:
-        raise ValueError(f"not a {type_name}: {error}") from None
-
-
-def stamp_ns(message: Any) -> int:
-    """Return the stamp of a message [ns], 0 without a header. Raises: ValueError: an answer could not have it."""
-    if not hasattr(message, "header"):
-        return 0
-    stamp = message.header.stamp
-    if stamp.secs + 1 >= _LATEST_S:
-        raise ValueError(f"stamp: {stamp.secs} s; expected below 2^32 s")
-    return int(stamp.secs * 10**9 + stamp.nsecs)

@@ -9,10 +9,11 @@ from typing import Any
 
 import rospy
 
+from robotteamsim.message_parts import RosMessage, stamp_ns
 from robotteamsim.nodes.launched import ros1_setting_name
 from robotteamsim.nodes.node import Output
-from robotteamsim.recording.bag_types import encoder
-from robotteamsim.ros.messages import bytes_class, read, stamp_ns
+from robotteamsim.recording.bag_types import message_type
+from robotteamsim.ros.messages import bytes_class, message_class
 from robotteamsim.ros.node import is_running, on_shutdown, parameter, wait_for_shutdown
 from robotteamsim.ros.subscriptions import wait_for_subscribers
 from robotteamsim.ros.topics import RospyOutput
@@ -68,7 +69,7 @@ class Ros1Node:
 
     def read(self, type_name: str, data: bytes) -> tuple[int, Any]:
         """As for all nodes."""
-        message = read(type_name, data)
+        message = message_type(type_name).decode(data)
         return stamp_ns(message), message
 
     def offer(self, name: str, type_name: str, serve: Callable[[Any], Mapping[str, Any]]) -> None:
@@ -78,7 +79,7 @@ class Ros1Node:
 
         def respond(request: Any) -> dict[str, Any]:
             return {
-                key: read(types[key], encoder(types[key]).encode(value)) if isinstance(value, dict) else value
+                key: _message(types[key], value) if isinstance(value, dict) else value
                 for key, value in serve(request).items()
             }
 
@@ -94,6 +95,11 @@ class Ros1Node:
     def topics(self) -> Collection[str]:
         """As for all nodes."""
         return [name for name, _ in rospy.get_published_topics()]
+
+
+def _message(type_name: str, message: RosMessage) -> Any:
+    """Return a message as rospy has it."""
+    return message_class(type_name)().deserialize(message_type(type_name).encode(message))
 
 
 def _service_class(type_name: str) -> Any:

@@ -10,7 +10,7 @@ import rospy
 
 from robotteamsim._ros_publisher import Publisher, is_ok, shut_down, start
 from robotteamsim.message_parts import RosMessage
-from robotteamsim.recording.bag_types import encoder
+from robotteamsim.recording.bag_types import message_type
 from robotteamsim.ros.messages import bytes_class, message_class
 from robotteamsim.ros.node import ParameterError, end, wait_for_shutdown
 
@@ -25,12 +25,12 @@ class RospyOutput:
 
     def __init__(self, topic: str, type_name: str, *, latched: bool = False, queue_size: int = UNLIMITED) -> None:
         """Advertise. Args: queue_size: of messages that wait for a slow receiver."""
-        self._latched, self._encoder, self._bytes = latched, encoder(type_name), bytes_class(type_name)
+        self._latched, self._type, self._bytes = latched, message_type(type_name), bytes_class(type_name)
         self._publisher = rospy.Publisher(topic, self._bytes, tcp_nodelay=True, latch=latched, queue_size=queue_size)
 
     def publish(self, message: RosMessage) -> None:
         """As for all outputs."""
-        self._publisher.publish(self._bytes(self._encoder.encode(message)))
+        self._publisher.publish(self._bytes(self._type.encode(message)))
 
     @property
     def wanted(self) -> bool:
@@ -44,7 +44,7 @@ class RoscppOutput:
     def __init__(self, topic: str, type_name: str, *, latched: bool = False) -> None:
         """Advertise, as the node `publishing_node()`. Raises: ParameterError: it has another type already."""
         _start()
-        self._latched, self._encoder, of_type = latched, encoder(type_name), message_class(type_name)
+        self._latched, self._type, of_type = latched, message_type(type_name), message_class(type_name)
         try:
             self._publisher = Publisher(
                 rospy.resolve_name(topic),
@@ -59,7 +59,7 @@ class RoscppOutput:
 
     def publish(self, message: RosMessage) -> None:
         """As for all outputs; roscpp numbers messages with headers."""
-        self._publisher.publish(self._encoder.encode(message))
+        self._publisher.publish(self._type.encode(message))
 
     @property
     def wanted(self) -> bool:

@@ -27,11 +27,12 @@ from rclpy.signals import SignalHandlerOptions
 
 from robotteamsim.ending import ending_signals
 from robotteamsim.errors import RobotTeamSimError
+from robotteamsim.message_parts import stamp_ns
 from robotteamsim.nodes.node import KINDS, Output, ParameterError
 from robotteamsim.nodes.rosout import forward_logging
 from robotteamsim.nodes.shutdown import Shutdown
 from robotteamsim.nodes.steps import REPORT_TIMEOUT_S
-from robotteamsim.recording.bag_types import bag_typestore, decoded
+from robotteamsim.recording.bag_types import message_type
 from robotteamsim.ros2.arguments import given_parameters
 from robotteamsim.ros2.topics import Ros2Output, Sender, StampedOutput, filled, installed, interface, quality
 from robotteamsim.scenario.problems import suggestion
@@ -56,7 +57,7 @@ FASTEST = 1e6
 TYPES_S = 2.0
 """Interval of checks for publishers whose messages have another type than the node reads [s, wall]."""
 TWIST = "geometry_msgs/Twist"
-LATEST_S = 2**31 - 1
+LATEST_S = 2**31
 """A header has 31 bits for the seconds."""
 
 logger = logging.getLogger(__name__)
@@ -263,22 +264,15 @@ class Ros2Node:
             except ValueError:
                 receive(data)  # reports it
             else:
-                receive(bytes(bag_typestore(installed()).serialize_cdr(message.twist, TWIST.replace("/", "/msg/"))))
+                twist = {"linear": vars(message.twist.linear), "angular": vars(message.twist.angular)}
+                receive(message_type(TWIST, installed()).encode(twist))
 
         return unstamp
 
     def read(self, type_name: str, data: bytes) -> tuple[int, Any]:
         """As for all nodes."""
-        try:
-            message = decoded(type_name, data, installed())
-        except Exception as error:  # rosbags raises any exception for damaged bytes
-            raise ValueError(f"not a {type_name}: {error}") from None
-        if not hasattr(message, "header"):
-            return 0, message
-        stamp = message.header.stamp
-        if not 0 <= stamp.sec < LATEST_S:
-            raise ValueError(f"stamp: {stamp.sec} s; expected 0 to 2^31 s")
-        return stamp.sec * 10**9 + stamp.nanosec, message
+        message = message_type(type_name, installed()).decode(data)
+        return stamp_ns(message, LATEST_S), message
 
     def offer(self, name: str, type_name: str, serve: Callable[[Any], Mapping[str, Any]]) -> None:
         """As for all nodes."""

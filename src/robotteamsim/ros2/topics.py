@@ -16,7 +16,7 @@ from rosbags.typesys import Stores
 
 from robotteamsim.message_parts import RosMessage
 from robotteamsim.nodes.node import ParameterError
-from robotteamsim.recording.bag_types import ROS2, encoder
+from robotteamsim.recording.bag_types import ROS2, message_type
 
 QUEUE = 10
 """Number of messages of a topic that wait for a slow reader, and of a latched one that a late reader may get."""
@@ -84,7 +84,7 @@ class Ros2Output:
         self.sender = Sender(topic)
         """Counts the messages that could not be sent."""
         self._latched = latched
-        self._encoder = encoder(type_name, installed())
+        self._type = message_type(type_name, installed())
         self._publisher = node.create_publisher(
             interface("msg", type_name),
             topic,
@@ -105,7 +105,7 @@ class Ros2Output:
 
     def publish(self, message: RosMessage) -> None:
         """As for all outputs."""
-        self.sender.send(self._publisher.publish, self._encoder.encode(message))
+        self.sender.send(self._publisher.publish, self._type.encode(message))
 
 
 class StampedOutput:
@@ -129,6 +129,8 @@ def filled(response: Any, values: Mapping[str, Any]) -> Any:
     types = response.get_fields_and_field_types()
     for name, value in values.items():
         if isinstance(value, dict):  # a message; a response of rclpy takes only those of its own
-            value = deserialize_message(encoder(types[name], installed()).encode(value), interface("msg", types[name]))
+            value = deserialize_message(
+                message_type(types[name], installed()).encode(value), interface("msg", types[name])
+            )
         setattr(response, name, value)
     return response

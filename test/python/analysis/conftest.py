@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -15,7 +15,7 @@ from rosbags.rosbag1 import Writer
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.mission.events import Event
 from robotteamsim.recording import BagWriter
-from robotteamsim.recording.bag_types import bag_typestore, encoder
+from robotteamsim.recording.bag_types import bag_typestore, message_type
 from robotteamsim.recording.results import EventList
 from robotteamsim.recording.topics import robots
 from robotteamsim.scenario import load
@@ -67,8 +67,12 @@ def comes_again(tmp_path_factory: pytest.TempPathFactory) -> Recorded:
 
 @pytest.fixture(scope="session")
 def write_bag() -> Callable[..., Path]:
-    """Write samples into a bag, of our messages or of those of rosbags; `compression` is "bz2" or "lz4"."""
-    serialize = bag_typestore().serialize_ros1
+    """Write samples into a bag, of messages to be sent or of those that were read; `compression` is "bz2" or "lz4"."""
+
+    def as_sent(read: Any) -> Any:
+        if isinstance(read, list):
+            return [as_sent(one) for one in read]
+        return {key: as_sent(one) for key, one in vars(read).items()} if isinstance(read, SimpleNamespace) else read
 
     def write(path: Path, samples: Iterable[Sample], compression: str | None = None) -> Path:
         connections: dict[str, Connection] = {}
@@ -80,8 +84,7 @@ def write_bag() -> Callable[..., Path]:
                 name = kind.replace("/", "/msg/")
                 if topic not in connections:
                     connections[topic] = bag.add_connection(topic, name, typestore=bag_typestore())
-                encode = encoder(kind).encode if isinstance(message, dict) else partial(serialize, typename=name)
-                bag.write(connections[topic], time_ns, encode(message))
+                bag.write(connections[topic], time_ns, message_type(kind).encode(as_sent(message)))
         return path
 
     return write

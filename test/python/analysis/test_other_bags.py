@@ -18,7 +18,7 @@ from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.errors import RecordingError
 from robotteamsim.geometry import PoseReading
 from robotteamsim.message_parts import header
-from robotteamsim.recording.bag_types import ROS2, bag_typestore, encoder
+from robotteamsim.recording.bag_types import ROS2, bag_typestore, message_type
 from robotteamsim.recording.topics.base import pose
 
 SECOND_NS = 10**9
@@ -90,7 +90,7 @@ def test_each_robot_of_a_folder_is_placed_by_the_tf_of_its_namespace(drive, tmp_
             name = kind.replace("/", "/msg/")
             if topic not in connections:
                 connections[topic] = bag.add_connection(topic, name, typestore=bag_typestore(ROS2))
-            bag.write(connections[topic], at_ns, encoder(kind, ROS2).encode(message))
+            bag.write(connections[topic], at_ns, message_type(kind, ROS2).encode(message))
     run = read_run([tmp_path / "team"])
     assert ends(run) == {"robot1": [(100.0, 50.0), (110.0, 50.0)], "robot2": [(200.0, 50.0), (210.0, 50.0)]}
     assert [robot.track.source for robot in run.robots] == ["odom and tf"] * 2
@@ -123,10 +123,10 @@ def test_tf_of_old_programs_is_read(odometry, tmp_path):
         assert md5 == "94810edda583a504dfda3829e70d7eec"
         at_ns = time_ns(0)
         place = transform("map", "odom", at_ns, 100.0, 50.0)
-        bag.write(tf, at_ns, encoder(TF).encode(place))
+        bag.write(tf, at_ns, message_type(TF).encode(place))
         for step in STEPS:
             message = odometry(time_ns(step), 0.1 * step, 0.0, frame="odom")
-            bag.write(odom, time_ns(step), encoder("nav_msgs/Odometry").encode(message))
+            bag.write(odom, time_ns(step), message_type("nav_msgs/Odometry").encode(message))
     assert ends(read_run([path])) == {"robot": [(100.0, 50.0), (110.0, 50.0)]}
 
 

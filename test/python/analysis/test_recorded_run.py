@@ -17,7 +17,7 @@ from robotteamsim.errors import RecordingError
 from robotteamsim.message_parts import header, point
 from robotteamsim.recording import BagWriter
 from robotteamsim.recording.bag_reader import BagReader
-from robotteamsim.recording.bag_types import bag_typestore, encoder
+from robotteamsim.recording.bag_types import bag_typestore, message_type
 from robotteamsim.recording.topics import base, world
 from robotteamsim.scenario import load
 from robotteamsim.scenario.plan import OccupancyGrid
@@ -132,7 +132,7 @@ def test_topic_of_a_version_without_the_needed_attributes_is_named(odometry, tmp
         kind = "nav_msgs/msg/Odometry"
         odom = bag.add_connection("/robot_0/odom", kind, typestore=typestore)
         for _, _, time_ns, message in odometry_samples(odometry):
-            bag.write(odom, time_ns, encoder("nav_msgs/Odometry").encode(message))
+            bag.write(odom, time_ns, message_type("nav_msgs/Odometry").encode(message))
         state = "robotteamsim/msg/NetworkState"
         network = bag.add_connection("/network/state", state, msgdef="uint32 num_robots\n", md5sum="0" * 32)
         bag.write(network, 10**9, b"\3\0\0\0")

@@ -14,7 +14,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, W
 
 from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.errors import RecordingError
-from robotteamsim.recording.bag_types import ROS2, bag_typestore, encoder
+from robotteamsim.recording.bag_types import ROS2, bag_typestore, message_type
 from robotteamsim.view.from_bag import recording_of
 
 ODOMETRY = "nav_msgs/Odometry"
@@ -41,7 +41,7 @@ def write(
         for topic, time_ns, message in messages:
             if topic not in connections:
                 connections[topic] = bag.add_connection(topic, "nav_msgs/msg/Odometry", typestore=bag_typestore(ROS2))
-            bag.write(connections[topic], time_ns, encoder(ODOMETRY, ROS2).encode(message))
+            bag.write(connections[topic], time_ns, message_type(ODOMETRY, ROS2).encode(message))
     return folder
 
 
@@ -136,7 +136,7 @@ def test_file_without_definitions_is_read(odometry, tmp_path):
             INSERT INTO messages (topic_id, timestamp, data) VALUES (2, 1000000000000, x'00010000');
             """)
         for _, time_ns, message in drive(odometry):
-            data = encoder(ODOMETRY, ROS2).encode(message)
+            data = message_type(ODOMETRY, ROS2).encode(message)
             base.execute("INSERT INTO messages (topic_id, timestamp, data) VALUES (1, ?, ?)", (time_ns, data))
     base.close()
     assert driven(path) == ("humble_0", 10.0, 10.0)

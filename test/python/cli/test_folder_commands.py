@@ -10,7 +10,7 @@ from rosbags.rosbag2 import StoragePlugin, Writer
 
 from robotteamsim.cli import main
 from robotteamsim.geometry import PoseReading, Twist
-from robotteamsim.recording.bag_types import ROS2, bag_typestore, encoder
+from robotteamsim.recording.bag_types import ROS2, bag_typestore, message_type
 from robotteamsim.recording.topics import robots
 from robotteamsim.sensing.readings import OdometryReading
 
@@ -25,7 +25,7 @@ def folder(tmp_path: Path) -> Path:
             for step in range(21):
                 reading = OdometryReading(PoseReading(step * step_m, 0.0, 0.0, 1.0), Twist())
                 message = robots.odometry(10**9 + step * 10**8, 0, reading)
-                data = encoder("nav_msgs/Odometry", ROS2).encode(message)
+                data = message_type("nav_msgs/Odometry", ROS2).encode(message)
                 bag.write(connection, 10**9 + step * 10**8, data)
     return path
 

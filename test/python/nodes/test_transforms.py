@@ -8,7 +8,7 @@ import pytest
 
 from robotteamsim.message_parts import header
 from robotteamsim.nodes.transforms import Transforms
-from robotteamsim.recording.bag_types import decoded, encoder
+from robotteamsim.recording.bag_types import message_type
 
 S = 10**9
 
@@ -23,7 +23,7 @@ class Node:
         self.receivers[topic] = receive
 
     def read(self, type_name, data):
-        return 0, decoded(type_name, data)
+        return 0, message_type(type_name).decode(data)
 
 
 @pytest.fixture
@@ -41,7 +41,7 @@ def send(node, topic, parent, child, *, time_ns=0, at=(0.0, 0.0, 0.0), turn=(0.0
     transform = {"translation": place, "rotation": rotation}
     link = {"header": header(time_ns, parent), "child_frame_id": child, "transform": transform}
     type_name = "tf2_msgs/TFMessage"
-    node.receivers[topic](encoder(type_name).encode({"transforms": [link]}))
+    node.receivers[topic](message_type(type_name).encode({"transforms": [link]}))
 
 
 def yawed(yaw_rad):

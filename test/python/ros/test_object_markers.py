@@ -6,10 +6,9 @@ import pytest
 from visualization_msgs.msg import Marker
 
 from robotteamsim.geometry import Pose
-from robotteamsim.recording.bag_types import encoder
+from robotteamsim.recording.bag_types import message_type
 from robotteamsim.recording.topics.markers import ARRAY
 from robotteamsim.recording.topics.world import objects, read_objects
-from robotteamsim.ros.messages import read
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.world.contract import NO_OBJECTS, ObjectStates
 
@@ -21,7 +20,7 @@ PLACED = ObjectStates((CRATE, DRUM), (Pose(1.0, 2.0, math.pi / 2), Pose(3.0, 4.0
 
 
 def sent(message):
-    return read(ARRAY, encoder(ARRAY).encode(message))
+    return message_type(ARRAY).decode(message_type(ARRAY).encode(message))
 
 
 def test_objects_are_drawn_to_scale_where_they_are():

@@ -8,9 +8,8 @@ import pytest
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.nodes.inputs import RobotInputs
 from robotteamsim.nodes.settings import Settings
-from robotteamsim.recording.bag_types import encoder
+from robotteamsim.recording.bag_types import message_type
 from robotteamsim.recording.topics import robots
-from robotteamsim.ros.messages import read
 from robotteamsim.ros.ros1 import Ros1Node
 from robotteamsim.scenario import load
 from robotteamsim.sensing.readings import OdometryReading
@@ -62,7 +61,7 @@ def values_of(inputs, robot, time_ns, reading):
 
 
 def received(type_name, message):
-    return read(type_name, encoder(type_name).encode(message))
+    return message_type(type_name).decode(message_type(type_name).encode(message))
 
 
 def test_readings_from_topics_are_those_of_the_headless_run_to_the_bit(course):

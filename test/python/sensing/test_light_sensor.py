@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import PoseReading, Twist
-from robotteamsim.recording.bag_types import decoded, encoder
+from robotteamsim.recording.bag_types import message_type
 from robotteamsim.recording.topics.robots import robot_transforms
 from robotteamsim.scenario import load
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan
@@ -87,7 +87,7 @@ def test_schedule_switches_lights():
 def test_message_has_the_axis_as_x_axis_of_its_frame():
     world = world_of(LAMP)
     left_lx = read_lx(world)[2]
-    message = decoded(LEFT.type_name, encoder(LEFT.type_name).encode(LEFT.message(5, 0, left_lx)))
+    message = message_type(LEFT.type_name).decode(message_type(LEFT.type_name).encode(LEFT.message(5, 0, left_lx)))
     assert (message.illuminance, message.header.frame_id) == (left_lx, "robot_0/left_link")
     assert LEFT.reading(message) == pytest.approx(left_lx)
     links = robot_transforms(0, 0, ROBOT, OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist()))

@@ -109,7 +109,7 @@ class Transforms:
             if parent != MAP_FRAME and not is_base:
                 continue
             stamp = transform.header.stamp
-            stamp_ns = BEFORE_ALL_NS if kind == "tf_static" else stamp.sec * 10**9 + stamp.nanosec or recorded_ns
+            stamp_ns = BEFORE_ALL_NS if kind == "tf_static" else stamp or recorded_ns
             place, q = transform.transform.translation, transform.transform.rotation
             if parent == MAP_FRAME:
                 yaw_rad = float(_yaw_rad(q.x, q.y, q.z, q.w))
