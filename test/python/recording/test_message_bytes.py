@@ -21,8 +21,9 @@ from robotteamsim.simulation import Simulation
 
 SENSORS = "[{kind: gps, datum_lat_deg: 40, datum_lon_deg: -8}, {kind: sonar, name: front}, {kind: laser, name: rear}]"
 STEPS = 12
-CONSTANT = re.compile("[A-Z][A-Z0-9_]+")
 NOTHING = "structure_needs_at_least_one_member"
+LEFT_OUT = re.compile(rf"[A-Z][A-Z0-9_]+|__msgtype__|{NOTHING}")
+"""Constants, and what rosbags adds."""
 VERSIONS = pytest.mark.parametrize("ros", [ROS1, ROS2], ids=["ROS 1", "ROS 2"])
 
 
@@ -41,11 +42,7 @@ def plain(value):
         return value.sec * 10**9 + value.nanosec
     if is_dataclass(value) or isinstance(value, SimpleNamespace):
         names = [one.name for one in fields(value)] if is_dataclass(value) else vars(value)
-        return {
-            name.lower(): plain(getattr(value, name))
-            for name in names
-            if name not in ("__msgtype__", NOTHING) and not name.isupper()
-        }
+        return {name.lower(): plain(getattr(value, name)) for name in names if not LEFT_OUT.fullmatch(name)}
     return value
 
 
