@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
+from bisect import bisect_left, bisect_right
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, Generic, NamedTuple, TypeVar
@@ -54,30 +54,42 @@ BagLayers = Mapping[Topic, Timeline[Any]]
 """Values over time, in the form of `_OF_TEAM`, by topic; one that the bag lacks has none."""
 
 
-def read_layers(paths: Sequence[Path], scanned: Sequence[RecordedRobot]) -> tuple[BagLayers, dict[str, Timeline[Scan]]]:
+def read_layers(
+    paths: Sequence[Path], scanned: Sequence[RecordedRobot], shown_ns: Sequence[int]
+) -> tuple[BagLayers, dict[str, Timeline[Scan]]]:
     """Read the layers of a bag, or of the parts of one, and the scans of robots by their names in the run.
 
-    Args:   scanned: the robots whose scans are read.
+    Args:   scanned: the robots whose scans are read.  shown_ns: stamps at which scans are shown, in order; only the
+            last ones up to each are kept.
     Raises: RecordingError: a bag cannot be read, or contains impossible values.
     """
-    scan_topics = {robot.name: f"{robot.namespace}/base_scan" for robot in scanned}
-    wanted = {topic.name: (topic.type_name, convert) for topic, convert in _OF_TEAM.items()}
-    wanted |= dict.fromkeys(scan_topics.values(), (SCAN.type_name, _scan))
-    samples: dict[str, list[tuple[int, Any]]] = {topic: [] for topic in wanted}
+    scan_topics = {f"{robot.namespace}/base_scan": robot.name for robot in scanned}
+    types = {topic.name: topic.type_name for topic in _OF_TEAM} | dict.fromkeys(scan_topics, SCAN.type_name)
+    converters = {topic.name: convert for topic, convert in _OF_TEAM.items()}
+    samples: dict[str, list[tuple[int, Any]]] = {topic: [] for topic in types}
+    shown: dict[tuple[str, int], tuple[int, Any]] = {}
+    unread: set[str] = set()
+
+    def keep(topic: str, stamp_ns: int, message: Any, convert: Callable[[Any], Any]) -> None:
+        try:
+            samples[topic].append((stamp_ns, convert(message)))
+        except AttributeError:  # This version of the type lacks an attribute.
+            unread.add(topic)
+        except ValueError as error:
+            raise RecordingError(f"{', '.join(map(str, paths))}: {topic}: {error}") from None
+
     with BagReader(paths) as bag:
-        topics = {topic for topic, (kind, _) in wanted.items() if bag.topics.get(topic) == kind and bag.is_known(topic)}
-        unread: set[str] = set()
-        for topic, stamp_ns, message in bag.messages(topics):
-            _, convert = wanted[topic]
-            try:
-                samples[topic].append((stamp_ns, convert(message)))
-            except AttributeError:  # This version of the type lacks an attribute.
-                unread.add(topic)
-            except ValueError as error:
-                raise RecordingError(f"{', '.join(map(str, paths))}: {topic}: {error}") from None
+        known = {topic for topic, kind in types.items() if bag.topics.get(topic) == kind and bag.is_known(topic)}
+        for topic, stamp_ns, message in bag.messages(known):
+            if topic in converters:
+                keep(topic, stamp_ns, message, converters[topic])
+            elif (key := (topic, bisect_left(shown_ns, stamp_ns))) not in shown or shown[key][0] <= stamp_ns:
+                shown[key] = stamp_ns, message
+    for (topic, _), (stamp_ns, message) in shown.items():
+        keep(topic, stamp_ns, message, _scan)
     lines = {topic: Timeline(() if topic in unread else some) for topic, some in samples.items()}
     of_team = {topic: lines[topic.name] for topic in _OF_TEAM}
-    return of_team, {name: lines[topic] for name, topic in scan_topics.items()}
+    return of_team, {name: lines[topic] for topic, name in scan_topics.items()}
 
 
 def _links(message: Any) -> tuple[Link, ...]:

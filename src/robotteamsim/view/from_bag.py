@@ -58,7 +58,8 @@ def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | N
             f"{_LONGEST_S:.0f} s, and stamps of one clock"
         )
     num_scanned = len(run.robots) if scenario is None else scenario.num_robots
-    layers, scans = read_layers(paths, run.robots if num_scanned <= MOST_SCANNED else ())
+    stamps_ns, per_scan = _frame_stamps(run)
+    layers, scans = read_layers(paths, run.robots if num_scanned <= MOST_SCANNED else (), stamps_ns[::per_scan])
     _check_floor(layers, paths)
     scene = _with_objects(_with_lasers(scene_of_run(run, scenario), scans), layers)
     found = Recording(scene, run.name, _frames(run, layers, scans, scenario, scene))
@@ -85,6 +86,15 @@ def _check_floor(layers: BagLayers, paths: Sequence[Path]) -> None:
             raise RecordingError(f"{files}: {topic.name}: maps of different sizes or places; expected one floor")
 
 
+def _frame_stamps(run: RecordedRun) -> tuple[list[int], int]:
+    """Return the stamps of the frames [ns], and one in how many of them has scans."""
+    duration_s = (run.end_ns - run.start_ns) / 1e9
+    frame_s = max(FRAME_S, duration_s / MOST_FRAMES)
+    count = max(int(np.ceil(duration_s / frame_s)), 0)
+    stamps_ns = [*(run.start_ns + np.arange(count) * round(frame_s * 1e9)).tolist(), run.end_ns]
+    return stamps_ns, max(round(SCAN_S / frame_s), 1)
+
+
 def _frames(run: RecordedRun, layers: BagLayers, scans: Scans, scenario: Scenario | None, scene: Scene) -> list[Frame]:
     """Return a frame each `FRAME_S`, or fewer of a long run, and one at the end, of the last values up to each."""
     statuses = Timeline((status.stamp_ns, status) for status in run.statuses)
@@ -95,11 +105,7 @@ def _frames(run: RecordedRun, layers: BagLayers, scans: Scans, scenario: Scenari
     fallen_ns = _fallen_ns(run)
     doors = DoorStates.at_start(scenario.plan) if scenario else {}
     places = {robot.robot_id: place for place, robot in enumerate(run.robots) if robot.robot_id is not None}
-    duration_s = (run.end_ns - run.start_ns) / 1e9
-    frame_s = max(FRAME_S, duration_s / MOST_FRAMES)
-    count = max(int(np.ceil(duration_s / frame_s)), 0)
-    frames_per_scan = max(round(SCAN_S / frame_s), 1)
-    stamps_ns = [*(run.start_ns + np.arange(count) * round(frame_s * 1e9)).tolist(), run.end_ns]
+    stamps_ns, frames_per_scan = _frame_stamps(run)
     frames = []
     for index, stamp_ns in enumerate(stamps_ns):
         status = statuses.at(stamp_ns, _BEFORE_MISSION)
