@@ -198,7 +198,7 @@ class MessageType;
 // An attribute of a message. count: of a fixed array, 0 of a sequence, -1 of a single value.
 struct Attribute {
   nb::str name;
-  const Basic* basic = nullptr;
+  Basic basic{};
   const MessageType* nested = nullptr;
   std::int64_t count = -1;
 
@@ -212,14 +212,14 @@ class MessageType {
   MessageType(std::string name, bool is_cdr) : name_(std::move(name)), is_cdr_(is_cdr) {}
 
   void Add(const nb::str& name, nb::handle type, std::int64_t count) {
-    Attribute attribute{name, nullptr, nullptr, count};
+    Attribute attribute{name, {}, nullptr, count};
     if (nb::isinstance<nb::str>(type)) {
       const auto found = BasicTypes().find(nb::cast<std::string>(type));
       if (found == BasicTypes().end()) {
         throw std::invalid_argument(name_ + "." + name.c_str() + ": " + nb::cast<std::string>(type) +
                                     " is not supported");
       }
-      attribute.basic = &found->second;
+      attribute.basic = found->second;
     } else {
       attribute.nested = &nb::cast<const MessageType&>(type);
     }
@@ -264,8 +264,8 @@ class MessageType {
     if (attribute.count < 0) return GetOne(in, attribute);
     const std::size_t count =
         attribute.count > 0 ? static_cast<std::size_t>(attribute.count) : in->GetCount(attribute.LeastBytesOfOne());
-    if (attribute.basic != nullptr && attribute.basic->get_array != nullptr) {
-      return attribute.basic->get_array(in, count);
+    if (attribute.basic.get_array != nullptr) {
+      return attribute.basic.get_array(in, count);
     }
     if (count > in->left()) throw std::invalid_argument("too short");
     nb::list values;
@@ -274,7 +274,7 @@ class MessageType {
   }
 
   static nb::object GetOne(Source* in, const Attribute& attribute) {
-    return attribute.nested != nullptr ? attribute.nested->Get(in) : attribute.basic->get(in);
+    return attribute.nested != nullptr ? attribute.nested->Get(in) : attribute.basic.get(in);
   }
 
   void Put(Bytes* out, nb::handle message) const {
@@ -313,7 +313,7 @@ class MessageType {
     if (attribute.nested != nullptr) {
       attribute.nested->Put(out, value);
     } else {
-      attribute.basic->put(out, value);
+      attribute.basic.put(out, value);
     }
   }
 
@@ -322,11 +322,11 @@ class MessageType {
       PutOne(out, attribute, value);
       return;
     }
-    if (attribute.basic != nullptr) {
-      if (const Numbers numbers(value, *attribute.basic); numbers) {
-        PutLength(out, attribute, numbers.size() / attribute.basic->size);
+    if (attribute.nested == nullptr) {
+      if (const Numbers numbers(value, attribute.basic); numbers) {
+        PutLength(out, attribute, numbers.size() / attribute.basic.size);
         if (numbers.size() == 0) return;
-        out->Align(attribute.basic->size);
+        out->Align(attribute.basic.size);
         out->Append(numbers.data(), numbers.size());
         return;
       }
@@ -356,7 +356,7 @@ class MessageType {
     }
     for (std::int64_t i = 0; i < (attribute.count < 0 ? 1 : attribute.count); ++i) {
       if (attribute.nested == nullptr) {
-        attribute.basic->put_nothing(out);
+        attribute.basic.put_nothing(out);
       } else {
         for (const Attribute& part : attribute.nested->attributes_) PutNothing(out, part);
       }
@@ -371,7 +371,7 @@ class MessageType {
 
 std::size_t Attribute::LeastBytesOfOne() const {
   if (nested != nullptr) return nested->least_bytes();
-  return basic->size > 0 ? basic->size : 4;
+  return basic.size > 0 ? basic.size : 4;
 }
 
 }  // namespace
