@@ -39,6 +39,7 @@ SECTIONS = {
     ),
     "How-to guides": (
         "own_building",
+        "own_sensor",
         "python",
         "viewer",
         "experiments",

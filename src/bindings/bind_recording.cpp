@@ -23,6 +23,7 @@ namespace robotteamsim::bindings {
 namespace {
 
 constexpr std::int64_t kNsPerS = 1'000'000'000;
+constexpr std::int64_t kMostValues = 10'000'000;  // of an array of fixed length
 
 // How values of one type of the definitions become bytes, and bytes values. code: of their class in the buffers of
 // Python: (f)loat, (i)nt, (u)nsigned or (n)one.
@@ -212,6 +213,7 @@ class MessageType {
   MessageType(std::string name, bool is_cdr) : name_(std::move(name)), is_cdr_(is_cdr) {}
 
   void Add(const nb::str& name, nb::handle type, std::int64_t count) {
+    if (count < -1 || count > kMostValues) throw std::invalid_argument(name_ + "." + name.c_str() + ": a wrong length");
     Attribute attribute{name, {}, nullptr, count};
     if (nb::isinstance<nb::str>(type)) {
       const auto found = BasicTypes().find(nb::cast<std::string>(type));

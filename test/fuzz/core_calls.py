@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
@@ -435,6 +436,22 @@ def _learning() -> Iterator[Call]:
     yield new("learning.vectors", new("learning.Units", **limits, **plan), _FACES, _RADIO, 1, *percepts)
 
 
+def _recording() -> Iterator[Call]:
+    sent = {"x": 1.0, "near": [1.0, 2.0], "matrix": [1.0, 2.0, 3.0], "stamp": 5, "count": 7, "is_on": 1, "name": "a"}
+    types = {"x": "float64", "near": "float32", "matrix": "float64", "stamp": "time", "count": "uint16"}
+    lengths = {"near": 0, "matrix": 3}
+    attributes = (types | {"is_on": "bool", "name": "string"}).items()
+    for is_cdr in (False, True):
+        yield new("recording.MessageType", "my/Type", is_cdr).of(
+            *(("add", name, kind, lengths.get(name, -1)) for name, kind in attributes),
+            ("encode", sent),
+            ("encode", {}),
+        )
+    yield new("recording.MessageType", "my/Part", False).of(
+        ("add", "x", "float64", -1), ("decode", struct.pack("<d", 1.0))
+    )
+
+
 _BURNING = new(
     "hazards.BurningFloor",
     np.ones((8, 12), np.bool_),
@@ -477,5 +494,6 @@ def calls() -> tuple[Call, ...]:
         *_sensors(),
         *_states(),
         *_learning(),
+        *_recording(),
         *_hazards(),
     )
