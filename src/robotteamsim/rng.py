@@ -15,6 +15,7 @@ def stream(seed: int, *name: str | int) -> np.random.Generator:
     """
     if not isinstance(seed, int | np.integer) or seed < 0:
         raise ValueError(f"seed must be a whole number >= 0, got {seed!r:.60}")
-    digest = hashlib.sha256("\x1f".join(map(repr, name)).encode()).digest()
+    parts = (int(part) if isinstance(part, np.integer) else part for part in name)
+    digest = hashlib.sha256("\x1f".join(map(repr, parts)).encode()).digest()
     words = np.frombuffer(digest, dtype="<u4").tolist()
     return np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, *words])))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from robotteamsim.rng import stream
@@ -34,3 +35,8 @@ def test_stream_is_not_shifted_by_draws_of_another():
 def test_seed_that_is_not_a_whole_number_from_zero_is_rejected(seed):
     with pytest.raises(ValueError, match=r"^seed must be a whole number >= 0, got"):
         stream(seed, "odometry")
+
+
+def test_name_with_a_number_of_numpy_is_that_of_the_number():
+    numbers = [stream(7, "arrival", number).random() for number in (2, np.uint32(2), np.int64(2))]
+    assert len(set(numbers)) == 1

@@ -42,6 +42,15 @@ def test_fire_with_additional_sensors_has_the_hash_of_a_run_without_ros(tmp_path
     assert Simulation(load("garage_fire", overrides)).run().trajectory_hash in mission.output
 
 
+def test_robot_that_leaves_and_returns_goes_on_as_without_ros(tmp_path):
+    schedule = "schedule=[{at_s: 3, remove: 1}, {at_s: 6, spawn: 1, pose: [20, 5, 0]}]"
+    command = (*MISSION, "garage_sar", *SHORT, "--set", schedule, "--lockstep", "--controllers", "team")
+    with running(command, tmp_path) as mission:
+        assert mission.wait() == 0, mission.output
+    overrides = ["run.seed=7", "mission.time_limit_s=30", schedule]
+    assert Simulation(load("garage_sar", overrides)).run().trajectory_hash in mission.output
+
+
 def test_mission_that_cannot_send_all_messages_is_the_same_and_counts_them(tmp_path, break_every_third):
     break_every_third("rclpy.publisher", "Publisher", "publish")
     with running((*MISSION, "garage_sar", *SHORT, "--lockstep", "--controllers", "inside"), tmp_path) as mission:

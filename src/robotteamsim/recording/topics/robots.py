@@ -85,8 +85,8 @@ def read_odometry(message: Any) -> OdometryReading:
     return OdometryReading(
         PoseReading(place.position.x, place.position.y, place.orientation.z, place.orientation.w),
         Twist(speed.linear.x, speed.linear.y, speed.angular.z),
-        pose_covariance=(of_pose[0], of_pose[1], of_pose[5], of_pose[7], of_pose[11], of_pose[35]),
-        twist_variances=(of_twist[0], of_twist[7], of_twist[35]),
+        pose_covariance=tuple(float(of_pose[place]) for place in (0, 1, 5, 7, 11, 35)),
+        twist_variances=tuple(float(of_twist[place]) for place in (0, 7, 35)),
     )
 
 
@@ -117,7 +117,7 @@ def contact(time_ns: int, robot_id: int, in_contact: bool, angles_rad: tuple[flo
 def read_contact(message: Any) -> ContactReading:
     """Return what a robot touches. Raises: ValueError: angles that are not finite."""
     check_finite("angles_rad", *message.angles_rad)
-    return ContactReading(bool(message.in_contact), tuple(message.angles_rad))
+    return ContactReading(bool(message.in_contact), tuple(map(float, message.angles_rad)))
 
 
 def transforms(

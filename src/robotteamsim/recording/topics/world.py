@@ -103,7 +103,7 @@ def read_robots(message: Any, num_robots: int) -> TeamPresence:
         count = len(getattr(message, name))
         if count != num_robots:
             raise ValueError(f"{name}: {count} entries; expected {num_robots}")
-    return TeamPresence(tuple(map(bool, message.present)), tuple(message.arrivals))
+    return TeamPresence(tuple(map(bool, message.present)), tuple(map(int, message.arrivals)))
 
 
 def objects(_: int, states: ObjectStates, *, replace: bool = False) -> RosMessage:
