@@ -15,7 +15,8 @@ from robotteamsim.scenario.shipped import share_roots
 
 ROS1, ROS2 = Stores.ROS1_NOETIC, Stores.ROS2_JAZZY
 """Those of whose types messages are made. Of the types that we use, ROS 2 has changed one since Humble: a
-sensor_msgs/Range ends with a variance (since Iron), which readers of Humble leave out."""
+sensor_msgs/Range ends with a variance (since Iron). Fast CDR, tried in Jazzy, refuses fewer bytes than a type has, and
+reads no more of them."""
 
 _TF_MESSAGE = "geometry_msgs/TransformStamped[] transforms\n"  # rosbags does not include tf2_msgs of ROS 1
 _NOTHING = "structure_needs_at_least_one_member"
