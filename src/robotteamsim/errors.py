@@ -25,6 +25,10 @@ class PhysicsError(RobotTeamSimError):
     """The physics of a world failed, although its input was valid."""
 
 
+class SensorError(RobotTeamSimError):
+    """A sensor, such as one of a user's own package, has failed."""
+
+
 class CameraError(RobotTeamSimError):
     """The image of a camera cannot be drawn."""
 

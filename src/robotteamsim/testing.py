@@ -20,6 +20,7 @@ from robotteamsim.mission import Sensed
 from robotteamsim.recording.bag_types import ROS1, ROS2, message_type
 from robotteamsim.rng import stream
 from robotteamsim.scenario import Scenario, load
+from robotteamsim.scenario.sensors.base import messages_of, naming
 from robotteamsim.setup import Setup, resolve
 from robotteamsim.simulation import Simulation
 from robotteamsim.simulation.controllers import TeamControllers
@@ -175,24 +176,23 @@ def _messages(sensor: Sensor, time_ns: int, reading: Any) -> dict[tuple[str, Sto
     """Return the messages of a reading, by topic and version of ROS; {} if it did not measure."""
     if reading is None:
         return {}
-    messages = sensor.messages(time_ns, 0, reading)
-    assert messages.keys() == sensor.topics.keys(), (
-        f"{sensor.name}: messages of {', '.join(messages)}; expected those of its topics: {', '.join(sensor.topics)}"
-    )
-    return {
-        (topic, ros): message_type(sensor.topics[topic], ros).encode(message)
-        for topic, message in messages.items()
-        for ros in (ROS1, ROS2)
-    }
+    messages = messages_of(sensor, time_ns, 0, reading)
+    with naming(sensor, 0):
+        return {
+            (topic, ros): message_type(sensor.topics[topic], ros).encode(message)
+            for topic, message in messages.items()
+            for ros in (ROS1, ROS2)
+        }
 
 
 def _check_reading(sensor: Sensor, what: str, time_ns: int, messages: dict[tuple[str, Stores], bytes]) -> None:
     """Raises: AssertionError: the reading of a message has other messages."""
     topic, type_name = next(iter(sensor.topics.items()))
     for ros in (ROS1, ROS2):
-        reading = sensor.reading(message_type(type_name, ros).decode(messages[topic, ros]))
+        with naming(sensor, 0):
+            reading = sensor.reading(message_type(type_name, ros).decode(messages[topic, ros]))
         assert _messages(sensor, time_ns, reading) == messages, (
-            f"{what}: reading(message) is another reading than that of the message: {reading!r:.60}"
+            f"{what}: reading(message) is another reading than that of the message, to the last bit: {reading!r:.60}"
         )
 
 

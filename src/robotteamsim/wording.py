@@ -1,10 +1,13 @@
 """Texts of messages: plurals, errors, foreign text made safe to print, and tables that fit a terminal."""
 
 import re
+import traceback
 from collections.abc import Sequence
+from pathlib import Path
 
 _LONG = re.compile(r"[^\s/]{120,}|(?<!\S)'[^'/]{120,}'")
 _SHOWN_OF_LONG = 80
+_PACKAGE = "robotteamsim."
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")
 
 
@@ -28,6 +31,21 @@ def described(error: BaseException) -> str:
     except BaseException:  # `__str__` of a user's class runs any code
         text = ""
     return ": ".join(filter(None, (type(error).__name__, text)))
+
+
+def place_of(error: BaseException) -> tuple[str, str]:
+    """Return the module and the place where an error occurred, such as "my_controller.py:27".
+
+    That is the last line in the first file outside this package, which is the user's if a part is; an error in a
+    library is thus that of the user's line that called it. Without such a file, it is the last line of all.
+    """
+    frames = [
+        (frame.f_globals.get("__name__", ""), frame.f_code.co_filename, line)
+        for frame, line in traceback.walk_tb(error.__traceback__)
+    ]
+    users = next((file for module, file, _ in frames if not module.startswith(_PACKAGE)), None)
+    module, file, line = [frame for frame in frames if users in (None, frame[1])][-1]
+    return module, f"{Path(file).name}:{line}"
 
 
 def safe_cell(value: object) -> object:

@@ -26,6 +26,9 @@ def test_rostest_passes(path: Path, tmp_path: Path) -> None:
     }
     assert cases, program.output
     assert not failed, "\n".join((*(f"{name}: {text}" for name, text in failed.items()), program.output))
+    # An error before the first test, as in setUpClass, has no case.
+    numbers = [result.get(kind) for result in results for kind in ("errors", "failures")]
+    assert set(numbers) == {"0"}, program.output
 
 
 def unfinished_tests(path: Path, results: Path) -> list[str]:

@@ -53,7 +53,7 @@ class MissionManager:
         ids = range(settings.num_robots)
         self._inputs = {(i, topic): Input.of(node, topic, settings, i) for i in ids for topic in _OF_ROBOT}
         self._outputs: dict[Topic, Output] = {
-            topic: node.output(f"~{topic.name}", topic.type_name, latched=settings.is_latched(topic))
+            topic: node.output(f"~{topic.name.strip('/')}", topic.type_name, latched=settings.is_latched(topic))
             for topic in MISSION_TOPICS
             if topic.is_in(settings.scenario)
         }
@@ -71,7 +71,7 @@ class MissionManager:
                     self._begin()
                 for values in step.each:
                     self._note(values)
-                    if ROBOTS.name in values and self._judge.trial.result is None:
+                    if not self._missing(0, values) and self._judge.trial.result is None:
                         self._follow(values)
                 if self._judge.trial.result is not None and not self._stays:
                     return
@@ -88,7 +88,7 @@ class MissionManager:
         """What the robots have sent since the last step."""
         self._source, self._changes = Source(self._settings.setup), Changes()
 
-    def _missing(self, stamp_ns: int, values: Mapping[str, Any]) -> list[str]:
+    def _missing(self, _: int, values: Mapping[str, Any]) -> list[str]:
         presence: TeamPresence | None = values.get(ROBOTS.name)
         if presence is None:
             return [ROBOTS.name]
@@ -114,10 +114,8 @@ class MissionManager:
         if (result := self._judge.trial.result) is not None:
             print_totals(Console(), result, [self._folder])
 
-    def _reading(self, robot_id: int, values: Mapping[str, Any]) -> RobotReading | None:
-        truth: OdometryReading | None = values.get(self._inputs[robot_id, TRUTH].topic)
-        if truth is None:
-            return None
+    def _reading(self, robot_id: int, values: Mapping[str, Any]) -> RobotReading:
+        truth: OdometryReading = values[self._inputs[robot_id, TRUTH].topic]
         contact = values.get(self._inputs[robot_id, CONTACT].topic)
         touches = contact is not None and contact.in_contact
         return RobotReading(truth.pose, truth.twist, OdometryReading(truth.pose, Twist()), _NO_RANGES, touches)

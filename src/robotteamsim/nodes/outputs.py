@@ -25,6 +25,7 @@ from robotteamsim.recording.topics.mission import MISSION_TOPICS
 from robotteamsim.recording.topics.radio import RADIO_MAP_TOPICS, VOICE_MAP_TOPICS
 from robotteamsim.recording.topics.robots import BODY_TOPICS, ODOM, TF
 from robotteamsim.recording.topics.world import DOORS, OBJECTS, ROBOTS, WORLD_TOPICS
+from robotteamsim.scenario.sensors.base import messages_of, naming
 from robotteamsim.sensing.readings import OdometryReading
 from robotteamsim.simulation import Simulation, StepRecord
 from robotteamsim.world.contract import AnyWorld, ObjectStates
@@ -123,8 +124,10 @@ class TeamOutputs(RobotOutputs):
             measured = state.sensors.get(i, {})
             if sensor.name in measured and any(output.wanted for output in outputs.values()):
                 reading, step_s = measured[sensor.name], self._source.setup.scenario.run.step_s
-                for name, message in sensor.messages(step.sim_time_ns, i, reading, step_s).items():
-                    outputs[name].publish(self._named(message, i))
+                messages = messages_of(sensor, step.sim_time_ns, i, reading, step_s)
+                with naming(sensor, i):
+                    for name, message in messages.items():
+                        outputs[name].publish(self._named(message, i))
         if self._localized:
             self._origins = [robots.odometry_origin(reading) for reading in step.readings]
         self._publish_tf(step)

@@ -10,6 +10,7 @@ from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS, Changes, So
 from robotteamsim.recording.topics.robots import TF, odometry_origin
 from robotteamsim.recording.topics.world import CLOCK, clock
 from robotteamsim.scenario.map_image import check_published_map
+from robotteamsim.scenario.sensors.base import messages_of
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import StepRecord
 
@@ -93,4 +94,4 @@ class BagMessages:
         for sensor in self._robots[robot_id].sensors:
             if sensor.name in measured:
                 step_s = self._scenario.run.step_s
-                yield from sensor.messages(time_ns, robot_id, measured[sensor.name], step_s).items()
+                yield from messages_of(sensor, time_ns, robot_id, measured[sensor.name], step_s).items()

@@ -12,6 +12,7 @@ from robotteamsim._core.recording import MessageType
 from robotteamsim.errors import RecordingError
 from robotteamsim.scenario.sensors import KINDS
 from robotteamsim.scenario.shipped import share_roots
+from robotteamsim.wording import described
 
 ROS1, ROS2 = Stores.ROS1_NOETIC, Stores.ROS2_JAZZY
 """Those of whose types messages are made. Of the types that we use, ROS 2 has changed one since Humble: a
@@ -33,7 +34,10 @@ def message_type(type_name: str, ros: Stores = ROS1) -> MessageType:
     types, name = bag_typestore(ros), type_name.replace("/", "/msg/")
     if name not in types.fielddefs:
         raise RecordingError(f"{type_name}: no definition found; a sensor's own types are in its `definitions`")
-    return defined_type(types, name, is_cdr=ros is not ROS1)
+    try:
+        return defined_type(types, name, is_cdr=ros is not ROS1)
+    except (KeyError, RecursionError, ValueError) as error:
+        raise RecordingError(f"{type_name}: its definition cannot be used: {described(error)}") from None
 
 
 @cache
@@ -74,10 +78,14 @@ def bag_typestore(ros: Stores = ROS1) -> Typestore:
         types = get_types_from_msg(_TF_MESSAGE, "tf2_msgs/msg/TFMessage")
     for path in _message_files():
         types.update(get_types_from_msg(path.read_text(encoding="utf-8"), f"robotteamsim/msg/{path.stem}"))
-    for sensor in KINDS.values():
-        for type_name, definition in sensor.definitions.items():
-            types.update(get_types_from_msg(definition, type_name.replace("/", "/msg/")))
     typestore.register(types)
+    for kind, sensor in KINDS.items():
+        for type_name, definition in sensor.definitions.items():
+            try:
+                typestore.register(get_types_from_msg(definition, type_name.replace("/", "/msg/")))
+            except Exception as error:  # rosbags turns definitions into Python code: any error of that
+                what = f"sensors of kind {kind}: the definition of {type_name} cannot be read: {described(error)}"
+                raise RecordingError(what) from None
     return typestore
 
 

@@ -51,6 +51,8 @@ class RosRecorder(ABC):
         """Open the file. Raises: RecordingError: it cannot be written. ScenarioError: /map would be too large."""
         self._steps, self._within_step = 0, False
         self._contents = BagMessages(setup, localized=self._localized)
+        types = {topic.name: message_type(topic.type_name, self._ros) for topic in self._contents.topics()}
+        self._encode = {name: of_type.encode for name, of_type in types.items()}
         try:
             check_size(self._path, setup)
             check_replaceable(self._path)
@@ -58,8 +60,6 @@ class RosRecorder(ABC):
             self._remove_earlier()
             self._open()
             self._connections = {topic.name: self._connect(topic) for topic in self._contents.topics()}
-            types = {topic.name: message_type(topic.type_name, self._ros) for topic in self._contents.topics()}
-            self._encode = {name: of_type.encode for name, of_type in types.items()}
         except OSError as error:
             remove_empty(self._created)
             raise cannot_write(self._path, error) from error
@@ -69,7 +69,11 @@ class RosRecorder(ABC):
         self._within_step = True
         try:
             for time_ns, topic, message in self._contents.of_step(record):
-                self._writer.write(self._connections[topic], time_ns, self._encode[topic](message))
+                try:
+                    data = self._encode[topic](message)
+                except (TypeError, ValueError) as error:  # of a sensor of a user's own
+                    raise RecordingError(f"{topic}: {error}") from None
+                self._writer.write(self._connections[topic], time_ns, data)
             self._file.flush()
             self._steps += 1
             self._within_step = False

@@ -15,7 +15,7 @@ from robotteamsim.rng import stream
 from robotteamsim.scenario.plan import FREE, occupancy_grid
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.sensors import Camera, LightSensor, Sensor
-from robotteamsim.scenario.sensors.base import BeamModel, Moment
+from robotteamsim.scenario.sensors.base import BeamModel, Moment, naming
 from robotteamsim.sensing.beams import Beams, SmokyAir
 from robotteamsim.world.contract import AnyWorld
 
@@ -58,17 +58,14 @@ class CarriedSensors:
         world = self._world
         fire_advances = self._air is not None and self._air.is_new
         moment = Moment(world.sim_time_ns, world.step_ns, fire_advances)
-        return {
-            robot_id: MappingProxyType(
-                {
-                    sensor.name: sensor.measure(carrier, self._generators[robot_id, sensor.name])
-                    for sensor in sensors
-                    if sensor.is_due(moment) and (self._air is not None or not sensor.needs_fire)
-                }
-            )
-            for robot_id, (carrier, sensors) in self._carriers.items()
-            if world.present[robot_id]
-        }
+        readings: dict[int, dict[str, Any]] = {i: {} for i in self._carriers if world.present[i]}
+        for robot_id, found in readings.items():
+            carrier, sensors = self._carriers[robot_id]
+            for sensor in sensors:
+                with naming(sensor, robot_id):
+                    if sensor.is_due(moment) and (self._air is not None or not sensor.needs_fire):
+                        found[sensor.name] = sensor.measure(carrier, self._generators[robot_id, sensor.name])
+        return {robot_id: MappingProxyType(found) for robot_id, found in readings.items()}
 
     def _sensors_of(self, robot_id: int) -> tuple[Sensor, ...]:
         return self._carriers[robot_id][1] if robot_id in self._carriers else ()

@@ -120,3 +120,43 @@ def test_package_that_cannot_be_used_is_named_and_all_else_goes_on(tmp_path, ent
     done = installed.run("--set", SENSORS)
     assert done.returncode == 2
     assert "robots.sensors.0" in done.stderr
+
+
+SENSOR = "robot 0, sensor others (kind neighbours): "
+PLAIN = 'return {"header": self.header(time_ns, robot_id), "poses": poses}'
+OWN = 'type_name: ClassVar[str] = "a/B"\n    definitions = {{"a/B": "{}"}}'
+TYPE_LINE = 'type_name: ClassVar[str] = "geometry_msgs/PoseArray"'
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        (PLAIN, "return {'pose': poses}", "/robot_0/others: geometry_msgs/PoseArray has no attribute 'pose'"),
+        (PLAIN, "return poses", SENSOR + "TypeError: a message is [{"),
+        (PLAIN, "return 1 / 0", SENSOR + "ZeroDivisionError: division by zero (neigh"),
+        (
+            "return tuple(found)",
+            "raise SystemExit(3)",
+            SENSOR + "SystemExit: 3 (neigh",
+        ),
+        (TYPE_LINE, 'type_name: ClassVar[str] = "no_msgs/Thing"', "no_msgs/Thing: no definition found; "),
+        (
+            TYPE_LINE,
+            OWN.format("%%"),
+            "sensors of kind neighbours: the ",
+        ),
+        (
+            TYPE_LINE,
+            OWN.format("a/B[] x"),
+            "a/B: its definition cannot",
+        ),
+    ],
+)
+def test_mistake_in_a_sensor_is_one_line_that_names_it(tmp_path, old, new, line):
+    assert old in block("python")
+    done = Installed(tmp_path, block("python").replace(old, new)).run("--set", SENSORS, "--bag", "mission.bag")
+    assert (done.returncode, done.stdout) == (2, "")
+    (said,) = done.stderr.splitlines()
+    assert line in said
+    assert not (tmp_path / "mission.bag").exists()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 import re
-import traceback
 from collections.abc import Callable, Sequence
 from math import dist, hypot, isfinite
 from operator import attrgetter, is_
@@ -19,9 +18,8 @@ from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.geometry import Twist
 from robotteamsim.interface import EVERYBODY, OUTSIDE, Controller, Decision, Message, Observation, SwarmContext, Task
 from robotteamsim.propagation import FieldMap
-from robotteamsim.wording import described
+from robotteamsim.wording import described, place_of
 
-_PACKAGE = "robotteamsim."
 _REGISTRY = "robotteamsim.control.runtime.registry"
 """Calls the classes of controllers."""
 
@@ -93,18 +91,9 @@ class Guard:
 
 
 def _place(error: BaseException) -> str:
-    """Return where an error occurred, as " (my_controller.py:27)"; "" if a class could not be called at all.
-
-    That is the last line in the first file outside this package, which is the user's if the controller is; an error in
-    a library is thus that of the user's line that called it. Without such a file, it is the last line of all.
-    """
-    frames = [
-        (frame.f_globals.get("__name__", ""), frame.f_code.co_filename, line)
-        for frame, line in traceback.walk_tb(error.__traceback__)
-    ]
-    users = next((file for module, file, _ in frames if not module.startswith(_PACKAGE)), None)
-    module, file, line = [frame for frame in frames if users in (None, frame[1])][-1]
-    return "" if module == _REGISTRY else f" ({Path(file).name}:{line})"
+    """Return where an error occurred, as " (my_controller.py:27)"; "" if a class could not be called at all."""
+    module, place = place_of(error)
+    return "" if module == _REGISTRY else f" ({place})"
 
 
 def _place_of_step(controller: Controller) -> str:

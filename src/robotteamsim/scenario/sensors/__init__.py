@@ -1,6 +1,10 @@
 """The sensors that robots can carry besides `base_scan`: each kind of ours is a file, others are in users' packages."""
 
+import contextlib
 import logging
+import re
+import sys
+from collections.abc import Mapping
 from functools import reduce
 from importlib.metadata import entry_points
 from operator import or_
@@ -50,7 +54,9 @@ def _kinds() -> dict[str, type[Sensor]]:
     }
     for point in sorted(entry_points(group=ENTRY_POINTS)):
         try:
-            kinds |= {point.name: _checked(point.name, point.load(), kinds)}
+            with contextlib.redirect_stdout(sys.stderr):  # what a module prints is no output of a command
+                found = point.load()
+            kinds |= {point.name: _checked(point.name, found, kinds)}
         except KeyboardInterrupt:
             raise
         except BaseException as error:  # Any error in the user's module is reported in one line.
@@ -66,8 +72,11 @@ def _checked(name: str, found: Any, known: dict[str, type[Sensor]]) -> type[Sens
         raise ValueError("there is another sensor of this kind")
     if (kind := found.model_fields["kind"].default) != name:
         raise ValueError(f"its key kind has the default {kind!r:.40}; expected '{name}'")
-    if not hasattr(found, "type_name"):
-        raise ValueError("expected a class variable type_name, such as 'sensor_msgs/Temperature'")
+    if not isinstance(found.definitions, Mapping):
+        raise TypeError(f"definitions {found.definitions!r:.40}; expected texts by the names of types")
+    for type_name in (getattr(found, "type_name", None), *found.definitions):
+        if not (isinstance(type_name, str) and re.fullmatch(r"\w+/\w+", type_name)):
+            raise ValueError(f"type {type_name!r:.40}; expected a name such as 'sensor_msgs/Temperature'")
     return found
 
 

@@ -6,9 +6,10 @@ A kind that is added is one class below `Sensor`: here with a line in `scenario.
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Annotated, Any, ClassVar, Protocol
@@ -16,9 +17,11 @@ from typing import Annotated, Any, ClassVar, Protocol
 import numpy as np
 from pydantic import AfterValidator, Field, SerializerFunctionWrapHandler, model_serializer
 
+from robotteamsim.errors import RobotTeamSimError, SensorError
 from robotteamsim.geometry import Pose
 from robotteamsim.message_parts import RosMessage, header, robot_frame
 from robotteamsim.scenario.base import Model, wrong
+from robotteamsim.wording import described, place_of
 
 _NAME = re.compile("[a-z][a-z0-9_]*")
 
@@ -204,6 +207,33 @@ class Sensor(Model):
     def messages(self, time_ns: int, robot_id: int, reading: Any, step_s: float = 0.0) -> dict[str, RosMessage]:
         """Return its messages by the names of `topics`. Args: step_s: length of a step [s]; 0: unknown."""
         return {self.name: self.message(time_ns, robot_id, reading)}
+
+
+@contextlib.contextmanager
+def naming(sensor: Sensor, robot_id: int) -> Iterator[None]:
+    """Let an error in a sensor's methods name it. Raises: SensorError."""
+    try:
+        yield
+    except (RobotTeamSimError, KeyboardInterrupt):
+        raise
+    except BaseException as error:  # of a user's class, also SystemExit
+        _, place = place_of(error)
+        what = f"robot {robot_id}, sensor {sensor.name} (kind {sensor.kind})"
+        raise SensorError(f"{what}: {described(error)} ({place})") from error
+
+
+def messages_of(
+    sensor: Sensor, time_ns: int, robot_id: int, reading: Any, step_s: float = 0.0
+) -> dict[str, RosMessage]:
+    """Return the messages of a reading, by topic. Raises: SensorError: those of other topics; as `naming`."""
+    with naming(sensor, robot_id):
+        messages = sensor.messages(time_ns, robot_id, reading, step_s)
+        if messages.keys() != sensor.topics.keys():
+            raise ValueError(f"messages of {', '.join(messages)}; expected those of {', '.join(sensor.topics)}")
+        for message in messages.values():
+            if not isinstance(message, dict):
+                raise TypeError(f"a message is {message!r:.40}; expected a dict")
+    return messages
 
 
 class MountedSensor(Sensor):
