@@ -34,6 +34,7 @@ class ManagerTest(ComparedMission):
         for topic in (*cls.own.values(), *cls.judged.values()):
             assert topic.is_connected(60.0), topic.name
         cls.document_at_end()
+        cls.judged["status"].wait_for_after(0, lambda message: message.state == "ended", "state ended")
         # Again from the first step, now that all have subscribed.
         begin = {name: (len(cls.own[name].messages), len(cls.judged[name].messages)) for name in TYPES}
         cls.result = cls.document_after("/simulation/reset")["result"]
@@ -46,16 +47,21 @@ class ManagerTest(ComparedMission):
         return self.own[name].messages[own:], self.judged[name].messages[judged:]
 
     def test_status_of_every_step_is_that_of_the_simulation(self) -> None:
-        own, judged = (by_stamp(messages) for messages in self.messages("status"))
-        ended_ns = next(stamp for stamp, message in own.items() if message.state == "ended")
-        expected = {stamp: values(message) for stamp, message in own.items() if 0 < stamp <= ended_ns}
+        own, judged = self.messages("status")
+        # The simulation goes on after the first mission, until the reset, whose status has the stamp 0.
+        begin = max(index for index, message in enumerate(own) if not message.header.stamp)
+        steps, found = by_stamp(own[begin + 1 :]), by_stamp(judged)
+        ended_ns = next(stamp for stamp, message in steps.items() if message.state == "ended")
+        expected = {stamp: values(message) for stamp, message in steps.items() if stamp <= ended_ns}
         self.assertGreaterEqual(len(expected), STEPS)
-        self.assertEqual({stamp: values(message) for stamp, message in judged.items() if stamp}, expected)
+        self.assertEqual({stamp: values(message) for stamp, message in found.items()}, expected)
 
     def test_events_victims_and_areas_are_those_of_the_simulation(self) -> None:
         own, judged = self.messages("events")
         events = [[tuple(getattr(event, key) for key in EVENT_KEYS) for event in one] for one in (own, judged)]
-        self.assertGreater(len(events[0]), 3)
+        for one in events:  # the end of the first mission may come late
+            del one[: max(index for index, event in enumerate(one) if event[1] == "start")]
+        self.assertGreater(len(events[0]), 2)
         self.assertEqual(events[1], events[0])
         for name in ("victims", "areas"):
             own, judged = self.messages(name)
