@@ -57,15 +57,16 @@ class ManagerTest(ComparedMission):
         self.assertEqual({stamp: values(message) for stamp, message in found.items()}, expected)
 
     def test_events_victims_and_areas_are_those_of_the_simulation(self) -> None:
-        own, judged = self.messages("events")
-        events = [[tuple(getattr(event, key) for key in EVENT_KEYS) for event in one] for one in (own, judged)]
-        for one in events:  # the end of the first mission may come late
-            del one[: max(index for index, event in enumerate(one) if event[1] == "start")]
+        events = []
+        for topic in (self.own["events"], self.judged["events"]):
+            starts = [index for index, event in enumerate(topic.messages) if event.kind == "start"]
+            topic.wait_for_after(starts[-1], lambda event: event.kind == "end", "the end")  # it follows the status
+            events.append([tuple(getattr(event, key) for key in EVENT_KEYS) for event in topic.messages[starts[-1] :]])
         self.assertGreater(len(events[0]), 2)
         self.assertEqual(events[1], events[0])
         for name in ("victims", "areas"):
-            own, judged = self.messages(name)
-            self.assertEqual(values(judged[-1]), values(own[-1]))
+            last = values(self.own[name].messages[-1])
+            self.judged[name].wait_for_after(self.begin[name][1], lambda message: values(message) == last, last)  # noqa: B023
 
     def test_totals_and_the_hash_are_those_of_the_simulation(self) -> None:
         results = [json.loads(path.read_text())["result"] for path in (FILE, JUDGED)]
