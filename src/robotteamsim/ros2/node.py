@@ -219,7 +219,7 @@ class Ros2Node:
         is_stamped = type_name == TWIST and self._stamps_commands
         type_name = f"{TWIST}Stamped" if is_stamped else type_name
         try:
-            self._outputs.append(Ros2Output(self._node, topic, type_name, latched=latched))
+            self._outputs.append(Ros2Output(self._node, self._full(topic), type_name, latched=latched))
         except (InvalidQosOverridesError, ParameterException, RuntimeError) as error:
             raise ParameterError(f"qos_overrides.{topic}: {error}") from None
         return StampedOutput(self._outputs[-1]) if is_stamped else self._outputs[-1]
