@@ -162,7 +162,7 @@ const std::map<std::string, Basic>& BasicTypes() {
 // The code of a `Basic` of the format of a buffer, as of the module struct.
 char CodeOf(const char* format) {
   const std::string text = format == nullptr ? "B" : format;
-  const char last = text.back();
+  const char last = text.empty() ? 'n' : text.back();
   if (text.size() > 2 || (text.size() == 2 && text[0] != '<' && text[0] != '=' && text[0] != '@')) return 'n';
   if (last == 'f' || last == 'd') return 'f';
   if (std::strchr("bhilq", last) != nullptr) return 'i';

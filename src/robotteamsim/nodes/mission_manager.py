@@ -8,11 +8,9 @@ from pathlib import Path
 from typing import Any
 
 import msgspec
-import numpy as np
 from rich.console import Console
 
 from robotteamsim.analysis.runs.tables import print_totals
-from robotteamsim.geometry import Twist
 from robotteamsim.interface import Decision
 from robotteamsim.network.messages import Message
 from robotteamsim.nodes.inputs import Input
@@ -23,13 +21,12 @@ from robotteamsim.recording import ResultWriter, TumWriter
 from robotteamsim.recording.topics import Changes, Source, Topic, When
 from robotteamsim.recording.topics.decisions import OUTBOX, STATUS
 from robotteamsim.recording.topics.mission import MISSION_TOPICS
-from robotteamsim.recording.topics.robots import CONTACT, TRUTH
+from robotteamsim.recording.topics.robots import CONTACT, TRUTH, ContactReading
 from robotteamsim.recording.topics.world import ROBOTS, TeamPresence
-from robotteamsim.sensing.readings import OdometryReading, RobotReading
 from robotteamsim.simulation import Observer, StepRecord
 from robotteamsim.simulation.judge import Judge
 
-_NO_RANGES = np.zeros(0, dtype=np.float32)
+_NO_CONTACT = ContactReading()
 _OF_ROBOT = (TRUTH, CONTACT, STATUS, OUTBOX)
 """What it needs of each robot; statuses and messages only of those that have a controller."""
 
@@ -104,21 +101,16 @@ class MissionManager:
 
     def _follow(self, values: Mapping[str, Any]) -> None:
         """Judge a step. Args: values: by topic."""
-        readings = [
-            self._reading(i, values) if is_there else None for i, is_there in enumerate(values[ROBOTS.name].present)
-        ]
+        present = values[ROBOTS.name].present
+        truths = [values[self._inputs[i, TRUTH].topic] if is_there else None for i, is_there in enumerate(present)]
+        contacts = [values.get(self._inputs[i, CONTACT].topic, _NO_CONTACT) for i in range(len(present))]
         team = zip(self._statuses, self._said, strict=True)
         decisions = [msgspec.structs.replace(status, outbox=tuple(said)) for status, said in team]
         self._said = [[] for _ in self._said]
-        self._publish(self._judge.follow(readings, decisions))
+        poses = [truth and truth.pose for truth in truths]
+        self._publish(self._judge.follow(poses, [contact.in_contact for contact in contacts], decisions))
         if (result := self._judge.trial.result) is not None:
             print_totals(Console(), result, [self._folder])
-
-    def _reading(self, robot_id: int, values: Mapping[str, Any]) -> RobotReading:
-        truth: OdometryReading = values[self._inputs[robot_id, TRUTH].topic]
-        contact = values.get(self._inputs[robot_id, CONTACT].topic)
-        touches = contact is not None and contact.in_contact
-        return RobotReading(truth.pose, truth.twist, OdometryReading(truth.pose, Twist()), _NO_RANGES, touches)
 
     def _publish(self, record: StepRecord) -> None:
         for topic, output in self._outputs.items():

@@ -6,12 +6,14 @@ import contextlib
 import math
 from collections.abc import Sequence
 
+import numpy as np
+
 from robotteamsim import _core
 from robotteamsim.errors import PlacementError
-from robotteamsim.geometry import Pose
+from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.interface import Decision
 from robotteamsim.mission import Sensed
-from robotteamsim.sensing.readings import RobotReading
+from robotteamsim.sensing.readings import OdometryReading, RobotReading
 from robotteamsim.setup import Setup
 from robotteamsim.simulation.record import Observer, StepRecord
 from robotteamsim.simulation.simulation import Simulation
@@ -19,10 +21,11 @@ from robotteamsim.simulation.trial import Trial
 
 _NOWHERE = Pose(math.nan, math.nan, math.nan)
 _NOTHING = Decision()
+_NO_RANGES = np.zeros(0, dtype=np.float32)
 
 
 class Judge:
-    """A mission whose robots are where they are told to be, and whose controllers say what they are told to say.
+    """A mission for which the poses and the decisions of its robots are given.
 
     All else is computed as in a simulation: voices, radio, people, fire, doors that the schedule moves, and the rules.
     The mission begins with the first step.
@@ -30,7 +33,8 @@ class Judge:
 
     def __init__(self, setup: Setup, observers: Sequence[Observer] = ()) -> None:
         """Begin. Raises: RecordingError: an observer cannot write."""
-        self._readings: Sequence[RobotReading | None] = ()
+        self._poses: Sequence[PoseReading | None] = ()
+        self._touching: Sequence[bool] = ()
         self._decisions: Sequence[Decision] = ()
         self._simulation = Simulation(setup, controllers=self)
         self._simulation.sensors = self
@@ -40,35 +44,39 @@ class Judge:
     @property
     def faults(self) -> Sequence[str]:
         """As for all controllers."""
-        return [""] * len(self._readings)
+        return [""] * len(self._poses)
 
-    def follow(self, readings: Sequence[RobotReading | None], decisions: Sequence[Decision]) -> StepRecord:
+    def follow(
+        self, poses: Sequence[PoseReading | None], touching: Sequence[bool], decisions: Sequence[Decision]
+    ) -> StepRecord:
         """Judge a step, and show it to the observers.
 
-        Args: readings:  of each robot at the end of the step; None: it is not there.
+        Args: poses:     true ones of each robot at the end of the step; None: it is not there.
+              touching:  whether each robot touches something.
               decisions: of each robot; their commands have no effect.
         """
-        self._readings, self._decisions = readings, decisions
+        self._poses, self._touching, self._decisions = poses, touching, decisions
         simulation = self._simulation
-        for robot_id, reading in enumerate(readings):
+        for robot_id, pose in enumerate(poses):
             # Where there is no room, the body stays where it was.
             with contextlib.suppress(PlacementError, ValueError):
-                if reading is None:
+                if pose is None:
                     simulation.remove_robot(robot_id)
                 elif not simulation.world.present[robot_id]:
-                    simulation.spawn_robot(robot_id, reading.true_pose)
+                    simulation.spawn_robot(robot_id, pose.pose)
                 else:
-                    simulation.world.set_pose(robot_id, reading.true_pose)
+                    simulation.world.set_pose(robot_id, pose.pose)
         record = simulation.step()
         self.trial.add(record)
         return record
 
     def read(self) -> _core.state.State:
         """As for all sensors."""
-        state = _core.state.State(len(self._readings))
-        for robot_id, reading in enumerate(self._readings):
-            if reading is not None:
-                state.put_reading(robot_id, reading)
+        state = _core.state.State(len(self._poses))
+        for robot_id, (pose, touches) in enumerate(zip(self._poses, self._touching, strict=True)):
+            if pose is not None:
+                odometry = OdometryReading(pose, Twist())
+                state.put_reading(robot_id, RobotReading(pose, Twist(), odometry, _NO_RANGES, touches))
             else:
                 state.place(robot_id, _NOWHERE)
         return state

@@ -12,19 +12,16 @@ import numpy as np
 
 from robotteamsim.analysis.runs.recorded_run import RecordedRobot, RecordedRun
 from robotteamsim.errors import RecordingError
-from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.interface import Decision
 from robotteamsim.network.messages import Message
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.topics.decisions import OUTBOX, STATUS
 from robotteamsim.scenario import Scenario
-from robotteamsim.sensing.readings import OdometryReading, RobotReading
 from robotteamsim.setup import Setup, resolve
 from robotteamsim.simulation import Observer, Result
 from robotteamsim.simulation.judge import Judge
 from robotteamsim.wording import counted
-
-_NO_RANGES = np.zeros(0, np.float32)
 
 
 def judge(run: RecordedRun, paths: Sequence[Path], scenario: Scenario, observers: Sequence[Observer] = ()) -> Result:
@@ -45,10 +42,10 @@ def judge(run: RecordedRun, paths: Sequence[Path], scenario: Scenario, observers
     judged = Judge(setup, observers)
     try:
         for stamp_ns in range(first_ns, end_ns + 1, step_ns):
-            readings = [_reading(robot, stamp_ns) for robot in robots]
-            record = judged.follow(
-                readings, [said.decision(i, stamp_ns - step_ns, stamp_ns) for i in range(len(robots))]
-            )
+            poses = [_pose(robot, stamp_ns) for robot in robots]
+            touching = [_touches(robot, stamp_ns) for robot in robots]
+            decisions = [said.decision(i, stamp_ns - step_ns, stamp_ns) for i in range(len(robots))]
+            record = judged.follow(poses, touching, decisions)
             if judged.trial.result is not None:
                 return judged.trial.result
         return judged.trial.end(record)
@@ -116,15 +113,17 @@ class _Said:
         return msgspec.structs.replace(status, outbox=tuple(message for _, message in messages[first:end]))
 
 
-def _reading(robot: RecordedRobot | None, stamp_ns: int) -> RobotReading | None:
-    """Return the reading of a robot; None: it is not there."""
+def _pose(robot: RecordedRobot | None, stamp_ns: int) -> PoseReading | None:
+    """Return the pose of a robot; None: it is not there."""
     if robot is None or stamp_ns < robot.track.stamps_ns[0] or not robot.track.is_present(stamp_ns):
         return None
-    track, contact = robot.track, robot.contact
+    track = robot.track
     index = track.index_at(stamp_ns)
     x_m, y_m, yaw_rad = track.poses[index].tolist()
-    pose = PoseReading.from_pose(Pose(x_m, y_m, yaw_rad))
     if track.source == "truth":
-        pose = PoseReading(x_m, y_m, *track.turns[index].tolist())  # as recorded, to the bit
-    touches = contact is not None and bool(contact.at(stamp_ns))
-    return RobotReading(pose, Twist(), OdometryReading(pose, Twist()), _NO_RANGES, touches)
+        return PoseReading(x_m, y_m, *track.turns[index].tolist())  # as recorded, to the bit
+    return PoseReading.from_pose(Pose(x_m, y_m, yaw_rad))
+
+
+def _touches(robot: RecordedRobot | None, stamp_ns: int) -> bool:
+    return robot is not None and robot.contact is not None and bool(robot.contact.at(stamp_ns))
