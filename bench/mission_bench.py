@@ -23,10 +23,10 @@ from pathlib import Path
 import numpy as np
 from results_file import append_rows
 
-from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.campaign import read_store
 from robotteamsim.recording import BagWriter
+from robotteamsim.recording.replay.reading import read_run
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
 

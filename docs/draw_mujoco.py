@@ -13,10 +13,10 @@ import mujoco
 from PIL import Image
 
 from robotteamsim.analysis.runs.film import RunFilm
-from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.robot_view import RobotView
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.recording import BagWriter
+from robotteamsim.recording.replay.reading import read_run
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
 from robotteamsim.world.mujoco.world import MujocoWorld

@@ -5,9 +5,9 @@ import sys
 from pathlib import Path
 
 import robotteamsim as rts
-from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording import BagWriter
+from robotteamsim.recording.replay.reading import read_run
 
 bag = Path(sys.argv[1] if len(sys.argv) > 1 else "mission.bag")
 if len(sys.argv) == 1:

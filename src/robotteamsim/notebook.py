@@ -22,12 +22,12 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 import numpy as np
 
-from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.totals import RunTotals, run_totals
 from robotteamsim.campaign import read_store
 from robotteamsim.control import foreign_code
 from robotteamsim.extras import missing_extra
 from robotteamsim.mission.status import END_TEXTS
+from robotteamsim.recording.replay.reading import read_run
 from robotteamsim.scenario import Scenario, from_mapping, load
 from robotteamsim.simulation import Result
 from robotteamsim.view.from_bag import recording_of
@@ -123,7 +123,7 @@ def read_bag(
     Raises: RecordingError, ScenarioError.
     """
     run = read_run([Path(path)], odometry)
-    recording = recording_of(run, [Path(path)], None if scenario is None else load(scenario))
+    recording = recording_of(run, None if scenario is None else load(scenario))
     return Mission(_values_of_run(run_totals(run)), recording)
 
 

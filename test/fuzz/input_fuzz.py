@@ -133,7 +133,7 @@ class BagTarget:
         _refused_in_one_line(self._read, data)
 
     def _read(self, _: bytes) -> None:
-        from robotteamsim.analysis.runs.reading import read_run
+        from robotteamsim.recording.replay.reading import read_run
 
         read_run([self._path])
 
@@ -143,16 +143,31 @@ class MessageTarget:
 
     def __init__(self, _: Path) -> None:
         from geometry_msgs.msg import TwistStamped
-        from nav_msgs.msg import Odometry
+        from nav_msgs.msg import MapMetaData, OccupancyGrid, Odometry
         from robotteamsim.msg import (
+            Area,
+            Areas,
             Contact,
             ControllerStatus,
             Discovery,
+            Door,
+            Doors,
+            Egress,
+            ExitEgress,
+            FloatMap,
             Heat,
+            MissionEvent,
             MissionStatus,
+            NetworkLinks,
             NetworkMessage,
             NetworkMessages,
+            NetworkState,
+            People,
+            Person,
+            PersonEgress,
             Robots,
+            Victim,
+            Victims,
             Voice,
         )
         from sensor_msgs.msg import LaserScan, NavSatFix, Range
@@ -179,6 +194,26 @@ class MessageTarget:
             (
                 MissionStatus(explored=bytes(3), victims=["saved"], undelivered=[Discovery(name="a")], has_area=True),
                 partial(mission.read_task, num_robots=2),
+            ),
+            (MissionStatus(explored=bytes(3), victims=["saved"]), mission.read_status),
+            (MissionEvent(detail="x"), mission.read_event),
+            (Victims(victims=[Victim(name="a")]), mission.read_victims),
+            (Areas(areas=[Area(name="a", radius_m=1.0)]), mission.read_areas),
+            (Egress(people=[PersonEgress(name="a")], exits=[ExitEgress(name="b")]), mission.read_egress),
+            (Doors(doors=[Door(name="a", opening=0.5)]), world.read_doors),
+            (People(people=[Person(name="a", motion="walks")]), world.read_people),
+            (FloatMap(width=2, height=1, resolution_m=0.5, data=[1.0, 2.0]), base.read_field_map),
+            (
+                OccupancyGrid(info=MapMetaData(width=2, height=1, resolution=0.5), data=[0, 100]),
+                base.read_occupancy_grid,
+            ),
+            (
+                NetworkLinks(num_robots=2, present=bytes([1, 1]), adjacency=bytes(2), endangered=bytes(2)),
+                radio.read_network_links,
+            ),
+            (
+                NetworkState(num_robots=1, adjacency=bytes(1), endangered=bytes(1), hop_count=[0], rssi_dbm=[-50.0]),
+                radio.read_network_state,
             ),
         )
         self._valid = [self._bytes(message) for message, _ in self._targets]

@@ -23,12 +23,12 @@ from msgspec.structs import astuple
 from rosbags.rosbag1 import Reader
 from running import ROSCORE, ROSLAUNCH, TIMEOUT_S, Program, descendants, running, wait_for_port
 
-from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.errors import RecordingError
 from robotteamsim.message_parts import robot_name
 from robotteamsim.recording import BagWriter, TrajectoryHash
 from robotteamsim.recording.bag_types import bag_typestore
+from robotteamsim.recording.replay.reading import read_run
 from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS
 from robotteamsim.recording.topics.robots import read_odometry
 from robotteamsim.ros.programs import installed
@@ -225,7 +225,7 @@ def test_recorded_bag_is_analysed_as_the_headless_bag_of_the_same_seed(run: Run,
     assert run_totals(in_ros) == run_totals(headless)
     assert [event for _, event in in_ros.events] == [event for _, event in headless.events]
     # In ROS the mission tells that it waits, before the first step comes.
-    assert [status for status in in_ros.statuses if status.state != "waiting"] == list(headless.statuses)
+    assert [one for one in in_ros.statuses if one[1].state != "waiting"] == list(headless.statuses)
     assert in_ros.network is not None
     assert headless.network is not None
     np.testing.assert_array_equal(in_ros.network.hop_count, headless.network.hop_count)

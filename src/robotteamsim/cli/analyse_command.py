@@ -24,8 +24,8 @@ from robotteamsim.wording import counted, printable
 if TYPE_CHECKING:
     import numpy as np
 
-    from robotteamsim.analysis.runs.recorded_run import RecordedRun
     from robotteamsim.analysis.runs.totals import RunTotals
+    from robotteamsim.recording.replay.recorded_run import RecordedRun
 
 MAX_DRAWN = 6
 """Most bags drawn side by side in one picture."""
@@ -98,8 +98,8 @@ def analyse(options: argparse.Namespace) -> int:
     """Read all bags, then write the requested files and print a table. Returns: 0, or 1 if a controller failed."""
     # Imported late, because rosbags slows down commands that read no bag.
     from robotteamsim.analysis.runs.files import table_files
-    from robotteamsim.analysis.runs.reading import read_run
     from robotteamsim.analysis.runs.totals import run_totals
+    from robotteamsim.recording.replay.reading import read_run
 
     _check(options)
     loaded = scenario.load(options.scenario) if options.scenario else None
@@ -110,7 +110,7 @@ def analyse(options: argparse.Namespace) -> int:
     )
     plan = loaded.plan if loaded else None
     parts = [options.bags] if options.join else [[bag] for bag in options.bags]
-    runs = [read_run(paths, options.odometry) for paths in parts]
+    runs = [read_run(paths, options.odometry, layers=False) for paths in parts]
     if len({run.name for run in runs}) < len(runs):  # Paths distinguish bags of the same name.
         runs = [replace(run, name=str(bag)) for run, bag in zip(runs, options.bags, strict=True)]
     all_totals = [run_totals(run) for run in runs]

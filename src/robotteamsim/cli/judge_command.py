@@ -52,16 +52,16 @@ def judge(options: argparse.Namespace) -> int:
     """Judge the bag, and print what it says. Returns: 0, or 1 if a controller failed."""
     # Imported late, because rosbags slows down commands that read no bag.
     from robotteamsim.analysis.runs import judged
-    from robotteamsim.analysis.runs.reading import read_run
     from robotteamsim.analysis.runs.tables import gap_lines, print_result
+    from robotteamsim.recording.replay.reading import read_run
 
     loaded = scenario.load(options.mission, options.overrides)
     events, measures = EventList(), Measures()
     observers: list[Observer] = [events, measures, InterruptBetweenSteps()]
     if not options.quiet:
         observers.append(ProgressBar(Console(stderr=True)))
-    run = read_run(options.bags, options.odometry)
-    result = judged.judge(run, options.bags, loaded, observers)
+    run = read_run(options.bags, options.odometry, layers=False)
+    result = judged.judge(run, loaded, observers)
     notes = [*run.notes, *(f"{topic}: not read, of an unknown type" for topic in run.unread), *gap_lines(run.gaps)]
     if not result.end:
         notes.append("the recording ends before the mission does")

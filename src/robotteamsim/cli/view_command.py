@@ -154,11 +154,11 @@ def _recording(options: argparse.Namespace, target: str) -> Recording:
     from robotteamsim.view.recorder import record_mission
 
     if is_bag(target):
-        from robotteamsim.analysis.runs.reading import read_run
+        from robotteamsim.recording.replay.reading import read_run
         from robotteamsim.view.from_bag import recording_of
 
         building = scenario.load(options.scenario) if options.scenario else None
-        return recording_of(read_run([Path(target)], options.odometry), [Path(target)], building)
+        return recording_of(read_run([Path(target)], options.odometry), building)
     if Path(target).is_dir():
         return _repeated(options, Path(target))
     loaded = load_scenario(options, target)

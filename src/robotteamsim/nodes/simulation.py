@@ -36,6 +36,7 @@ from robotteamsim.recording.topics.world import CLOCK, DOORS, MAP
 from robotteamsim.scenario.map_image import check_published_map
 from robotteamsim.simulation import Observer, Simulation, StepRecord
 from robotteamsim.simulation.trial import Trial
+from robotteamsim.world.doors import DoorStates
 
 logger = logging.getLogger(__name__)
 
@@ -352,11 +353,11 @@ class SteppedSimulation:
         with self.between_steps() as simulation:
             change(simulation, request)
 
-    def _follow_doors(self, _: str, __: int, doors: Mapping[str, bool]) -> None:
+    def _follow_doors(self, _: str, __: int, doors: DoorStates) -> None:
         """Open and close the doors that another world has opened and closed."""
         with self._lock:
             states = self._simulation.world.door_states()
-            for name, closed in doors.items():
+            for name, closed in doors.closed().items():
                 if name in states and states[name].closed != closed:
                     self._simulation.set_door(name, closed)
 

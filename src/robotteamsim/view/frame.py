@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable, Sequence
-from typing import Any, Literal
+from typing import Literal
 
 import msgspec
 import numpy as np
@@ -14,6 +14,7 @@ from robotteamsim.mission.events import AnyEvent
 from robotteamsim.scenario.sections import Victim
 from robotteamsim.simulation import Simulation, StepRecord
 from robotteamsim.world.contract import ObjectStates
+from robotteamsim.world.people import PersonState
 
 Pose = tuple[float, float, float]
 """x, y [m], yaw [rad] in `map`."""
@@ -178,11 +179,8 @@ def fallen_of(events: Iterable[AnyEvent]) -> frozenset[str]:
     return frozenset(event.subject for event in events if event.kind == "victim_collapsed")
 
 
-def enclosed_of(people: Iterable[Any]) -> frozenset[str]:
-    """Return the names of the people for whom no path to an exit is open.
-
-    Args: people: each a `PersonState`, or of a message on /world/people.
-    """
+def enclosed_of(people: Iterable[PersonState]) -> frozenset[str]:
+    """Return the names of the people for whom no path to an exit is open."""
     return frozenset(person.name for person in people if person.motion == "enclosed")
 
 

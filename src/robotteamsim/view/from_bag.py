@@ -2,27 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from pathlib import Path
-
 import msgspec
 import numpy as np
 
-from robotteamsim.analysis.runs.recorded_run import RecordedRobot, RecordedRun, RecordedStatus, Series
 from robotteamsim.errors import RecordingError
 from robotteamsim.interface import OUTSIDE
-from robotteamsim.recording.topics.mission import EGRESS
-from robotteamsim.recording.topics.radio import NETWORK_STATE, VOICE_MAP
+from robotteamsim.recording.replay.recorded_run import RecordedRobot, RecordedRun, Series, Timeline
+from robotteamsim.recording.replay.scans import Scan, read_scans
+from robotteamsim.recording.topics import Topic
+from robotteamsim.recording.topics.mission import EGRESS, PublishedStatus
+from robotteamsim.recording.topics.radio import VOICE_MAP
 from robotteamsim.recording.topics.world import DOORS, FIRE, OBJECTS, PEOPLE, SMOKE, TEMPERATURE
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import resolve
-from robotteamsim.view.bag_layers import BagLayers, Scan, Timeline, read_layers
 from robotteamsim.view.frame import (
     Frame,
     Link,
     Pose,
+    enclosed_of,
     fallen_of,
+    finite_ranges,
     gait_of,
     links_of,
     shown_egress,
@@ -45,8 +45,8 @@ _LONGEST_S = 86_400.0
 """A longer recording would make a page that no browser opens; it usually mixes two clocks [s]."""
 
 
-def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | None = None) -> Recording:
-    """Return the recording of a run that was read from a bag, or from the parts of one.
+def recording_of(run: RecordedRun, scenario: Scenario | None = None) -> Recording:
+    """Return the recording of a run that was read from a bag, or from the parts of one, with its layers.
 
     Args:   scenario: its building is drawn instead of the bag's /map.
     Raises: RecordingError.
@@ -54,35 +54,36 @@ def recording_of(run: RecordedRun, paths: Sequence[Path], scenario: Scenario | N
     duration_s = (run.end_ns - run.start_ns) / 1e9
     if duration_s > _LONGEST_S:
         raise RecordingError(
-            f"{', '.join(map(str, paths))}: lasts {duration_s:.0f} s by its stamps; expected at most "
+            f"{', '.join(map(str, run.paths))}: lasts {duration_s:.0f} s by its stamps; expected at most "
             f"{_LONGEST_S:.0f} s, and stamps of one clock"
         )
     num_scanned = len(run.robots) if scenario is None else scenario.num_robots
     stamps_ns, per_scan = _frame_stamps(run)
-    layers, scans = read_layers(paths, run.robots if num_scanned <= MOST_SCANNED else (), stamps_ns[::per_scan])
-    _check_floor(layers, paths)
-    scene = _with_objects(_with_lasers(scene_of_run(run, scenario), scans), layers)
-    found = Recording(scene, run.name, _frames(run, layers, scans, scenario, scene))
+    scans = read_scans(run, run.robots if num_scanned <= MOST_SCANNED else (), stamps_ns[::per_scan])
+    _check_floor(run)
+    scene = _with_objects(_with_lasers(scene_of_run(run, scenario), scans), run)
+    found = Recording(scene, run.name, _frames(run, scans, scenario, scene))
     for stamp_ns, event in run.events:
         found.events += shown_events([event], (stamp_ns - run.start_ns) / 1e9)
-    for stamp_ns, levels in layers[VOICE_MAP].samples:
+    for stamp_ns, levels in run.layers[VOICE_MAP]:
         found.voice.append(field_layer((stamp_ns - run.start_ns) / 1e9, levels, 0.0))
     if scenario is not None:
         coverage = RadioCoverage(scenario)
         every = max(round(RADIO_S * (len(found.frames) - 1) / duration_s), 1) if duration_s else 1
         found.radio = [level for frame in found.frames[::every] for level in coverage.at(frame)]
     fire = scenario.fire if scenario is not None else None
-    _add_hazards(found, layers, run.start_ns, (fire or Fire()).heat.block_c)
+    _add_hazards(found, run, (fire or Fire()).heat.block_c)
     found.scene = msgspec.structs.replace(scene, has_fire=bool(found.fire or found.smoke))
     return found
 
 
-def _check_floor(layers: BagLayers, paths: Sequence[Path]) -> None:
+def _check_floor(run: RecordedRun) -> None:
     """Raises: RecordingError: maps of one topic have different sizes or places."""
-    for topic, cells in ((VOICE_MAP, "values"), (FIRE, "cells"), (SMOKE, "cells")):
-        maps = [one for _, one in layers[topic].samples]
-        if len({(getattr(one, cells).shape, one.origin_m, one.resolution_m) for one in maps}) > 1:
-            files = ", ".join(map(str, paths))
+    cells: tuple[tuple[Topic, str], ...] = (VOICE_MAP, "values"), (FIRE, "cells"), (SMOKE, "cells")
+    for topic, name in cells:
+        maps = [one for _, one in run.layers[topic]]
+        if len({(getattr(one, name).shape, one.origin_m, one.resolution_m) for one in maps}) > 1:
+            files = ", ".join(map(str, run.paths))
             raise RecordingError(f"{files}: {topic.name}: maps of different sizes or places; expected one floor")
 
 
@@ -95,22 +96,21 @@ def _frame_stamps(run: RecordedRun) -> tuple[list[int], int]:
     return stamps_ns, max(round(SCAN_S / frame_s), 1)
 
 
-def _frames(run: RecordedRun, layers: BagLayers, scans: Scans, scenario: Scenario | None, scene: Scene) -> list[Frame]:
+def _frames(run: RecordedRun, scans: Scans, scenario: Scenario | None, scene: Scene) -> list[Frame]:
     """Return a frame each `FRAME_S`, or fewer of a long run, and one at the end, of the last values up to each."""
-    statuses = Timeline((status.stamp_ns, status) for status in run.statuses)
-    victims = Timeline(run.victims)
+    layers = run.layers
     known = resolve(scenario).scenario.mission.victims if scenario else ()
     gaits = {victim.name: gait_of(victim) for victim in known}
     excluded = [_timeline(robot.excluded) for robot in run.robots]
     fallen_ns = _fallen_ns(run)
-    doors = DoorStates.at_start(scenario.plan) if scenario else {}
+    at_start = DoorStates.at_start(scenario.plan) if scenario else DoorStates()
     places = {robot.robot_id: place for place, robot in enumerate(run.robots) if robot.robot_id is not None}
     stamps_ns, frames_per_scan = _frame_stamps(run)
     frames = []
     for index, stamp_ns in enumerate(stamps_ns):
-        status = statuses.at(stamp_ns, _BEFORE_MISSION)
-        openings: dict[str, float] = layers[DOORS].at(stamp_ns, {})
-        enclosed: frozenset[str] = layers[PEOPLE].at(stamp_ns, frozenset())
+        status = run.statuses.at(stamp_ns, _BEFORE_MISSION)
+        doors: DoorStates = layers[DOORS].at(stamp_ns, at_start)
+        enclosed = enclosed_of(layers[PEOPLE].at(stamp_ns, ()))
         fallen = {name for name, since_ns in fallen_ns.items() if since_ns <= stamp_ns}
         links, fiedler_value = _network(run, stamp_ns)
         lasers = [line.at(stamp_ns, None) for line in scans.values()] if index % frames_per_scan == 0 else []
@@ -119,43 +119,48 @@ def _frames(run: RecordedRun, layers: BagLayers, scans: Scans, scenario: Scenari
                 time_s=(stamp_ns - run.start_ns) / 1e9,
                 poses=tuple(_pose(robot, stamp_ns) for robot in run.robots),
                 swarms=tuple(OUTSIDE if flags.at(stamp_ns, False) else 0 for flags in excluded),
-                links=_among(places, layers[NETWORK_STATE].at(stamp_ns, links)),
+                links=_among(places, links),
                 fiedler_value=fiedler_value,
-                doors=tuple(openings.get(name, state.opening) for name, state in doors.items()),
+                doors=tuple(doors.get(name, state).opening for name, state in at_start.items()),
                 objects=shown_objects((obj.name for obj in scene.objects), layers[OBJECTS].at(stamp_ns, NO_OBJECTS)),
                 victims=tuple(
                     victim_shape(v.name, v.position_m, v.state, gaits.get(v.name, "lies"), fallen, enclosed)
-                    for v in victims.at(stamp_ns, ())
+                    for v in run.victims.at(stamp_ns, ())
                 ),
                 explored=status.explored,
                 target=status.target_area,
                 state=status.state,
                 noise_db=status.noise_db,
                 endangered=status.endangered_links,
-                scans_m=tuple(scan.ranges_m if scan else [] for scan in lasers) if any(lasers) else (),
+                scans_m=tuple(map(_shown_scan, lasers)) if any(lasers) else (),
                 egress=shown_egress(layers[EGRESS].at(stamp_ns, None)),
             )
         )
     return frames
 
 
-_BEFORE_MISSION = RecordedStatus(
-    stamp_ns=0, time_s=0.0, scenario="", state="", end="", explored=(), victims=(), endangered_links=0, noise_db=0.0
-)
+_BEFORE_MISSION = PublishedStatus()
 
 
-def _add_hazards(found: Recording, layers: BagLayers, start_ns: int, block_c: float) -> None:
+def _shown_scan(scan: Scan | None) -> list[float]:
+    """Return ranges from 0 to that of the laser, which also stands for beams without return; [] without a scan."""
+    if scan is None:
+        return []
+    return finite_ranges(np.clip(scan.ranges_m, 0.0, scan.range_max_m), scan.range_max_m)
+
+
+def _add_hazards(found: Recording, run: RecordedRun, block_c: float) -> None:
     """Add the maps of fire and smoke. Args: block_c: from this temperature on, cells are hot [degC]."""
-    temperatures = dict(layers[TEMPERATURE].samples)
-    for stamp_ns, grid in layers[FIRE].samples:
+    temperatures = dict(run.layers[TEMPERATURE])
+    for stamp_ns, grid in run.layers[FIRE]:
         heat = temperatures.get(stamp_ns)
         is_hot = np.zeros(grid.cells.shape, dtype=bool)
         if heat is not None and heat.values.shape == is_hot.shape:
             is_hot = heat.values >= block_c
-        time_s = (stamp_ns - start_ns) / 1e9
+        time_s = (stamp_ns - run.start_ns) / 1e9
         keep_map(found.fire, fire_layer(time_s, grid.origin_m, grid.resolution_m, grid.cells, is_hot))
-    for stamp_ns, grid in layers[SMOKE].samples:
-        time_s = (stamp_ns - start_ns) / 1e9
+    for stamp_ns, grid in run.layers[SMOKE]:
+        time_s = (stamp_ns - run.start_ns) / 1e9
         keep_map(found.smoke, smoke_layer(time_s, grid.origin_m, grid.resolution_m, grid.cells), SMOKE_S)
 
 
@@ -163,9 +168,8 @@ def _with_lasers(scene: Scene, scans: Scans) -> Scene:
     """Return the scene with the lasers of the bag; their places on the robots are known only from a scenario."""
     robots = []
     for robot in scene.robots:
-        samples = scans[robot.name].samples if robot.name in scans else []
-        if samples:
-            scan = samples[0][1]
+        if scans.get(robot.name):
+            _, scan = scans[robot.name][0]
             robot = msgspec.structs.replace(
                 robot,
                 beams=len(scan.ranges_m),
@@ -177,9 +181,9 @@ def _with_lasers(scene: Scene, scans: Scans) -> Scene:
     return msgspec.structs.replace(scene, robots=tuple(robots))
 
 
-def _with_objects(scene: Scene, layers: BagLayers) -> Scene:
+def _with_objects(scene: Scene, run: RecordedRun) -> Scene:
     """Return the scene with all objects that the bag has at some time."""
-    shapes = {obj.name: object_shape(obj) for _, states in layers[OBJECTS].samples for obj in states.models}
+    shapes = {obj.name: object_shape(obj) for _, states in run.layers[OBJECTS] for obj in states.models}
     return msgspec.structs.replace(scene, objects=tuple(shapes.values()))
 
 
@@ -220,4 +224,5 @@ def _network(run: RecordedRun, stamp_ns: int) -> tuple[tuple[Link, ...], float]:
     if network is None or stamp_ns < network.stamps_ns[0]:
         return (), 0.0
     index = int(np.searchsorted(network.stamps_ns, stamp_ns, side="right")) - 1
-    return links_of(network.adjacency[index], None), float(network.fiedler_value[index])
+    signals_dbm = None if network.signals_dbm is None else network.signals_dbm[index]
+    return links_of(network.adjacency[index], signals_dbm), float(network.fiedler_value[index])

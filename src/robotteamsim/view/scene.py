@@ -8,7 +8,7 @@ import msgspec
 import numpy as np
 
 from robotteamsim import palette
-from robotteamsim.analysis.runs.recorded_run import RecordedRun
+from robotteamsim.recording.replay.recorded_run import RecordedRun
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import OCCUPIED, Corners, OccupancyGrid, bay_lines, door_corners, solids

@@ -14,14 +14,14 @@ from rich.console import Console
 from robotteamsim import __version__
 from robotteamsim.analysis.runs.files import document, write_tables
 from robotteamsim.analysis.runs.picture import draw_runs
-from robotteamsim.analysis.runs.reading import read_run
-from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.analysis.runs.tables import print_result, print_run
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.trial import run_trial
 from robotteamsim.mission.egress import AT_CENTRE
 from robotteamsim.recording import BagWriter, ResultWriter
+from robotteamsim.recording.replay.reading import read_run
+from robotteamsim.recording.replay.recorded_run import RecordedRun
 from robotteamsim.scenario.loading import from_mapping
 from robotteamsim.simulation import Result, Simulation
 from robotteamsim.view.from_bag import recording_of
@@ -93,7 +93,7 @@ def fled(tmp_path_factory) -> Run:
         results.events,
         read_run([folder / "store.bag"]),
         frames.recording,
-        recording_of(read_run([folder / "store.bag"]), [folder / "store.bag"], scenario),
+        recording_of(read_run([folder / "store.bag"]), scenario),
         json.loads((folder / "out" / "mission.json").read_text()),
     )
 

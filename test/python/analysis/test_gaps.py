@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from rosbags.rosbag1 import Reader, Writer
 
-from robotteamsim.analysis.runs.gaps import Gap, missing_steps, usual_step_ns
-from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.cli import main
 from robotteamsim.recording.bag_types import bag_typestore
+from robotteamsim.recording.replay.gaps import Gap, missing_steps, usual_step_ns
+from robotteamsim.recording.replay.reading import read_run
 
 STEP_NS = 100_000_000
 TRUTH = "/robot_1/base_pose_ground_truth"

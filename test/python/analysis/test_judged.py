@@ -10,7 +10,6 @@ import pytest
 from rosbags.rosbag1 import Reader, Writer
 
 from robotteamsim.analysis.runs.judged import judge
-from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.cli import main
 from robotteamsim.errors import RecordingError
 from robotteamsim.mission.events import Event
@@ -18,6 +17,7 @@ from robotteamsim.mission.status import MissionStatus
 from robotteamsim.recording import BagWriter
 from robotteamsim.recording.bag_types import bag_typestore
 from robotteamsim.recording.mcap_writer import McapWriter
+from robotteamsim.recording.replay.reading import read_run
 from robotteamsim.scenario import Scenario, load
 from robotteamsim.simulation import Observer, Result, Simulation, StepRecord
 
@@ -52,7 +52,7 @@ def recorded(scenario: Scenario, path: Path) -> tuple[Result, Steps]:
 def judged(scenario: Scenario, path: Path) -> tuple[Result, Steps]:
     """Judge a recording."""
     steps = Steps()
-    return judge(read_run([path]), [path], scenario, [steps]), steps
+    return judge(read_run([path]), scenario, [steps]), steps
 
 
 def assert_equal(found: tuple[Result, Steps], expected: tuple[Result, Steps]) -> None:

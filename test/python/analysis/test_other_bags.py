@@ -13,12 +13,12 @@ from rosbags.rosbag1 import Writer
 from rosbags.rosbag2 import StoragePlugin
 from rosbags.rosbag2 import Writer as FolderWriter
 
-from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.errors import RecordingError
 from robotteamsim.geometry import PoseReading
 from robotteamsim.message_parts import header
 from robotteamsim.recording.bag_types import ROS2, bag_typestore, message_type
+from robotteamsim.recording.replay.reading import read_run
 from robotteamsim.recording.topics.base import pose
 
 SECOND_NS = 10**9

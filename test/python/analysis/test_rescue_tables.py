@@ -9,11 +9,11 @@ import pytest
 
 from robotteamsim import __version__
 from robotteamsim.analysis.runs.files import write_tables
-from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.trial import run_trial
 from robotteamsim.recording.bag_writer import BagWriter
+from robotteamsim.recording.replay.reading import read_run
 from robotteamsim.recording.results import EventList
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation

@@ -12,9 +12,9 @@ import yaml
 from mcap.writer import Writer as McapFile
 from rosbags.rosbag2 import CompressionFormat, CompressionMode, StoragePlugin, Writer
 
-from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.bag_types import ROS2, bag_typestore, message_type
+from robotteamsim.recording.replay.reading import read_run
 from robotteamsim.view.from_bag import recording_of
 
 ODOMETRY = "nav_msgs/Odometry"
@@ -144,7 +144,7 @@ def test_file_without_definitions_is_read(odometry, tmp_path):
 
 def test_player_shows_a_folder(odometry, tmp_path):
     path = write(tmp_path / "shown", drive(odometry))
-    recording = recording_of(read_run([path]), [path])
+    recording = recording_of(read_run([path]))
     assert recording.title == "shown"
     x_m, _, _ = recording.frames[-1].poses[0]
     assert x_m == pytest.approx(10.0)

@@ -9,10 +9,10 @@ import pytest
 
 from robotteamsim import palette
 from robotteamsim.analysis.runs.film import RunFilm, link_segments
-from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.robot_view import RobotView
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.errors import CameraError
+from robotteamsim.recording.replay.reading import read_run
 from robotteamsim.scenario import load
 
 pytestmark = pytest.mark.slow

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 
 import cv2
+import msgspec
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
@@ -16,11 +17,11 @@ from robotteamsim import palette
 from robotteamsim.analysis.runs.curves import curves, draw_progress
 from robotteamsim.analysis.runs.picture import draw_runs, outcome
 from robotteamsim.analysis.runs.plan_panel import colour_of, extent_m, victim_style
-from robotteamsim.analysis.runs.reading import read_run
-from robotteamsim.analysis.runs.recorded_run import RecordedNetwork
 from robotteamsim.analysis.runs.totals import run_totals
 from robotteamsim.palette import robot_colour
 from robotteamsim.recording.bag_reader import BagReader
+from robotteamsim.recording.replay.reading import read_run
+from robotteamsim.recording.replay.recorded_run import RecordedNetwork, Timeline
 from robotteamsim.recording.topics import base
 from robotteamsim.scenario import Bounds, load
 from robotteamsim.scenario.plan import OccupancyGrid
@@ -151,7 +152,10 @@ def test_mission_without_robots_and_areas_shows_neither(run):
     """As a study of egress: its network has no robots, and its mission no areas."""
     none, shape = np.zeros((2, 0, 0)), (2, 0, 0)
     network = RecordedNetwork(np.array([0, 10**9]), none.astype(bool), none.astype(bool), np.zeros(shape), np.zeros(2))
-    people = replace(run, robots=(), network=network, statuses=(replace(run.statuses[-1], explored=()),))
+    stamp_ns, last = run.statuses[-1]
+    people = replace(
+        run, robots=(), network=network, statuses=Timeline([(stamp_ns, msgspec.structs.replace(last, explored=()))])
+    )
     assert curves(people) == [draw_progress]
     assert outcome(run_totals(people)) == "0/4 victims in 25.0 s: time limit reached"
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.cli import main
+from robotteamsim.recording.replay.reading import read_run
 from robotteamsim.view.from_bag import recording_of
 
 PLAN = """
@@ -65,7 +65,7 @@ def test_mission_becomes_one_html_file(command, study, tmp_path):
 
 
 def test_viewer_shows_everybody_of_the_bag_safe_and_no_robot(bag):
-    last = recording_of(read_run([bag]), [bag]).frames[-1]
+    last = recording_of(read_run([bag])).frames[-1]
     assert last.poses == ()
     assert [victim.state for victim in last.victims] == ["safe"] * 4
 

@@ -12,35 +12,56 @@ import numpy as np
 import pytest
 from geometry_msgs.msg import Point, Vector3
 from geometry_msgs.msg import Twist as TwistMessage
+from nav_msgs.msg import OccupancyGrid as GridMessage
 from nav_msgs.msg import Odometry
+from robotteamsim.msg import Area as AreaMessage
 from robotteamsim.msg import (
+    Areas,
     Assistance,
     Contact,
     ControllerStatus,
+    Door,
+    Doors,
+    FloatMap,
     Heat,
+    MissionEvent,
     MissionStatus,
+    NetworkLinks,
     NetworkMessage,
     NetworkMessages,
+    NetworkState,
+    People,
+    Person,
     Robots,
+    Victims,
     Voice,
 )
+from robotteamsim.msg import Egress as EgressMessage
+from robotteamsim.msg import PersonEgress as PersonEgressMessage
+from robotteamsim.msg import Victim as VictimMessage
 from sensor_msgs.msg import Illuminance, LaserScan, NavSatFix, Range
 
 from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.interface import Decision, Discovery, SwarmContext, Task
 from robotteamsim.message_parts import header, stamp_ns
+from robotteamsim.mission.egress import Egress, ExitEgress, PersonEgress
 from robotteamsim.mission.events import Event, MissionPaused
 from robotteamsim.mission.status import DeliveredDiscoveries
 from robotteamsim.mission.status import MissionStatus as Status
+from robotteamsim.network.compact import LinksEncoder
 from robotteamsim.network.messages import Message
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.bag_types import message_type
 from robotteamsim.recording.topics import base, decisions, mission, radio, robots, world
 from robotteamsim.ros.messages import message_class
+from robotteamsim.scenario import load
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import Area, Laser, Victim
 from robotteamsim.scenario.sensors import Gps, HeatSensor, LightSensor, Sonar
 from robotteamsim.sensing.readings import OdometryReading, VoiceReading
+from robotteamsim.simulation import Simulation
+from robotteamsim.world.doors import DoorState, DoorStates
+from robotteamsim.world.people import PersonState
 
 TIME_NS = 12_300_000_000
 # Numbers without a short binary form: equal only when every bit has come through.
@@ -168,23 +189,63 @@ def test_mission_status_keeps_delivered_and_undelivered_discoveries():
     assert (message.mean_delivery_delay_s, message.max_delivery_delay_s) == (0.1 + 0.2, 1.0 / 3.0)
 
 
-def test_everything_else_that_is_published_can_be_sent():
-    field = FieldMap((0.5, 1.0), 0.25, np.array([[0.0, 12.4], [99.6, 130.0]]))
-    status = Status("ended", "aborted", 1.0, (False,), ("heard",), 0, 0, Task())
-    grid = OccupancyGrid((0.0, 0.0), 0.05, np.array([[0, 100, -1]], dtype=np.int8))
-    picture = sent("nav_msgs/OccupancyGrid", base.field_map_picture(TIME_NS, field))
-    assert list(picture.data) == [0, 12, 100, 100]
-    values = sent("robotteamsim/FloatMap", base.field_map(TIME_NS, field, "voice_level", "dB"))
-    assert (values.width, values.height, values.data[1]) == (2, 2, pytest.approx(12.4))
-    assert list(sent("nav_msgs/OccupancyGrid", base.occupancy_grid(TIME_NS, grid)).data) == [0, 100, -1]
-    assert sent("rosgraph_msgs/Clock", world.clock(TIME_NS)).clock == TIME_NS
+def test_maps_keep_their_bits():
+    field = FieldMap((0.5, 1.0), 0.25, np.array([[0.0, 12.4], [math.nan, 130.0]], dtype=np.float32))
+    values = base.read_field_map(sent("robotteamsim/FloatMap", base.field_map(TIME_NS, field, "voice_level", "dB")))
+    grid = OccupancyGrid((0.0, -2.0), 0.5, np.array([[0, 100, -1]], dtype=np.int8))
+    cells = base.read_occupancy_grid(sent("nav_msgs/OccupancyGrid", base.occupancy_grid(TIME_NS, grid)))
+    assert (values.origin_m, values.resolution_m) == (field.origin_m, field.resolution_m)
+    assert (cells.origin_m, cells.resolution_m) == (grid.origin_m, grid.resolution_m)
+    np.testing.assert_array_equal(values.values, field.values)
+    np.testing.assert_array_equal(cells.cells, grid.cells)
+    loud = FieldMap((0.5, 1.0), 0.25, np.array([[12.4, 99.6, 130.0]]))
+    picture = base.read_occupancy_grid(sent("nav_msgs/OccupancyGrid", base.field_map_picture(TIME_NS, loud)))
+    assert picture.cells.tolist() == [[12, 100, 100]]
+
+
+def test_mission_keeps_its_bits():
+    status = Status("ended", "aborted", 1.0 / 3.0, (False, True), ("heard", "saved"), 1, 3, Task())
+    read = mission.read_status(sent("robotteamsim/MissionStatus", mission.mission_status(TIME_NS, "hall", status, 7.5)))
+    assert read == mission.PublishedStatus(
+        1.0 / 3.0, "hall", "ended", "aborted", (False, True), ("heard", "saved"), 3, 7.5, None, 1
+    )
     event = mission.mission_event(TIME_NS, Event(1.0, MissionPaused(), "over"))
-    assert sent("robotteamsim/MissionEvent", event).robot_id == -1
-    victims = mission.victims(TIME_NS, [Victim(name="a", position=(1.0, 2.0))], ["heard"])
-    assert sent("robotteamsim/Victims", victims).victims[0].name == "a"
-    areas = mission.areas(TIME_NS, [Area(name="b", center=(1.0, 2.0))], status)
-    assert sent("robotteamsim/Areas", areas).areas[0].target
+    event = mission.read_event(sent("robotteamsim/MissionEvent", event))
+    assert event == mission.PublishedEvent(1.0, "pause", "", -1, "over")
+    victims = mission.victims(TIME_NS, [Victim(name="a", position=(0.1, 2.0))], ["heard"])
+    victims = mission.read_victims(sent("robotteamsim/Victims", victims))
+    assert victims == (mission.PublishedVictim("a", (0.1, 2.0), "heard"),)
+    areas = mission.areas(TIME_NS, [Area(name=name, center=(0.1, 2.0), radius_m=1.5) for name in "bc"], status)
+    first, second = mission.read_areas(sent("robotteamsim/Areas", areas))
+    assert first == mission.PublishedArea("b", (0.1, 2.0), 1.5, explored=False, is_target=False)
+    assert second == mission.PublishedArea("c", (0.1, 2.0), 1.5, explored=True, is_target=True)
+    egress = Egress(3.5, (PersonEgress("ann", True, 0.1, 0.2, 3.0, 2.0, None, 7.5, "west"),), (ExitEgress("west"),))
+    assert mission.read_egress(sent("robotteamsim/Egress", mission.egress(TIME_NS, egress))) == egress
+
+
+def test_world_keeps_its_bits():
+    states = DoorStates({"a": DoorState(True, 0.0), "b": DoorState(False, 0.3, "opens")})
+    assert dict(world.read_doors(sent("robotteamsim/Doors", world.doors(TIME_NS, states)))) == dict(states)
+    people = (PersonState("ann", (0.1, 2.0), "enclosed"),)
+    assert world.read_people(sent("robotteamsim/People", world.people(TIME_NS, people))) == people
+    presence = world.robots(TIME_NS, np.array([True, False]), (1, 2), roles=("robot", "firefighter"))
+    presence = world.read_robots(sent("robotteamsim/Robots", presence))
+    assert presence == world.TeamPresence((True, False), (1, 2), ("robot", "firefighter"))
+    assert sent("rosgraph_msgs/Clock", world.clock(TIME_NS)).clock == TIME_NS
     assert sent("robotteamsim/Contact", robots.contact(TIME_NS, 0, True)).in_contact
+
+
+def test_both_messages_of_a_network_have_the_same_links():
+    network = Simulation(load("garage_sar", ["robots.count=4"])).step().network
+    matrices = radio.read_network_state(sent("robotteamsim/NetworkState", radio.network_state(TIME_NS, network)))
+    links = radio.network_links(TIME_NS, LinksEncoder().encode(network))
+    links = radio.read_network_links(sent("robotteamsim/NetworkLinks", links))
+    for read in (matrices, links):
+        assert read.fiedler_value == network.fiedler_value
+        for name in ("adjacency", "endangered", "hop_count"):
+            np.testing.assert_array_equal(getattr(read, name), getattr(network, name))
+    expected_dbm = np.rint(np.where(network.adjacency, network.rssi_dbm, 0.0))
+    np.testing.assert_array_equal(matrices.signals_dbm, expected_dbm)
 
 
 @pytest.mark.parametrize(
@@ -211,6 +272,31 @@ def test_everything_else_that_is_published_can_be_sent():
         (HeatSensor().reading, Heat(temperature_c=math.inf), "temperature_c: inf; expected -1e+06 to 1e+06"),
         (HeatSensor().reading, Heat(hot=[Point(x=1e7)]), "hot: 1e+07; expected -1e+06 to 1e+06"),
         (HeatSensor().reading, Heat(hot=[Point()]), "hot_c: 0 temperatures; expected 1, one for each place"),
+        (world.read_robots, Robots(roles=[7]), "role 7; expected at most 2"),
+        (world.read_doors, Doors(doors=[Door(opening=math.nan)]), "opening: nan; expected finite numbers"),
+        (world.read_people, People(people=[Person(position=Point(x=math.inf))]), "position: (inf, 0); expected finite"),
+        (mission.read_status, MissionStatus(time_s=math.inf), "time inf; expected at most 1e+09"),
+        (mission.read_event, MissionEvent(time_s=math.nan), "time nan; expected at most 1e+09"),
+        (
+            mission.read_victims,
+            Victims(victims=[VictimMessage(position=Point(y=1e9))]),
+            "position: (0, 1e+09); expected",
+        ),
+        (mission.read_areas, Areas(areas=[AreaMessage(radius_m=math.nan)]), "radius nan; expected at most 1e+06"),
+        (
+            mission.read_egress,
+            EgressMessage(people=[PersonEgressMessage(gas=math.nan)]),
+            "gas nan; expected at most 1e+09",
+        ),
+        (radio.read_network_links, NetworkLinks(num_robots=2), "rows of 0 bytes; expected 2"),
+        (radio.read_network_state, NetworkState(num_robots=2), "matrices of 0 values; expected 4"),
+        (base.read_field_map, FloatMap(width=2, height=1, data=[1.0]), "map of 1 values; expected 2"),
+        (
+            base.read_field_map,
+            FloatMap(width=1, height=1, resolution_m=1.0, data=[1e30]),
+            "values up to 1e+30; expected at most 10000",
+        ),
+        (base.read_occupancy_grid, GridMessage(), "grid of 0 cells; expected 0"),
         (
             lambda m: mission.read_task(m, 2),
             MissionStatus(area_radius_m=math.nan),

@@ -2,10 +2,8 @@
 
 import numpy as np
 import pytest
-from geometry_msgs.msg import Point
-from nav_msgs.msg import OccupancyGrid
 
-from robotteamsim import msg, palette
+from robotteamsim import palette
 from robotteamsim.nodes.scene.maps import LOUDEST_DB, MAX_CELLS, fire_markers, smoke_markers, voice_markers
 from robotteamsim.nodes.scene.mission import (
     VICTIM_COLOURS,
@@ -16,18 +14,21 @@ from robotteamsim.nodes.scene.mission import (
     legend_entries,
     legend_markers,
 )
+from robotteamsim.propagation import FieldMap
+from robotteamsim.recording.topics.mission import PublishedArea, PublishedStatus, PublishedVictim
 from robotteamsim.recording.topics.world import BURNING_VALUE, BURNT_OUT_VALUE
 from robotteamsim.scenario import load
+from robotteamsim.scenario.plan import OccupancyGrid
 
 VICTIMS = [
-    msg.Victim("victim_1", Point(3.0, 4.0, 0.0), "waiting"),
-    msg.Victim("victim_2", Point(8.0, 4.0, 0.0), "heard"),
-    msg.Victim("victim_3", Point(8.0, 9.0, 0.0), "saved"),
+    PublishedVictim("victim_1", (3.0, 4.0), "waiting"),
+    PublishedVictim("victim_2", (8.0, 4.0), "heard"),
+    PublishedVictim("victim_3", (8.0, 9.0), "saved"),
 ]
 AREAS = [
-    msg.Area("area_1", Point(2.0, 2.0, 0.0), 2.0, True, False),
-    msg.Area("area_2", Point(9.0, 2.0, 0.0), 2.0, False, True),
-    msg.Area("area_3", Point(15.0, 2.0, 0.0), 2.0, False, False),
+    PublishedArea("area_1", (2.0, 2.0), 2.0, True, False),
+    PublishedArea("area_2", (9.0, 2.0), 2.0, False, True),
+    PublishedArea("area_3", (15.0, 2.0), 2.0, False, False),
 ]
 
 
@@ -100,7 +101,7 @@ def rescue():
     victims = VictimPictures(scenario, TEXT_Z_M)
 
     def markers(*states):
-        found = [msg.Victim(n, Point(5.0 * i, 2.0, 0.0), s) for i, (n, s) in enumerate(zip(names, states, strict=True))]
+        found = [PublishedVictim(n, (5.0 * i, 2.0), s) for i, (n, s) in enumerate(zip(names, states, strict=True))]
         return list(victims.markers(found))
 
     return markers
@@ -134,10 +135,7 @@ def test_fleeing_person_is_blue_without_ring_and_name_until_they_need_help():
 
 
 def voice(levels_db, resolution_m=0.5, origin_m=(0.0, 0.0)):
-    rows, columns = levels_db.shape
-    return msg.FloatMap(
-        resolution_m=resolution_m, width=columns, height=rows, origin=Point(*origin_m, 0.0), data=levels_db.ravel()
-    )
+    return FieldMap(origin_m, resolution_m, levels_db)
 
 
 def test_silence_has_no_voice_layer():
@@ -189,10 +187,7 @@ def test_pillar_tears_no_hole_into_the_voice_layer():
 
 
 def grid(cells):
-    result = OccupancyGrid(data=cells.ravel().tolist())
-    result.info.resolution, (result.info.height, result.info.width) = 0.5, cells.shape
-    result.info.origin.position = Point(1.0, 2.0, 0.0)
-    return result
+    return OccupancyGrid((1.0, 2.0), 0.5, cells)
 
 
 def test_fire_has_the_colour_of_flames_where_it_burns_and_of_char_where_it_has_burnt():
@@ -213,28 +208,19 @@ def test_smoke_is_more_opaque_where_one_sees_less_far():
     assert [opacity[x] for x in sorted(opacity)] == pytest.approx([0.0, 0.18, 0.36, 0.54, 0.72])
 
 
-def test_grid_with_too_few_cells_is_rejected_and_one_without_cells_is_not_drawn():
-    message = grid(np.zeros((3, 3), dtype=np.int8))
-    message.info.width = 4
-    with pytest.raises(ValueError, match="reshape"):
-        smoke_markers(message)
-    message.info.height, message.info.width, message.data = 0, 2**32 - 1, []
-    assert smoke_markers(message) == []
-
-
 @pytest.mark.parametrize(
     ("status", "words"),
     [
         (
-            {"state": "running", "explored": [1, 1, 0], "victims": ["saved", "heard"]},
+            {"state": "running", "explored": (True, True, False), "victims": ("saved", "heard")},
             ["areas 2/3", "victims 1/2", "running"],
         ),
-        ({"state": "ended", "end": "areas_explored", "explored": [1]}, ["areas 1/1", "areas explored"]),
+        ({"state": "ended", "end": "areas_explored", "explored": (True,)}, ["areas 1/1", "areas explored"]),
         ({"state": "paused"}, ["paused"]),
     ],
 )
 def test_headline_shows_time_noise_state_or_end_and_what_the_mission_has(status, words):
-    found = headline_words(msg.MissionStatus(scenario="garage_sar", time_s=251.34, noise_db=10.0, **status))
+    found = headline_words(PublishedStatus(scenario="garage_sar", time_s=251.34, noise_db=10.0, **status))
     assert found.split("    ") == ["garage_sar", "251.3 s", *words[:-1], "noise 10 dB", words[-1]]
 
 

@@ -4,18 +4,17 @@ import numpy as np
 import pytest
 from visualization_msgs.msg import Marker
 
-from robotteamsim import msg, palette
+from robotteamsim import palette
 from robotteamsim.geometry import Pose
 from robotteamsim.nodes.scene.team import (
     EXCLUDED,
-    Links,
     RobotPicture,
     link_markers,
-    links_of,
     robot_colour,
     team_markers,
     trail_marker,
 )
+from robotteamsim.recording.topics.radio import PublishedNetwork
 from robotteamsim.scenario.sections import Robot
 
 TEXT_Z_M = 1.9
@@ -147,7 +146,8 @@ POSITIONS_M = {0: (0.0, 0.0), 1: (10.0, 0.0), 2: (30.0, 0.0)}
 
 
 def network(adjacency, endangered=None):
-    return Links(adjacency, np.zeros_like(adjacency) if endangered is None else endangered)
+    endangered = np.zeros_like(adjacency) if endangered is None else endangered
+    return PublishedNetwork(adjacency, endangered, np.zeros(adjacency.shape, dtype=np.int32), 0.0)
 
 
 def among(count, pairs):
@@ -174,7 +174,7 @@ def test_links_are_green_and_endangered_ones_red():
 def test_link_of_an_unknown_robot_is_not_drawn_and_that_of_robots_in_one_place_is():
     assert ends(link_markers(network(among(9, [(0, 1), (0, 8)])), POSITIONS_M, 1.0)) == [(0.0, 10.0)]
     assert link_markers(network(among(9, [(0, 1)])), {}, 1.0) == []
-    assert link_markers(Links(), POSITIONS_M, 1.0) == []
+    assert link_markers(None, POSITIONS_M, 1.0) == []
 
     assert ends(link_markers(network(among(2, [(0, 1)])), {0: (1.0, 1.0), 1: (1.0, 1.0)}, 1.0)) == [(1.0, 1.0)]
 
@@ -184,13 +184,3 @@ def test_of_many_robots_the_shortest_links_that_connect_them_are_drawn():
     positions_m = {i: (3.0 * i, 0.0) for i in range(12)}
     found = ends(link_markers(network(among(12, pairs)), positions_m, 1.0))
     assert sorted(found) == [(3.0 * i, 3.0 * i + 3.0) for i in range(11) if i != 5]
-
-
-def test_links_of_a_message_are_read_and_too_few_bytes_are_rejected():
-    adjacency = among(12, [(0, 1), (3, 11)])
-    bits = np.packbits(adjacency, axis=1, bitorder="little").tobytes()
-    links = links_of(msg.NetworkLinks(num_robots=12, adjacency=bits, endangered=bytes(24)))
-    assert np.array_equal(links.adjacency, adjacency)
-    assert not links.endangered.any()
-    with pytest.raises(ValueError, match="reshape"):
-        links_of(msg.NetworkLinks(num_robots=12, adjacency=bits[1:], endangered=bytes(24)))

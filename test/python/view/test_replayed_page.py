@@ -10,10 +10,10 @@ import msgspec
 import numpy as np
 import pytest
 
-from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.analysis.runs.totals import RunTotals, run_totals
 from robotteamsim.recording import BagWriter
 from robotteamsim.recording.mcap_writer import McapWriter
+from robotteamsim.recording.replay.reading import read_run
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Result, Simulation
 from robotteamsim.view.from_bag import recording_of
@@ -69,7 +69,7 @@ def test_totals_and_page_of_a_recording_are_those_of_the_mission(name: str, tmp_
     for path in files:
         run = read_run([path])
         _check_totals(run_totals(run), result)
-        found = recording_of(run, [path], scenario)
+        found = recording_of(run, scenario)
         assert len(found.frames) == len(expected.frames)
         for frame, expected_frame in zip(found.frames, expected.frames, strict=True):
             for part in frame.__struct_fields__:

@@ -14,11 +14,11 @@ from playwright.sync_api import Browser, Page
 from rosbags.rosbag1 import Reader, Writer
 from shown_page import opened, seek, served, shown, taken
 
-from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.errors import RecordingError
 from robotteamsim.hazards import BURNING
 from robotteamsim.recording import BagWriter
 from robotteamsim.recording.bag_types import bag_typestore
+from robotteamsim.recording.replay.reading import read_run
 from robotteamsim.recording.topics.world import FIRE, SMOKE, smoke_cells
 from robotteamsim.scenario.loading import from_mapping
 from robotteamsim.scenario.scenario import Scenario
@@ -206,7 +206,7 @@ def test_panel_counts_people_out_by_exit_and_shows_egress_times(
 
 def test_a_bag_shows_the_same_fire_and_smoke(mission: tuple[Recording, _Truth, Path]) -> None:
     own, _, path = mission
-    bag = recording_of(read_run([path]), [path], _scenario())
+    bag = recording_of(read_run([path]), _scenario())
     assert bag.scene.has_fire
     assert [robot.role for robot in bag.scene.robots] == ["robot", "robot", "firefighter", "command_centre"]
     for layers, others in ((bag.fire, own.fire), (bag.smoke, own.smoke)):
@@ -235,7 +235,7 @@ def test_a_bag_whose_floor_changes_is_rejected_in_one_line(
         RecordingError,
         match=f"^{re.escape(str(path))}: {topic}: maps of different sizes or places; expected one floor$",
     ):
-        recording_of(read_run([path]), [path])
+        recording_of(read_run([path]))
 
 
 def test_each_viewer_receives_the_layers_that_it_has_chosen() -> None:

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from robotteamsim.analysis.runs.reading import read_run
 from robotteamsim.recording import BagWriter
+from robotteamsim.recording.replay.reading import read_run
 from robotteamsim.scenario.loading import from_mapping
 from robotteamsim.scenario.people import People, PeopleGroup
 from robotteamsim.scenario.scenario import Scenario
@@ -82,7 +82,7 @@ def test_recordings_and_bags_show_collapsed_and_enclosed_people(scenario: Scenar
     recorder = FrameRecorder(simulation)
     simulation.run([recorder, BagWriter(tmp_path / "hall.bag")])
     paths = [tmp_path / "hall.bag"]
-    for frames in (recorder.recording.frames, recording_of(read_run(paths), paths, scenario).frames):
+    for frames in (recorder.recording.frames, recording_of(read_run(paths), scenario).frames):
         bob = _gaits(frames, 0)
         assert bob["collapsed"] == bob["reached"] == bob["carried"] == {"lies"}
         eve = {(frame.time_s < _OPENS_S, frame.victims[1].gait) for frame in frames if 0.5 < frame.time_s < 8.0}
@@ -99,7 +99,7 @@ def test_people_of_a_group_flee_in_a_recording_and_in_a_bag(scenario: Scenario, 
     recorder = FrameRecorder(simulation)
     simulation.run([recorder, BagWriter(tmp_path / "guests.bag")])
     paths = [tmp_path / "guests.bag"]
-    for frames in (recorder.recording.frames, recording_of(read_run(paths), paths, guests).frames):
+    for frames in (recorder.recording.frames, recording_of(read_run(paths), guests).frames):
         assert [(victim.name, victim.state) for victim in frames[-1].victims] == [
             ("guest_1", "fleeing"),
             ("guest_2", "fleeing"),

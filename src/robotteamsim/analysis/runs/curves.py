@@ -11,8 +11,8 @@ from matplotlib.ticker import MaxNLocator
 
 from robotteamsim import palette
 from robotteamsim.analysis.runs.plan_panel import colour_of
-from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.analysis.runs.totals import endangered_links, is_split, links, max_hops, onsets, speeds_mps
+from robotteamsim.recording.replay.recorded_run import RecordedRun
 
 Curve = Callable[[Axes, RecordedRun], None]
 
@@ -49,13 +49,13 @@ def draw_column(figure: Figure, place: Any, shown: Sequence[Curve], run: Recorde
 
 def draw_progress(axes: Axes, run: RecordedRun) -> None:
     """Areas explored, victims heard and saved."""
-    times_s = run.time_s(np.array([status.stamp_ns for status in run.statuses]))
-    saved = [status.num_saved for status in run.statuses]
-    heard = [status.num_heard for status in run.statuses]
-    explored = [sum(status.explored) for status in run.statuses]
+    times_s = run.time_s(np.array([stamp_ns for stamp_ns, _ in run.statuses]))
+    saved = [status.num_saved for _, status in run.statuses]
+    heard = [status.num_heard for _, status in run.statuses]
+    explored = [sum(status.explored) for _, status in run.statuses]
     # Lines that coincide stay visible, because each lies within the one before.
     dashed: dict[str, Any] = {"color": palette.INK, "linewidth": 1.3, "linestyle": (0, (4, 2))}
-    last = run.statuses[-1]
+    _, last = run.statuses[-1]
     if last.explored:
         axes.step(times_s, explored, where="post", color=palette.EXPLORED_AREA, linewidth=4.0, label="areas explored")
     if last.victims:

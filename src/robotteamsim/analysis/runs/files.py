@@ -8,8 +8,6 @@ from typing import Any, get_args
 
 from msgspec.structs import astuple
 
-from robotteamsim.analysis.runs.gaps import Gap
-from robotteamsim.analysis.runs.recorded_run import RecordedEvent, RecordedRun
 from robotteamsim.analysis.runs.totals import (
     MissionTotals,
     NetworkTotals,
@@ -24,6 +22,9 @@ from robotteamsim.interface import SwarmContext
 from robotteamsim.mission.egress import ExitEgress, PersonEgress
 from robotteamsim.mission.status import VictimState
 from robotteamsim.recording.files import atomically, prepare_folder
+from robotteamsim.recording.replay.gaps import Gap
+from robotteamsim.recording.replay.recorded_run import RecordedRun
+from robotteamsim.recording.topics.mission import PublishedEvent
 from robotteamsim.wording import safe_cell
 
 Row = Sequence[Any]
@@ -122,7 +123,7 @@ def _victim_rows(run: RecordedRun, _: RunTotals) -> Iterator[Row]:
     events = [event for _, event in run.events]
     names = [victim.name for victim in run.victims[-1][1]] if run.victims else []
     for name in names:
-        first: dict[str, RecordedEvent] = {}
+        first: dict[str, PublishedEvent] = {}
         for event in events:
             if event.subject == name:
                 first.setdefault(event.kind, event)
@@ -144,9 +145,9 @@ def _exit_rows(run: RecordedRun, _: RunTotals) -> Iterator[Row]:
 
 
 def _progress_rows(run: RecordedRun, _: RunTotals) -> Iterator[Row]:
-    for status in run.statuses:
+    for stamp_ns, status in run.statuses:
         saved, heard = status.num_saved, status.num_heard
-        times_s = (status.stamp_ns - run.start_ns) / 1e9, status.time_s
+        times_s = (stamp_ns - run.start_ns) / 1e9, status.time_s
         yield *times_s, status.state, sum(status.explored), heard, saved, status.endangered_links
 
 

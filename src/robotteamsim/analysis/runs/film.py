@@ -24,8 +24,8 @@ from robotteamsim.analysis.runs.plan_panel import (
     is_on_map,
     victim_style,
 )
-from robotteamsim.analysis.runs.recorded_run import RecordedNetwork, RecordedRobot, RecordedRun
 from robotteamsim.analysis.runs.totals import RunTotals
+from robotteamsim.recording.replay.recorded_run import RecordedNetwork, RecordedRobot, RecordedRun
 from robotteamsim.scenario import FloorPlan
 
 _INCHES = (12.8, 7.2)
@@ -186,12 +186,12 @@ class RunFilm:
         self._links.set(segments=segments, color=colours, linestyle=styles or "-")
 
     def _show_places(self, stamp_ns: int) -> None:
-        status = next((s for s in reversed(self._run.statuses) if s.stamp_ns <= stamp_ns), None)
+        status = self._run.statuses.at(stamp_ns, None)
         for patch, explored in zip(self._areas, status.explored if status else (), strict=False):
             patch.set(
                 facecolor=to_rgba(palette.EXPLORED_AREA, 0.28 if explored else 0.05), linestyle="-" if explored else ":"
             )
-        victims = next((v for stamp, v in reversed(self._run.victims) if stamp <= stamp_ns), ())
+        victims = self._run.victims.at(stamp_ns, ())
         for mark, victim in zip(self._victims, victims, strict=False):
             mark.set_data([victim.position_m[0]], [victim.position_m[1]])
             mark.set(**victim_style(victim.state))

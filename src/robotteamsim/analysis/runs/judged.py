@@ -5,17 +5,16 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Sequence
 from operator import itemgetter
-from pathlib import Path
 
 import msgspec
 import numpy as np
 
-from robotteamsim.analysis.runs.recorded_run import RecordedRobot, RecordedRun
 from robotteamsim.errors import RecordingError
 from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.interface import Decision
 from robotteamsim.network.messages import Message
 from robotteamsim.recording.bag_reader import BagReader
+from robotteamsim.recording.replay.recorded_run import RecordedRobot, RecordedRun
 from robotteamsim.recording.topics.decisions import OUTBOX, STATUS
 from robotteamsim.scenario import Scenario
 from robotteamsim.setup import Setup, resolve
@@ -24,8 +23,8 @@ from robotteamsim.simulation.judge import Judge
 from robotteamsim.wording import counted
 
 
-def judge(run: RecordedRun, paths: Sequence[Path], scenario: Scenario, observers: Sequence[Observer] = ()) -> Result:
-    """Judge the run of a bag, or of the parts of one, by the mission of a scenario, and show each step to observers.
+def judge(run: RecordedRun, scenario: Scenario, observers: Sequence[Observer] = ()) -> Result:
+    """Judge a run by the mission of a scenario, and show each step to observers.
 
     The poses of the robots are those of the run, and what their controllers say is that of `controller/status` and
     `network/tx` if the bag has them. All else is computed, as in a simulation: voices, radio, people, fire, doors that
@@ -35,8 +34,8 @@ def judge(run: RecordedRun, paths: Sequence[Path], scenario: Scenario, observers
     Raises:  RecordingError: the run has robots that the scenario has not, or their poses are not in `map`.
     """
     setup = resolve(scenario)
-    robots = _team(run, setup, paths)
-    said, step_ns = _Said(paths, robots, setup), scenario.run.step_ns
+    robots = _team(run, setup)
+    said, step_ns = _Said(run, robots, setup), scenario.run.step_ns
     stamps_ns = [robot.track.stamps_ns[[0, -1]] for robot in robots if robot] or [np.array([run.start_ns, run.end_ns])]
     first_ns, end_ns = int(np.min(stamps_ns)), int(np.max(stamps_ns))
     judged = Judge(setup, observers)
@@ -53,12 +52,12 @@ def judge(run: RecordedRun, paths: Sequence[Path], scenario: Scenario, observers
         judged.trial.abandon()
 
 
-def _team(run: RecordedRun, setup: Setup, paths: Sequence[Path]) -> list[RecordedRobot | None]:
+def _team(run: RecordedRun, setup: Setup) -> list[RecordedRobot | None]:
     """Return the robots of a run in the order of the scenario's; None: the run has no poses of it.
 
     Raises: RecordingError, as `judge`.
     """
-    files, expected, name = ", ".join(map(str, paths)), len(setup.robots), setup.scenario.name
+    files, expected, name = ", ".join(map(str, run.paths)), len(setup.robots), setup.scenario.name
     numbered = {robot.robot_id: robot for robot in run.robots if robot.robot_id is not None}
     if not numbered and len(run.robots) == expected:
         team: list[RecordedRobot | None] = list(run.robots)
@@ -80,13 +79,13 @@ def _team(run: RecordedRun, setup: Setup, paths: Sequence[Path]) -> list[Recorde
 class _Said:
     """What the controllers of a bag have said: their statuses, and their messages."""
 
-    def __init__(self, paths: Sequence[Path], robots: Sequence[RecordedRobot | None], setup: Setup) -> None:
+    def __init__(self, run: RecordedRun, robots: Sequence[RecordedRobot | None], setup: Setup) -> None:
         """Read the bag. Raises: RecordingError: it cannot be read, or a message is impossible."""
         self._statuses: list[list[tuple[int, Decision]]] = [[] for _ in robots]
         self._messages: list[list[tuple[int, Message]]] = [[] for _ in robots]
         topics = [(i, topic, robot) for i, robot in enumerate(robots) if robot for topic in (STATUS, OUTBOX)]
         wanted = {f"{robot.namespace}/{topic.name}": (i, topic) for i, topic, robot in topics}
-        with BagReader(paths) as bag:
+        with BagReader(run.paths) as bag:
             types = bag.topics
             known = {name for name, (_, topic) in wanted.items() if types.get(name) == topic.type_name}
             for name, stamp_ns, message in bag.messages(set(filter(bag.is_known, known))):
@@ -95,7 +94,7 @@ class _Said:
                 try:
                     value = topic.read(message, setup, robot_id)
                 except ValueError as error:
-                    raise RecordingError(f"{', '.join(map(str, paths))}: {name}: {error}") from None
+                    raise RecordingError(f"{', '.join(map(str, run.paths))}: {name}: {error}") from None
                 if topic is STATUS:
                     self._statuses[robot_id].append((stamp_ns, value))
                 else:

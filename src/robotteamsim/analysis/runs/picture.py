@@ -28,9 +28,9 @@ from robotteamsim.analysis.runs.plan_panel import (
     states_at_end,
     victim_entries,
 )
-from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.analysis.runs.totals import RunTotals
 from robotteamsim.mission.status import END_TEXTS
+from robotteamsim.recording.replay.recorded_run import RecordedRun
 from robotteamsim.scenario import FloorPlan
 
 _SLIDE_INCHES = (13.3, 7.0)
@@ -120,7 +120,7 @@ def _draw_plan(axes: Axes, run: RecordedRun, plan: FloorPlan | None) -> None:
     draw_floor(axes, run, plan)
     if is_on_map(run):
         draw_hazards(axes, run)
-        draw_areas(axes, run.areas, run.statuses[-1].explored if run.statuses else ())
+        draw_areas(axes, run.areas, run.statuses[-1][1].explored if run.statuses else ())
         if run.victims:
             draw_victims(axes, run.victims[-1][1])
     draw_paths(axes, run)

@@ -12,8 +12,9 @@ from matplotlib.patheffects import withStroke
 
 from robotteamsim import palette
 from robotteamsim.analysis.plan_picture import VICTIM_SHAPES, draw_floor_plan
-from robotteamsim.analysis.runs.recorded_run import RecordedArea, RecordedRobot, RecordedRun, RecordedVictim
 from robotteamsim.analysis.runs.totals import endangered_links, onsets
+from robotteamsim.recording.replay.recorded_run import RecordedRobot, RecordedRun
+from robotteamsim.recording.topics.mission import PublishedArea, PublishedVictim
 from robotteamsim.recording.topics.world import BURNING_VALUE, BURNT_OUT_VALUE
 from robotteamsim.scenario import FloorPlan
 from robotteamsim.scenario.plan import OCCUPIED, UNKNOWN, OccupancyGrid
@@ -152,7 +153,7 @@ def hazard_entries(runs: Sequence[RecordedRun]) -> list[Line2D]:
     return entries
 
 
-def draw_areas(axes: Axes, areas: tuple[RecordedArea, ...], explored: tuple[bool, ...]) -> list[Circle]:
+def draw_areas(axes: Axes, areas: tuple[PublishedArea, ...], explored: tuple[bool, ...]) -> list[Circle]:
     """Draw areas as circles with their number, filled if explored; return the circles."""
     circles = []
     for number, area in enumerate(areas, 1):
@@ -177,7 +178,7 @@ def victim_style(state: str) -> dict[str, Any]:
     return {"color": colour, "marker": shape, "markersize": 10, "linestyle": "", "markeredgecolor": palette.INK}
 
 
-def draw_victims(axes: Axes, victims: tuple[RecordedVictim, ...]) -> None:
+def draw_victims(axes: Axes, victims: tuple[PublishedVictim, ...]) -> None:
     """Draw victims in the colour and the shape of their state."""
     for victim in victims:
         axes.plot(*victim.position_m, **victim_style(victim.state), zorder=7)

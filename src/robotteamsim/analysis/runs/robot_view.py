@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from robotteamsim.analysis.runs.recorded_run import RecordedRun
 from robotteamsim.errors import CameraError
 from robotteamsim.geometry import Pose
+from robotteamsim.recording.replay.recorded_run import RecordedRun
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sensors import Camera
 from robotteamsim.setup import resolve

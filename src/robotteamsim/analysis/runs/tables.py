@@ -17,12 +17,12 @@ from robotteamsim.mission.status import END_TEXTS
 from robotteamsim.wording import column_groups, counted, printable
 
 if TYPE_CHECKING:
-    from robotteamsim.analysis.runs.gaps import Gap
-    from robotteamsim.analysis.runs.recorded_run import RecordedRun
     from robotteamsim.analysis.runs.totals import MissionTotals, RobotTotals, RunTotals
     from robotteamsim.mission.egress import Egress
     from robotteamsim.mission.events import AnyEvent
     from robotteamsim.recording.measures import Measured
+    from robotteamsim.recording.replay.gaps import Gap
+    from robotteamsim.recording.replay.recorded_run import RecordedRun
     from robotteamsim.simulation import Result
     from robotteamsim.simulation.timings import StageTime
 

@@ -4,13 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robotteamsim.analysis.runs.gaps import Gap
-from robotteamsim.analysis.runs.recorded_run import RecordedNetwork, RecordedRobot, RecordedRun, Series
-from robotteamsim.analysis.runs.tracks import FASTEST_MPS
 from robotteamsim.interface import SwarmContext
 from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.events import failure_of
 from robotteamsim.network import newly_endangered
+from robotteamsim.recording.replay.gaps import Gap
+from robotteamsim.recording.replay.recorded_run import RecordedNetwork, RecordedRobot, RecordedRun, Series
+from robotteamsim.recording.replay.tracks import FASTEST_MPS
 from robotteamsim.simulation.trial import TrajectoryHash
 from robotteamsim.wording import counted
 
@@ -191,7 +191,7 @@ def speeds_mps(robot: RecordedRobot) -> tuple[np.ndarray, np.ndarray]:
 def _mission(run: RecordedRun) -> MissionTotals | None:
     if not run.statuses:
         return None
-    last = run.statuses[-1]
+    _, last = run.statuses[-1]
     delivered = last.delivered
     return MissionTotals(
         scenario=last.scenario,

@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from scipy import ndimage
@@ -10,8 +9,10 @@ from scipy import ndimage
 from robotteamsim import palette
 from robotteamsim.nodes.scene.building import SMOKE_LAYER, VOICE_LAYER, VOICE_Z_M
 from robotteamsim.nodes.scene.shapes import Mesh, colour, drawn_below, faded
+from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.topics.markers import Colour, Marker
 from robotteamsim.recording.topics.world import BURNING_VALUE, BURNT_OUT_VALUE
+from robotteamsim.scenario.plan import Grid, OccupancyGrid
 
 FINEST_CELL_M, LOUDEST_DB = 0.01, 300.0
 MAX_CELLS = 12_000
@@ -37,9 +38,9 @@ SMOKE_Z_M, FIRE_Z_M = 0.6, 0.65
 """Smoke is a sheet above the robots, from which people stand out; it does not hide fire [m]."""
 
 
-def voice_markers(voice: Any) -> list[Marker]:
-    """Return a voice map, robotteamsim/FloatMap; nothing without voices. Raises: ValueError."""
-    levels_db = np.reshape(voice.data, (voice.height, voice.width))
+def voice_markers(voice: FieldMap) -> list[Marker]:
+    """Return a voice map; nothing without voices. Raises: ValueError: too fine, or impossible levels."""
+    levels_db = voice.values
     if not (voice.resolution_m >= FINEST_CELL_M and ((levels_db >= 0.0) & (levels_db <= LOUDEST_DB)).all()):
         raise ValueError(f"expected cells of at least {FINEST_CELL_M:g} m and levels of 0 to {LOUDEST_DB:g} dB")
     if min(levels_db.shape) < 2 or not (levels_db > 0.0).any():
@@ -47,33 +48,31 @@ def voice_markers(voice: Any) -> list[Marker]:
     closed_db = ndimage.grey_closing(levels_db, size=math.ceil(PILLAR_M / voice.resolution_m))
     levels_db = np.where(levels_db > 0.0, levels_db, closed_db)
     faintest_db = levels_db[levels_db > 0.0].min()
-    x_m = _centers_m(voice.origin.x, voice.width, voice.resolution_m)
-    y_m = _centers_m(voice.origin.y, voice.height, voice.resolution_m)
+    x_m, y_m = _centers_m(voice, levels_db)
     fade = np.clip((levels_db - faintest_db) / FADE_DB, 0.0, 1.0)
     return [drawn_below(_layer("voice", x_m, y_m, levels_db, VOICE, VOICE_Z_M, fade), VOICE_LAYER)]
 
 
-def fire_markers(grid: Any) -> list[Marker]:
-    """Return the cells of a nav_msgs/OccupancyGrid that burn or have burnt. Raises: ValueError."""
+def fire_markers(grid: OccupancyGrid) -> list[Marker]:
+    """Return the cells that burn or have burnt."""
     return _grid_markers("fire", grid, FIRE, FIRE_Z_M)
 
 
-def smoke_markers(grid: Any) -> list[Marker]:
-    """Return smoke, more opaque where one sees less far. Raises: ValueError."""
+def smoke_markers(grid: OccupancyGrid) -> list[Marker]:
+    """Return smoke, more opaque where one sees less far."""
     return [drawn_below(item, SMOKE_LAYER) for item in _grid_markers("smoke", grid, SMOKE, SMOKE_Z_M)]
 
 
-def _grid_markers(name: str, grid: Any, scale: Scale, z_m: float) -> list[Marker]:
-    info, values = grid.info, np.reshape(grid.data, (grid.info.height, grid.info.width))
-    if not (values > 0).any():
+def _grid_markers(name: str, grid: OccupancyGrid, scale: Scale, z_m: float) -> list[Marker]:
+    if not (grid.cells > 0).any():
         return []
-    x_m = _centers_m(info.origin.position.x, info.width, info.resolution)
-    y_m = _centers_m(info.origin.position.y, info.height, info.resolution)
-    return [_layer(name, x_m, y_m, values, scale, z_m)]
+    return [_layer(name, *_centers_m(grid, grid.cells), grid.cells, scale, z_m)]
 
 
-def _centers_m(start_m: float, count: int, resolution_m: float) -> np.ndarray:
-    return start_m + (np.arange(count) + 0.5) * resolution_m
+def _centers_m(grid: Grid, values: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the x of the centres of columns, and the y of those of rows [m]."""
+    (x0, y0), (rows, columns) = grid.origin_m, values.shape
+    return x0 + (np.arange(columns) + 0.5) * grid.resolution_m, y0 + (np.arange(rows) + 0.5) * grid.resolution_m
 
 
 def _layer(

@@ -1,7 +1,6 @@
 """The mission in the 3D scene: areas, victims, and the headline above the building with the legend below it."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 from robotteamsim import palette
 from robotteamsim.geometry import Pose
@@ -9,6 +8,7 @@ from robotteamsim.mission.status import SAVED
 from robotteamsim.nodes.scene.building import DISC_LAYER, DISC_Z_M
 from robotteamsim.nodes.scene.shapes import Mesh, colour, drawn_below, faded, label, person, unit
 from robotteamsim.recording.topics.markers import Marker
+from robotteamsim.recording.topics.mission import PublishedArea, PublishedStatus, PublishedVictim
 from robotteamsim.scenario import Scenario
 
 VICTIM_COLOURS = {state: colour(code) for state, code in palette.VICTIM_STATES.items()}
@@ -22,8 +22,8 @@ WIDTH_PER_LETTER = 0.48
 """Of a text on the screen, per height of a capital letter."""
 
 
-def area_markers(areas: Sequence[Any], size: float) -> Iterator[Marker]:
-    """Yield a numbered disc for each robotteamsim/Area: outlined if unexplored, bright if target, green if explored.
+def area_markers(areas: Sequence[PublishedArea], size: float) -> Iterator[Marker]:
+    """Yield a numbered disc for each area: outlined if unexplored, bright if target, green if explored.
 
     Args: size: see `shapes.unit`.  Raises: ValueError: two have the same name.
     """
@@ -31,20 +31,20 @@ def area_markers(areas: Sequence[Any], size: float) -> Iterator[Marker]:
     for i, area in enumerate(areas):
         if area.explored:
             tint, fill, rim_m = colour(palette.EXPLORED_AREA), 0.30, 0.14
-        elif area.target:
+        elif area.is_target:
             tint, fill, rim_m = colour(palette.TARGET_AREA), 0.22, 0.26
         else:
             tint, fill, rim_m = colour(palette.OPEN_AREA), 0.05, 0.10
         inner_m = area.radius_m - min(rim_m * size, 0.2 * area.radius_m)
-        center_m, disc = (area.center.x, area.center.y), Mesh()
-        disc.ring(center_m, 0.0, inner_m, DISC_Z_M, faded(tint, fill))
-        disc.ring(center_m, inner_m, area.radius_m, DISC_Z_M, faded(tint, 0.95))
+        disc = Mesh()
+        disc.ring(area.center_m, 0.0, inner_m, DISC_Z_M, faded(tint, fill))
+        disc.ring(area.center_m, inner_m, area.radius_m, DISC_Z_M, faded(tint, 0.95))
         yield drawn_below(disc.marker("areas", i), DISC_LAYER)
         height_m = min(NUMBER_M * size, 0.6 * area.radius_m)
-        yield label("area_numbers", i, f"A{i + 1}", tint, (*center_m, 0.5 * height_m), height_m)
+        yield label("area_numbers", i, f"A{i + 1}", tint, (*area.center_m, 0.5 * height_m), height_m)
 
 
-def _check_names(entries: Sequence[Any]) -> None:
+def _check_names(entries: Sequence[PublishedArea | PublishedVictim]) -> None:
     """Raise the ValueError of a list that repeats an entry: a thousand areas take ten seconds to draw."""
     if len({entry.name for entry in entries}) < len(entries):
         raise ValueError("expected different names")
@@ -61,8 +61,8 @@ class VictimPictures:
         self._text_z_m = text_z_m
         self._fallen: set[str] = set()
 
-    def markers(self, victims: Sequence[Any]) -> Iterator[Marker]:
-        """Yield a figure for each robotteamsim/Victim in the colour of their state; name and ring if they need help.
+    def markers(self, victims: Sequence[PublishedVictim]) -> Iterator[Marker]:
+        """Yield a figure for each victim in the colour of their state; name and ring if they need help.
 
         In the ring, a robot saves the victim; it is filled when they are saved. Raises: ValueError: as for areas.
         """
@@ -73,13 +73,13 @@ class VictimPictures:
         for i, victim in enumerate(victims):
             yield from self._parts(i, victim)
 
-    def _parts(self, index: int, victim: Any) -> Iterator[Marker]:
+    def _parts(self, index: int, victim: PublishedVictim) -> Iterator[Marker]:
         of_scenario = self._of_scenario.get(victim.name)
         walks = of_scenario is not None and (of_scenario.can_walk or of_scenario.walks or of_scenario.flees)
         lies = not walks or victim.name in self._fallen
         flees = of_scenario is not None and of_scenario.flees and not lies and victim.state in ("waiting", "heard")
         tint = VICTIM_COLOURS["fleeing" if flees else victim.state]
-        x, y = victim.position.x, victim.position.y
+        x, y = victim.position_m
         raised_m = SHOULDER_M if lies and victim.state == "carried" else 0.0
         yield from person("victims", index, Pose(x, y, 0.6 + 1.9 * index), tint, lies=lies, raised_m=raised_m)
         if not lies and (flees or victim.state in {"carried", *SAVED}):
@@ -93,16 +93,16 @@ class VictimPictures:
         yield label("victim_names", index, victim.name.replace("_", " "), tint, at, height_m)
 
 
-def headline_words(status: Any) -> str:
-    """Return the headline of a robotteamsim/MissionStatus.
+def headline_words(status: PublishedStatus) -> str:
+    """Return the headline of a mission.
 
     Such as "garage_sar   251.3 s   areas 3/5   victims 2/4   noise 10 dB   running".
     """
     parts = [status.scenario, f"{status.time_s:.1f} s"]
-    if len(status.explored):
-        parts.append(f"areas {sum(map(bool, status.explored))}/{len(status.explored)}")
+    if status.explored:
+        parts.append(f"areas {sum(status.explored)}/{len(status.explored)}")
     if status.victims:
-        parts.append(f"victims {sum(state in SAVED for state in status.victims)}/{len(status.victims)}")
+        parts.append(f"victims {status.num_saved}/{len(status.victims)}")
     parts.append(f"noise {status.noise_db:g} dB")
     parts.append(status.end.replace("_", " ") if status.state == "ended" else status.state)
     return "    ".join(parts)

@@ -11,6 +11,7 @@ import shapely
 
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.geometry import Pose
+from robotteamsim.interface import Decision
 from robotteamsim.message_parts import MAP_FRAME, header, robot_name
 from robotteamsim.nodes.inputs import Input
 from robotteamsim.nodes.launched import read_scenario
@@ -25,13 +26,24 @@ from robotteamsim.nodes.scene.mission import (
     legend_markers,
 )
 from robotteamsim.nodes.scene.shapes import WHITE, unit
-from robotteamsim.nodes.scene.team import Links, RobotPicture, link_markers, links_of, team_markers, trail_marker
+from robotteamsim.nodes.scene.team import RobotPicture, link_markers, team_markers, trail_marker
 from robotteamsim.nodes.settings import OTHERS_REPORT_S
 from robotteamsim.nodes.transforms import STATIC, Transforms
-from robotteamsim.recording.topics.decisions import STATUS
+from robotteamsim.recording.topics import Topic
+from robotteamsim.recording.topics.base import read_field_map, read_occupancy_grid
+from robotteamsim.recording.topics.decisions import STATUS, read_decision
 from robotteamsim.recording.topics.markers import ARRAY, ARROW, DELETE, DELETE_ALL, Marker, array_message
+from robotteamsim.recording.topics.mission import (
+    AREAS,
+    MISSION_STATUS,
+    VICTIMS,
+    read_areas,
+    read_status,
+    read_victims,
+)
+from robotteamsim.recording.topics.radio import NETWORK_LINKS, VOICE_MAP, PublishedNetwork, read_network_links
 from robotteamsim.recording.topics.robots import ODOM, TF, TRUTH, read_odometry
-from robotteamsim.recording.topics.world import FIRE, ROBOTS, SMOKE
+from robotteamsim.recording.topics.world import DOORS, FIRE, ROBOTS, SMOKE, read_doors, read_robots
 from robotteamsim.scenario import Bounds, Scenario
 from robotteamsim.scenario.sections import Robot
 from robotteamsim.setup import resolve
@@ -82,14 +94,12 @@ def wall_height(bounds: Bounds) -> float:
 class Newest(Generic[T]):
     """What the newest message of a topic contains, if it was not drawn yet."""
 
-    def __init__(
-        self, node: Node, topic: str, type_name: str, read: Callable[[Any], T], *, latched: bool = True
-    ) -> None:
-        """Subscribe. Args: read: returns what is drawn, or raises one of UNREADABLE."""
-        self._node, self._topic, self._type_name, self._read = node, topic, type_name, read
+    def __init__(self, node: Node, topic: Topic, read: Callable[[Any], T], *, prefix: str = "") -> None:
+        """Subscribe. Args: read: returns what is drawn, or raises one of UNREADABLE.  prefix: of the topic's name."""
+        self._node, self._topic, self._type_name, self._read = node, prefix + topic.name, topic.type_name, read
         self._messages: deque[bytes] = deque(maxlen=1)
         self._is_warned = False
-        node.listen(topic, type_name, self._messages.append, latched=latched, queue_size=1)
+        node.listen(self._topic, self._type_name, self._messages.append, latched=topic.latched, queue_size=1)
 
     def take(self) -> T | None:
         """Return it once; None if there is no new message, or one that does not fit to the scenario."""
@@ -140,11 +150,11 @@ class Team:
         self._robots: dict[int, RobotPicture] = {}
         self._found: dict[int, tuple[int, float, float, float]] = {}
         """The last pose of each robot from tf."""
-        self._statuses: dict[int, Newest[Any]] = {}
-        self._present = Newest(node, ROBOTS.name, ROBOTS.type_name, lambda message: bytes(message.present))
+        self._statuses: dict[int, Newest[Decision]] = {}
+        self._presence = Newest(node, ROBOTS, read_robots)
         self._absent: set[int] = set()
-        self._newest_links = Newest(node, "/network/links", "robotteamsim/NetworkLinks", links_of, latched=False)
-        self._links = Links()
+        self._newest_links = Newest(node, NETWORK_LINKS, read_network_links)
+        self._links: PublishedNetwork | None = None
         self.layers = {name: Layer(node, name) for name in ("trails", "links", "robots")}
         self._transforms = Transforms(node) if scenario.control.localisation == "tf" else None
         self._changed = False
@@ -165,8 +175,7 @@ class Team:
         if self._transforms is None:
             truth = Input(self._node, prefix + TRUTH.name, TRUTH.type_name, read_odometry)
             truth.listen(lambda _, stamp_ns, seen: self._move(robot, stamp_ns / 1e9, seen.pose.pose))
-        status = f"{prefix}{STATUS.name}"
-        self._statuses[robot_id] = Newest(self._node, status, STATUS.type_name, lambda message: message, latched=False)
+        self._statuses[robot_id] = Newest(self._node, STATUS, read_decision, prefix=prefix)
         self._robots = dict(sorted([*self._robots.items(), (robot_id, robot)]))
 
     def _move(self, robot: RobotPicture, time_s: float, pose: Pose) -> None:
@@ -205,9 +214,9 @@ class Team:
 
     def _read(self) -> None:
         """Note what robots, controllers and the network have published."""
-        present, links = self._present.take(), self._newest_links.take()
-        if present is not None:
-            absent = {robot_id for robot_id, is_present in enumerate(present) if not is_present}
+        presence, links = self._presence.take(), self._newest_links.take()
+        if presence is not None:
+            absent = {robot_id for robot_id, is_present in enumerate(presence.present) if not is_present}
             for robot_id in self._absent - absent & self._robots.keys():
                 self._robots[robot_id].trail_m.clear()
             self._changed |= absent != self._absent
@@ -232,30 +241,24 @@ class Scene:
         victims = VictimPictures(scenario, text_z_m)
         at_start, legend = openings_at_start(plan), list(legend_markers(scenario))
 
-        def draw_doors(doors: Any) -> list[Marker]:
-            openings = at_start | {door.name: door.opening for door in doors.doors}
+        def draw_doors(message: Any) -> list[Marker]:
+            openings = at_start | {name: state.opening for name, state in read_doors(message).items()}
             return door_markers(plan, openings, wall_height_m)
 
-        def draw_headline(status: Any) -> list[Marker]:
-            return [headline_marker(headline_words(status), scenario), *legend]
-
-        def draw_areas(found: Any) -> list[Marker]:
-            return list(area_markers(found.areas, size))
-
-        def draw_victims(found: Any) -> list[Marker]:
-            return list(victims.markers(found.victims))
+        def draw_headline(message: Any) -> list[Marker]:
+            return [headline_marker(headline_words(read_status(message)), scenario), *legend]
 
         doors = door_markers(plan, at_start, wall_height_m)
         self._pictures = [
-            (Newest(node, topic, type_name, draw), Layer(node, layer, begin))
-            for layer, topic, type_name, draw, begin in (
-                ("doors", "/world/doors", "robotteamsim/Doors", draw_doors, doors),
-                ("areas", "/mission/areas", "robotteamsim/Areas", draw_areas, []),
-                ("victims", "/mission/victims", "robotteamsim/Victims", draw_victims, []),
-                ("headline", "/mission/status", "robotteamsim/MissionStatus", draw_headline, legend),
-                ("voice", "/voice_map/values", "robotteamsim/FloatMap", voice_markers, []),
-                ("fire", FIRE.name, FIRE.type_name, fire_markers, []),
-                ("smoke", SMOKE.name, SMOKE.type_name, smoke_markers, []),
+            (Newest(node, topic, draw), Layer(node, layer, begin))
+            for layer, topic, draw, begin in (
+                ("doors", DOORS, draw_doors, doors),
+                ("areas", AREAS, lambda message: list(area_markers(read_areas(message), size)), []),
+                ("victims", VICTIMS, lambda message: list(victims.markers(read_victims(message))), []),
+                ("headline", MISSION_STATUS, draw_headline, legend),
+                ("voice", VOICE_MAP, lambda message: voice_markers(read_field_map(message)), []),
+                ("fire", FIRE, lambda message: fire_markers(read_occupancy_grid(message)), []),
+                ("smoke", SMOKE, lambda message: smoke_markers(read_occupancy_grid(message)), []),
             )
         ]
         self._team = Team(node, scenario, text_z_m)

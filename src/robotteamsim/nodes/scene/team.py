@@ -4,7 +4,6 @@ import math
 from collections import deque
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 import shapely
@@ -13,7 +12,6 @@ from scipy.spatial import distance
 
 from robotteamsim import palette
 from robotteamsim.geometry import Pose
-from robotteamsim.network.compact import row_bytes, unpacked
 from robotteamsim.nodes.scene.building import TRAIL_LAYER, TRAIL_Z_M
 from robotteamsim.nodes.scene.shapes import (
     WHITE,
@@ -28,6 +26,7 @@ from robotteamsim.nodes.scene.shapes import (
     shaded,
 )
 from robotteamsim.recording.topics.markers import CYLINDER, LINE_STRIP, Colour, Marker, Position
+from robotteamsim.recording.topics.radio import PublishedNetwork
 from robotteamsim.scenario.scenario import Role
 from robotteamsim.scenario.sections import Robot
 
@@ -165,28 +164,15 @@ def trail_marker(robot_id: int, points_m: Sequence[tuple[float, float]], size: f
     return drawn_below(result, TRAIL_LAYER)
 
 
-@dataclass(frozen=True)
-class Links:
-    """The links of a team: bool, shape (n, n)."""
-
-    adjacency: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), bool))
-    endangered: np.ndarray = field(default_factory=lambda: np.zeros((0, 0), bool))
-
-
-def links_of(message: Any) -> Links:
-    """Return the links in a robotteamsim/NetworkLinks. Raises: ValueError: it has too few bytes."""
-    shape = (message.num_robots, row_bytes(message.num_robots))
-    rows = (np.frombuffer(bits, np.uint8).reshape(shape) for bits in (message.adjacency, message.endangered))
-    return Links(*(unpacked(bits, message.num_robots) for bits in rows))
-
-
-def link_markers(links: Links, positions_m: Mapping[int, tuple[float, float]], size: float) -> list[Marker]:
+def link_markers(
+    links: PublishedNetwork | None, positions_m: Mapping[int, tuple[float, float]], size: float
+) -> list[Marker]:
     """Return the links; of many robots only a spanning forest of the shortest ones, which connects the same robots.
 
     Args: positions_m: of each robot in the map frame [m]; links of other robots are omitted.
     """
-    ids = [robot_id for robot_id in sorted(positions_m) if robot_id < len(links.adjacency)]
-    if not ids:
+    ids = [] if links is None else [i for i in sorted(positions_m) if i < len(links.adjacency)]
+    if links is None or not ids:
         return []
     # A distance of 0 would mean that there is no link.
     lengths_m = distance.squareform(distance.pdist([positions_m[robot_id] for robot_id in ids])) + 1e-6

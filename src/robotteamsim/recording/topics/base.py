@@ -25,6 +25,10 @@ from robotteamsim.setup import Setup
 
 FARTHEST_M = 1e6
 """Limit of coordinates, as in the propagation models."""
+LARGEST_VALUE = 1e4
+"""Limit of the values of maps, in dB or degrees Celsius; larger ones are damage."""
+LONGEST_S = 1e9
+"""Limit of times [s]."""
 
 
 class When(Enum):
@@ -77,7 +81,8 @@ class Topic:
     version:  of a step's contents, for a latched topic that rarely changes: bags have a message per change.
     several:  whether the values are those of several messages.
     is_in:    whether a scenario has the topic.   in_bags: whether bags have it, too.
-    read:     returns the value of (message, setup, robot_id), for nodes that receive it. Raises: ValueError.
+    read:     returns the value of (message, setup, robot_id), for nodes and for readers of bags, which may know neither
+              setup nor robot (None). Raises: ValueError: an impossible one. AttributeError: a type of another version.
     """
 
     name: str
@@ -173,6 +178,36 @@ def field_map(time_ns: int, field: FieldMap, quantity: str, unit: str) -> RosMes
     }
 
 
+def read_occupancy_grid(message: Any) -> OccupancyGrid:
+    """Return a grid. Raises: ValueError: it is rotated, incomplete, or at an impossible place."""
+    info, origin = message.info, message.info.origin
+    if not abs(origin.orientation.z) <= 1e-6:
+        raise ValueError("a rotated grid; expected the axes of map")
+    cells = _cells("grid of {} cells", info, message.data, info.resolution, origin.position)
+    return OccupancyGrid((origin.position.x, origin.position.y), float(info.resolution), np.asarray(cells, np.int8))
+
+
+def read_field_map(message: Any) -> FieldMap:
+    """Return a map of a quantity, float32; NaN is unknown. Raises: ValueError: as `read_occupancy_grid`, or a value."""
+    cell_m, origin = message.resolution_m, message.origin
+    values = np.asarray(_cells("map of {} values", message, message.data, cell_m, origin), np.float32)
+    largest = float(np.abs(values).max(initial=0.0, where=np.isfinite(values)))
+    if largest > LARGEST_VALUE:
+        raise ValueError(f"values up to {largest:g}; expected at most {LARGEST_VALUE:g}")
+    return FieldMap((origin.x, origin.y), float(cell_m), values)
+
+
+def _cells(what: str, size: Any, data: Any, cell_m: float, origin: Any) -> np.ndarray:
+    """Return data in rows. Raises: ValueError: as `read_occupancy_grid`. Args: what: is placed, for the error."""
+    if not 0 < size.width * size.height == len(data):
+        raise ValueError(f"{what.format(len(data))}; expected {size.width * size.height}")
+    check_within("resolution", cell_m, FARTHEST_M)
+    if not cell_m > 0.0:
+        raise ValueError(f"resolution {cell_m:g}; expected more than 0")
+    check_place("origin", origin.x, origin.y)
+    return np.reshape(data, (size.height, size.width))
+
+
 def read_twist(message: Any) -> Twist:
     """Return a command in the plane. Raises: ValueError: it is not finite."""
     command = Twist(message.linear.x, message.linear.y, message.angular.z)
@@ -193,6 +228,13 @@ def check_place(name: str, *coordinates: float) -> None:
         if not abs(coordinate) <= FARTHEST_M:
             shown = ", ".join(f"{value:g}" for value in coordinates)
             raise ValueError(f"{name}: ({shown}); expected finite numbers within 1000 km")
+
+
+def check_within(name: str, value: float, most: float) -> float:
+    """Return a number. Raises: ValueError: it is not finite, or impossibly large."""
+    if not abs(value) <= most:
+        raise ValueError(f"{name} {value:g}; expected at most {most:g}")
+    return float(value)
 
 
 def check_finite(name: str, *values: float) -> None:

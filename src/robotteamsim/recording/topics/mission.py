@@ -13,12 +13,71 @@ from robotteamsim.interface import Assistance, Decision, Discovery, Task
 from robotteamsim.message_parts import MAP_FRAME, RosMessage, header, point
 from robotteamsim.mission.egress import Egress, ExitEgress, PersonEgress
 from robotteamsim.mission.events import Event, VictimLocated
-from robotteamsim.mission.status import DeliveredDiscoveries, MissionStatus, VictimState
-from robotteamsim.recording.topics.base import Topic, When, read_point
+from robotteamsim.mission.status import SAVED, DeliveredDiscoveries, MissionStatus, VictimState
+from robotteamsim.recording.topics.base import FARTHEST_M, LONGEST_S, Topic, When, check_within, read_point
+from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.sections import LARGEST_AREA_M, Area, Victim
 from robotteamsim.setup import Setup
 
 _NOTHING_DELIVERED = DeliveredDiscoveries()
+
+
+class PublishedStatus(msgspec.Struct, frozen=True):
+    """The mission, as /mission/status has it; see `MissionStatus`."""
+
+    time_s: float = 0.0
+    scenario: str = ""
+    state: str = ""
+    end: str = ""
+    explored: tuple[bool, ...] = ()
+    victims: tuple[str, ...] = ()
+    endangered_links: int = 0
+    noise_db: float = 0.0
+    delivered: DeliveredDiscoveries | None = None
+    target_area: int = -1
+
+    @property
+    def num_saved(self) -> int:
+        """Number of victims who are saved or safe."""
+        return sum(state in SAVED for state in self.victims)
+
+    @property
+    def num_heard(self) -> int:
+        """Number of victims who have been heard or found."""
+        return sum(state != "waiting" for state in self.victims)
+
+
+class PublishedVictim(msgspec.Struct, frozen=True):
+    """A victim, in `map` [m]; state: see `mission.status.VictimState`."""
+
+    name: str
+    position_m: Point
+    state: str
+
+
+class PublishedArea(msgspec.Struct, frozen=True):
+    """An area, in `map` [m]: whether it is explored, and whether the team is to explore it now."""
+
+    name: str
+    center_m: Point
+    radius_m: float
+    explored: bool
+    is_target: bool
+
+
+class PublishedEvent(msgspec.Struct, frozen=True):
+    """An event of the mission: see `mission.events.Event`. error_m: of the event `victim_located` [m]."""
+
+    time_s: float
+    kind: str
+    subject: str
+    robot_id: int
+    detail: str
+    error_m: float = 0.0
+
+    def row(self) -> dict[str, Any]:
+        """Return what every event has, by key."""
+        return {key: value for key, value in msgspec.structs.asdict(self).items() if key != "error_m"}
 
 
 def mission_status(time_ns: int, scenario_name: str, status: MissionStatus, noise_db: float) -> RosMessage:
@@ -81,6 +140,26 @@ def read_task(message: Any, num_robots: int) -> Task:
     )
 
 
+def read_status(message: Any) -> PublishedStatus:
+    """Return the mission of a MissionStatus, without the team's task. Raises: ValueError: an impossible time."""
+    delivered = None
+    if message.has_base:
+        count = int(message.discoveries_delivered)
+        delivered = DeliveredDiscoveries(count, message.mean_delivery_delay_s, message.max_delivery_delay_s)
+    return PublishedStatus(
+        time_s=check_within("time", message.time_s, LONGEST_S),
+        scenario=message.scenario,
+        state=message.state,
+        end=message.end,
+        explored=tuple(map(bool, message.explored)),
+        victims=tuple(message.victims),
+        endangered_links=int(message.endangered_links),
+        noise_db=message.noise_db,
+        delivered=delivered,
+        target_area=int(message.target_area),
+    )
+
+
 def mission_event(time_ns: int, event: Event) -> RosMessage:
     """robotteamsim/MissionEvent."""
     return {
@@ -88,6 +167,12 @@ def mission_event(time_ns: int, event: Event) -> RosMessage:
         **event.row(),
         "error_m": event.what.error_m if isinstance(event.what, VictimLocated) else 0.0,
     }
+
+
+def read_event(message: Any) -> PublishedEvent:
+    """Return an event. Raises: ValueError: an impossible time."""
+    time_s = check_within("time", message.time_s, LONGEST_S)
+    return PublishedEvent(time_s, message.kind, message.subject, message.robot_id, message.detail, message.error_m)
 
 
 def victims(time_ns: int, all_victims: Sequence[Victim], states: Sequence[VictimState]) -> RosMessage:
@@ -99,6 +184,11 @@ def victims(time_ns: int, all_victims: Sequence[Victim], states: Sequence[Victim
             for victim, state in zip(all_victims, states, strict=True)
         ],
     }
+
+
+def read_victims(message: Any) -> tuple[PublishedVictim, ...]:
+    """Return the victims. Raises: ValueError: an impossible place."""
+    return tuple(PublishedVictim(one.name, read_point("position", one.position), one.state) for one in message.victims)
 
 
 def areas(time_ns: int, all_areas: Sequence[Area], status: MissionStatus) -> RosMessage:
@@ -116,6 +206,20 @@ def areas(time_ns: int, all_areas: Sequence[Area], status: MissionStatus) -> Ros
             for index, area in enumerate(all_areas)
         ],
     }
+
+
+def read_areas(message: Any) -> tuple[PublishedArea, ...]:
+    """Return the areas. Raises: ValueError: an impossible place or radius."""
+    return tuple(
+        PublishedArea(
+            name=one.name,
+            center_m=read_point("center", one.center),
+            radius_m=check_within("radius", one.radius_m, FARTHEST_M),
+            explored=bool(one.explored),
+            is_target=bool(one.target),
+        )
+        for one in message.areas
+    )
 
 
 def egress(time_ns: int, state: Egress) -> RosMessage:
@@ -137,7 +241,7 @@ def _or_nan(value: Any) -> Any:
 
 
 def read_egress(message: Any) -> Egress:
-    """Return the egress of a message."""
+    """Return the egress of a message. Raises: ValueError: impossible times, doses or distances."""
     return Egress(
         ignition_s=_or_none(message.ignition_s),
         people=tuple(_read_part(PersonEgress, person) for person in message.people),
@@ -146,11 +250,16 @@ def read_egress(message: Any) -> Egress:
 
 
 def _read_part(kind: Any, message: Any) -> Any:
+    for name in ("gas", "heat", "visibility_m"):
+        check_within(name, getattr(message, name), LONGEST_S)
     return kind(**{key: _or_none(getattr(message, key)) for key in kind.__struct_fields__})
 
 
 def _or_none(value: Any) -> Any:
-    return None if isinstance(value, float) and math.isnan(value) else value
+    """Return a value of a message; NaN is None. Raises: ValueError: a time is impossible."""
+    if not isinstance(value, float):
+        return value
+    return None if math.isnan(value) else check_within("time", value, LONGEST_S)
 
 
 def sensor_world(
@@ -212,37 +321,38 @@ EGRESS = Topic(
     latched=True,
     version=lambda record: record.egress,
     is_in=lambda scenario: scenario.has_egress,
+    read=lambda message, *_: read_egress(message),
 )
-MISSION_TOPICS = (
-    MISSION_STATUS,
-    Topic(
-        "/mission/events",
-        "robotteamsim/MissionEvent",
-        When.EVENT,
-        lambda _, record: [(event,) for event in record.events],
-        mission_event,
-        several=True,
-    ),
-    Topic(
-        "/mission/victims",
-        "robotteamsim/Victims",
-        When.CHANGE,
-        lambda _, record: (record.victims, record.mission.victims),
-        victims,
-        latched=True,
-        version=lambda record: (record.victims, record.mission.victims),
-    ),
-    EGRESS,
-    Topic(
-        "/mission/areas",
-        "robotteamsim/Areas",
-        When.CHANGE,
-        lambda source, record: (source.setup.scenario.mission.areas, record.mission),
-        areas,
-        latched=True,
-        version=lambda record: (record.mission.explored, record.mission.target_area),
-    ),
+EVENTS = Topic(
+    "/mission/events",
+    "robotteamsim/MissionEvent",
+    When.EVENT,
+    lambda _, record: [(event,) for event in record.events],
+    mission_event,
+    several=True,
+    read=lambda message, *_: read_event(message),
 )
+VICTIMS = Topic(
+    "/mission/victims",
+    "robotteamsim/Victims",
+    When.CHANGE,
+    lambda _, record: (record.victims, record.mission.victims),
+    victims,
+    latched=True,
+    version=lambda record: (record.victims, record.mission.victims),
+    read=lambda message, *_: read_victims(message),
+)
+AREAS = Topic(
+    "/mission/areas",
+    "robotteamsim/Areas",
+    When.CHANGE,
+    lambda source, record: (source.setup.scenario.mission.areas, record.mission),
+    areas,
+    latched=True,
+    version=lambda record: (record.mission.explored, record.mission.target_area),
+    read=lambda message, *_: read_areas(message),
+)
+MISSION_TOPICS = (MISSION_STATUS, EVENTS, VICTIMS, EGRESS, AREAS)
 SENSOR_WORLD = Topic(
     "/sensor_world",
     "robotteamsim/SensorWorld",

@@ -6,16 +6,44 @@ from collections.abc import Iterable
 from functools import partial
 from typing import Any
 
+import msgspec
+import numpy as np
+
 from robotteamsim.message_parts import MAP_FRAME, RosMessage, header, point
-from robotteamsim.network.compact import CompactLinks
+from robotteamsim.network.compact import CompactLinks, hops_among, row_bytes, unpacked
 from robotteamsim.network.messages import Message, NetworkState, Traffic
 from robotteamsim.propagation import FieldMap
-from robotteamsim.recording.topics.base import Source, Topic, When, field_map, field_map_picture, read_point
+from robotteamsim.recording.topics.base import (
+    Source,
+    Topic,
+    When,
+    field_map,
+    field_map_picture,
+    read_field_map,
+    read_point,
+)
 from robotteamsim.scenario.sensors.base import expect_within
 from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.simulation import StepRecord
 
 LOUDEST_DB = 1e6
+LARGEST_DBM = 1e3
+"""Larger signals are not measurements, but damage."""
+
+
+class PublishedNetwork(msgspec.Struct, frozen=True, eq=False):
+    """The network of n robots, as /network/state and /network/links have it.
+
+    adjacency, endangered: bool, shape (n, n).
+    hop_count:   int32, shape (n, n); -1 if no path exists, and on the diagonal for an absent robot.
+    signals_dbm: of links, int16, shape (n, n), rounded, 0 elsewhere [dBm]; None where only links are published.
+    """
+
+    adjacency: np.ndarray
+    endangered: np.ndarray
+    hop_count: np.ndarray
+    fiedler_value: float
+    signals_dbm: np.ndarray | None = None
 
 
 def voice(time_ns: int, reading: VoiceReading) -> RosMessage:
@@ -85,6 +113,23 @@ def network_state(time_ns: int, network: NetworkState) -> RosMessage:
     }
 
 
+def read_network_state(message: Any) -> PublishedNetwork:
+    """Return the network of a NetworkState. Raises: ValueError: matrices of another size, or impossible signals."""
+    n = message.num_robots
+    rssi_dbm = np.asarray(message.rssi_dbm)
+    if not n * n == len(message.adjacency) == len(message.endangered) == len(message.hop_count) == len(rssi_dbm):
+        raise ValueError(f"matrices of {len(message.adjacency)} values; expected {n * n}")
+    largest_dbm = float(np.abs(rssi_dbm).max(initial=0.0, where=np.isfinite(rssi_dbm)))
+    if largest_dbm > LARGEST_DBM:
+        raise ValueError(f"signals up to {largest_dbm:g}; expected at most {LARGEST_DBM:g}")
+    adjacency, endangered, hop_count, rssi_dbm = (
+        np.reshape(matrix, (n, n)) for matrix in (message.adjacency, message.endangered, message.hop_count, rssi_dbm)
+    )
+    links = adjacency.astype(bool)
+    signals_dbm = np.rint(np.where(links & np.isfinite(rssi_dbm), rssi_dbm, 0.0)).astype(np.int16)
+    return PublishedNetwork(links, endangered.astype(bool), hop_count, message.fiedler_value, signals_dbm)
+
+
 def network_links(time_ns: int, links: CompactLinks) -> RosMessage:
     """robotteamsim/NetworkLinks."""
     return {
@@ -102,6 +147,18 @@ def network_links(time_ns: int, links: CompactLinks) -> RosMessage:
         "weakened_rssi_dbm": links.weakened_rssi_dbm,
         **_traffic(links.traffic),
     }
+
+
+def read_network_links(message: Any) -> PublishedNetwork:
+    """Return the network of a NetworkLinks. Raises: ValueError: rows of another size, or links of absent robots."""
+    n = message.num_robots
+    shape = (n, row_bytes(n))
+    rows = [np.frombuffer(bits, np.uint8) for bits in (message.adjacency, message.endangered)]
+    present = np.frombuffer(message.present, np.uint8) != 0
+    if not (all(bits.size == shape[0] * shape[1] for bits in rows) and len(present) == n):
+        raise ValueError(f"rows of {rows[0].size} bytes; expected {shape[0] * shape[1]}")
+    adjacency, endangered = (unpacked(bits.reshape(shape), n) for bits in rows)
+    return PublishedNetwork(adjacency, endangered, hops_among(adjacency, present), message.fiedler_value)
 
 
 def _traffic(traffic: Traffic) -> dict[str, Any]:
@@ -169,6 +226,7 @@ VOICE_MAP = Topic(
     _voice_map,
     partial(field_map, quantity="voice_level", unit="dB"),
     latched=True,
+    read=lambda message, *_: read_field_map(message),
 )
 VOICE_MAP_TOPICS = (
     Topic("/voice_map", "nav_msgs/OccupancyGrid", When.CHANGE, _voice_map, field_map_picture, latched=True),
@@ -182,14 +240,14 @@ NETWORK_STATE = Topic(
     lambda _, record: (record.network,),
     network_state,
     is_in=lambda scenario: scenario.network.publish_matrices,
+    read=lambda message, *_: read_network_state(message),
 )
-NETWORK_TOPICS = (
-    Topic(
-        "/network/links",
-        "robotteamsim/NetworkLinks",
-        When.STEP,
-        lambda source, record: (source.links.encode(record.network),),
-        network_links,
-    ),
-    NETWORK_STATE,
+NETWORK_LINKS = Topic(
+    "/network/links",
+    "robotteamsim/NetworkLinks",
+    When.STEP,
+    lambda source, record: (source.links.encode(record.network),),
+    network_links,
+    read=lambda message, *_: read_network_links(message),
 )
+NETWORK_TOPICS = (NETWORK_LINKS, NETWORK_STATE)

@@ -15,7 +15,17 @@ from robotteamsim.hazards import BURNING, BURNT_OUT, HazardField
 from robotteamsim.hazards.field import FARTHEST_SIGHT_M
 from robotteamsim.message_parts import MAP_FRAME, RosMessage, header, point
 from robotteamsim.propagation import FieldMap
-from robotteamsim.recording.topics.base import Topic, When, check_finite, check_place, field_map, occupancy_grid
+from robotteamsim.recording.topics.base import (
+    Topic,
+    When,
+    check_finite,
+    check_place,
+    field_map,
+    occupancy_grid,
+    read_field_map,
+    read_occupancy_grid,
+    read_point,
+)
 from robotteamsim.recording.topics.markers import ADD, CUBE, CYLINDER, DELETE_ALL, Marker, array_message
 from robotteamsim.scenario.map_image import published_map
 from robotteamsim.scenario.objects import MovableObject
@@ -23,7 +33,7 @@ from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.scenario import Role
 from robotteamsim.world.contract import Mishap, ObjectStates
-from robotteamsim.world.doors import DoorStates
+from robotteamsim.world.doors import DoorState, DoorStates
 from robotteamsim.world.people import PersonState
 
 MISHAPS: tuple[Mishap | None, ...] = (None, "tipped_over", "left_world")
@@ -37,10 +47,11 @@ _OBJECTS = "objects"
 
 
 class TeamPresence(msgspec.Struct, frozen=True):
-    """Which robots are present, and how often each has arrived, by id."""
+    """Which members of a team are present, how often each has arrived, and what they are, by id."""
 
     present: tuple[bool, ...]
     arrivals: tuple[int, ...]
+    roles: tuple[Role, ...] = ()
 
 
 def clock(time_ns: int) -> RosMessage:
@@ -59,9 +70,15 @@ def doors(time_ns: int, states: DoorStates) -> RosMessage:
     }
 
 
-def read_doors(message: Any) -> Mapping[str, bool]:
-    """Return whether each door is closed, by name."""
-    return {door.name: bool(door.closed) for door in message.doors}
+def read_doors(message: Any) -> DoorStates:
+    """Return the state of each door; leaves that other worlds push may overshoot. Raises: ValueError: NaN."""
+    check_finite("opening", *(door.opening for door in message.doors))
+    return DoorStates(
+        {
+            door.name: DoorState(bool(door.closed), min(max(door.opening, 0.0), 1.0), door.motion)
+            for door in message.doors
+        }
+    )
 
 
 def people(time_ns: int, states: Sequence[PersonState]) -> RosMessage:
@@ -70,6 +87,11 @@ def people(time_ns: int, states: Sequence[PersonState]) -> RosMessage:
         "header": header(time_ns, MAP_FRAME),
         "people": [{"name": one.name, "position": point(one.position_m), "motion": one.motion} for one in states],
     }
+
+
+def read_people(message: Any) -> tuple[PersonState, ...]:
+    """Return the people. Raises: ValueError: an impossible place."""
+    return tuple(PersonState(one.name, read_point("position", one.position), one.motion) for one in message.people)
 
 
 def robots(
@@ -97,13 +119,19 @@ def robots(
     }
 
 
-def read_robots(message: Any, num_robots: int) -> TeamPresence:
-    """Return which robots are present. Raises: ValueError: another number of robots."""
+def read_robots(message: Any, num_robots: int | None = None) -> TeamPresence:
+    """Return which robots are present. Args: num_robots: that are expected; None: any number.
+
+    Raises: ValueError: another number of robots, or an unknown role.
+    """
     for name in ("present", "arrivals"):
         count = len(getattr(message, name))
-        if count != num_robots:
+        if num_robots not in (None, count):
             raise ValueError(f"{name}: {count} entries; expected {num_robots}")
-    return TeamPresence(tuple(map(bool, message.present)), tuple(map(int, message.arrivals)))
+    if len(message.roles) and max(message.roles) >= len(ROLES):
+        raise ValueError(f"role {max(message.roles)}; expected at most {len(ROLES) - 1}")
+    roles = tuple(ROLES[number] for number in message.roles)
+    return TeamPresence(tuple(map(bool, message.present)), tuple(map(int, message.arrivals)), roles)
 
 
 def objects(_: int, states: ObjectStates, *, replace: bool = False) -> RosMessage:
@@ -159,7 +187,9 @@ def smoke_cells(field: HazardField) -> np.ndarray:
     return np.round(100.0 * (1.0 - visibility_m / FARTHEST_SIGHT_M)).astype(np.int8)
 
 
-def _hazards(name: str, type_name: str, message: Callable[[int, HazardField], Any]) -> Topic:
+def _hazards(
+    name: str, type_name: str, message: Callable[[int, HazardField], Any], read: Callable[[Any], Any]
+) -> Topic:
     return Topic(
         name,
         type_name,
@@ -168,6 +198,7 @@ def _hazards(name: str, type_name: str, message: Callable[[int, HazardField], An
         message,
         latched=True,
         is_in=lambda scenario: scenario.fire is not None,
+        read=lambda message, *_: read(message),
     )
 
 
@@ -175,7 +206,7 @@ def _hazard_grid(name: str, cells: Callable[[HazardField], np.ndarray]) -> Topic
     def message(time_ns: int, field: HazardField) -> RosMessage:
         return occupancy_grid(time_ns, OccupancyGrid(field.origin_m, field.resolution_m, cells(field)))
 
-    return _hazards(name, "nav_msgs/OccupancyGrid", message)
+    return _hazards(name, "nav_msgs/OccupancyGrid", message, read_occupancy_grid)
 
 
 def _hazard_map(name: str, values: Callable[[HazardField], np.ndarray], quantity: str, unit: str) -> Topic:
@@ -183,7 +214,7 @@ def _hazard_map(name: str, values: Callable[[HazardField], np.ndarray], quantity
         numbers = FieldMap(field.origin_m, field.resolution_m, values(field))
         return field_map(time_ns, numbers, quantity, unit)
 
-    return _hazards(name, "robotteamsim/FloatMap", message)
+    return _hazards(name, "robotteamsim/FloatMap", message, read_field_map)
 
 
 CLOCK = Topic("/clock", "rosgraph_msgs/Clock", When.CLOCK, lambda *_: (), clock, latched=True)
@@ -195,6 +226,7 @@ MAP = Topic(
     occupancy_grid,
     latched=True,
     version=lambda _: 0,
+    read=lambda message, *_: read_occupancy_grid(message),
 )
 DOORS = Topic(
     "/world/doors",
@@ -217,7 +249,7 @@ ROBOTS = Topic(
     robots,
     latched=True,
     version=lambda record: record.team_version,
-    read=lambda message, setup, _: read_robots(message, setup.scenario.team_size),
+    read=lambda message, setup, _: read_robots(message, setup and setup.scenario.team_size),
 )
 OBJECTS = Topic(
     "/world/objects",
@@ -238,6 +270,7 @@ PEOPLE = Topic(
     latched=True,
     version=lambda record: record.people_version,
     is_in=lambda scenario: scenario.moves_people,
+    read=lambda message, *_: read_people(message),
 )
 FIRE = _hazard_grid("/fire/grid", fire_cells)
 TEMPERATURE = _hazard_map("/fire/temperature", lambda field: field.temperatures_c, "temperature", "degC")

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robotteamsim.analysis.runs.tracks import Absence
+from robotteamsim.recording.replay.tracks import Absence
 
 _ON_GRID = 0.05
 """Largest distance of an interval from a multiple of the step, as a share of the step, where stamps are simulated."""

@@ -1,16 +1,42 @@
 """One recorded run of this simulator, another one, or real robots; values that the bag lacks are None or empty."""
 
-from dataclasses import asdict, dataclass
-from typing import Any
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from operator import itemgetter
+from pathlib import Path
+from typing import Any, TypeVar
 
 import numpy as np
 
-from robotteamsim.analysis.runs.gaps import Gap
-from robotteamsim.analysis.runs.tracks import Track
 from robotteamsim.mission.egress import Egress
-from robotteamsim.mission.status import SAVED, DeliveredDiscoveries
+from robotteamsim.recording.replay.gaps import Gap
+from robotteamsim.recording.replay.tracks import Track
+from robotteamsim.recording.topics import Topic
+from robotteamsim.recording.topics.mission import PublishedArea, PublishedEvent, PublishedStatus, PublishedVictim
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.scenario import Role
+
+Value = TypeVar("Value")
+Default = TypeVar("Default")
+
+
+class Timeline(tuple[tuple[int, Value], ...]):
+    """Values with their stamps [ns], in the order of the stamps."""
+
+    __slots__ = ()
+
+    def at(self, stamp_ns: int, before: Default) -> Value | Default:
+        """Return the last value up to a stamp. Args: before: returned if there is none yet."""
+        index = bisect_right(self, stamp_ns, key=itemgetter(0))
+        return self[index - 1][1] if index else before
+
+    @property
+    def last(self) -> Value | None:
+        """The last value; None if there is none."""
+        return self[-1][1] if self else None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,6 +81,7 @@ class RecordedNetwork:
     adjacency, endangered: bool, shape (n, robots, robots).
     hop_count:             int32, shape (n, robots, robots); -1 if no path exists.
     fiedler_value:         float64, shape (n,).
+    signals_dbm:           of links, int16, shape (n, robots, robots), rounded [dBm]; None if only links are recorded.
     """
 
     stamps_ns: np.ndarray
@@ -62,6 +89,7 @@ class RecordedNetwork:
     endangered: np.ndarray
     hop_count: np.ndarray
     fiedler_value: np.ndarray
+    signals_dbm: np.ndarray | None = None
 
     @property
     def num_robots(self) -> int:
@@ -69,94 +97,29 @@ class RecordedNetwork:
         return int(self.adjacency.shape[1])
 
 
-@dataclass(frozen=True, slots=True)
-class RecordedStatus:
-    """The mission at one time, from /mission/status.
-
-    delivered:   discoveries at the base; None if there is no base.
-    target_area: index of the area to explore; -1 if none is left.
-    """
-
-    stamp_ns: int
-    time_s: float
-    scenario: str
-    state: str
-    end: str
-    explored: tuple[bool, ...]
-    victims: tuple[str, ...]
-    endangered_links: int
-    noise_db: float
-    delivered: DeliveredDiscoveries | None = None
-    target_area: int = -1
-
-    @property
-    def num_saved(self) -> int:
-        """Number of victims who are saved or safe."""
-        return sum(state in SAVED for state in self.victims)
-
-    @property
-    def num_heard(self) -> int:
-        """Number of victims who have been heard or found."""
-        return sum(state != "waiting" for state in self.victims)
-
-
-@dataclass(frozen=True, slots=True)
-class RecordedVictim:
-    """A victim, in `map` [m]; state: see `mission.status.VictimState`."""
-
-    name: str
-    position_m: tuple[float, float]
-    state: str
-
-
-@dataclass(frozen=True, slots=True)
-class RecordedArea:
-    """An area, in `map` [m]."""
-
-    name: str
-    center_m: tuple[float, float]
-    radius_m: float
-
-
-@dataclass(frozen=True, slots=True)
-class RecordedEvent:
-    """An event of the mission, from /mission/events: see `mission.events.Event`.
-
-    error_m: of the event `victim_located` [m].
-    """
-
-    time_s: float
-    kind: str
-    subject: str
-    robot_id: int
-    detail: str
-    error_m: float = 0.0
-
-    def row(self) -> dict[str, Any]:
-        """Return what every event has, by key."""
-        return {key: value for key, value in asdict(self).items() if key != "error_m"}
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class RecordedRun:
     """One run, up to the end of its mission if it has one.
 
-    name:      name of the bag without its suffix.
-    statuses, events, victims: in order of their stamps [ns]; empty if the bag lacks them.
+    name:      name of the bag without its suffix.  paths: of the bag, or of the parts of one.
+    statuses, events, victims: empty if the bag lacks them.
+    areas:     as of the last message.
     start_ns:  stamp of time 0: the start of the mission, or the first message if there is no mission.
     end_ns:    stamp of the last message of the run.
     unread:    topics whose type, or version of the type, is unknown.
     egress, fire, smoke: the last ones; None if the bag lacks them. Grids as in /fire/grid and /smoke/grid.
     gaps:      topics with one message per step that lack some.
     notes:     lines about copies of messages, and clocks that differ.
+    layers:    what a page shows over time besides, by topic: see `reading.LAYERS`; {} if that was not read.
     """
 
     name: str
+    paths: tuple[Path, ...]
     robots: tuple[RecordedRobot, ...]
-    statuses: tuple[RecordedStatus, ...]
-    events: tuple[tuple[int, RecordedEvent], ...]
-    victims: tuple[tuple[int, tuple[RecordedVictim, ...]], ...]
-    areas: tuple[RecordedArea, ...]
+    statuses: Timeline[PublishedStatus]
+    events: Timeline[PublishedEvent]
+    victims: Timeline[tuple[PublishedVictim, ...]]
+    areas: tuple[PublishedArea, ...]
     network: RecordedNetwork | None
     grid: OccupancyGrid | None
     start_ns: int
@@ -167,6 +130,7 @@ class RecordedRun:
     smoke: OccupancyGrid | None = None
     gaps: tuple[Gap, ...] = ()
     notes: tuple[str, ...] = ()
+    layers: Mapping[Topic, Timeline[Any]] = field(default_factory=dict)
 
     def time_s(self, stamps_ns: np.ndarray) -> np.ndarray:
         """Return the times of stamps, counted from the start [s]."""

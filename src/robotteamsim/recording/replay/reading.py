@@ -7,74 +7,64 @@ import re
 from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
-from robotteamsim.analysis.runs import tracks
-from robotteamsim.analysis.runs.gaps import Gap, missing_steps, usual_step_ns
-from robotteamsim.analysis.runs.path_topics import SOURCES, TF_TYPES, PathTopic, left_out, natural, path_topics
-from robotteamsim.analysis.runs.recorded_run import (
-    RecordedArea,
-    RecordedEvent,
-    RecordedNetwork,
-    RecordedRobot,
-    RecordedRun,
-    RecordedStatus,
-    RecordedVictim,
-    Series,
-)
-from robotteamsim.analysis.runs.tracks import Absence
 from robotteamsim.errors import RecordingError
 from robotteamsim.interface import SwarmContext
-from robotteamsim.mission.egress import Egress, ExitEgress, PersonEgress
-from robotteamsim.mission.status import DeliveredDiscoveries
-from robotteamsim.network.compact import hops_among, row_bytes, unpacked
 from robotteamsim.recording.bag_paths import name_of
 from robotteamsim.recording.bag_reader import BagReader
-from robotteamsim.recording.topics.mission import EGRESS, read_egress
-from robotteamsim.recording.topics.world import FIRE, ROBOTS, ROLES, SMOKE
+from robotteamsim.recording.replay import tracks
+from robotteamsim.recording.replay.gaps import Gap, missing_steps, usual_step_ns
+from robotteamsim.recording.replay.path_topics import TF_TYPES, PathTopic, left_out, natural, path_topics
+from robotteamsim.recording.replay.recorded_run import RecordedNetwork, RecordedRobot, RecordedRun, Series, Timeline
+from robotteamsim.recording.replay.tracks import Absence
+from robotteamsim.recording.topics import Topic
+from robotteamsim.recording.topics.base import read_occupancy_grid
+from robotteamsim.recording.topics.decisions import STATUS
+from robotteamsim.recording.topics.mission import (
+    AREAS,
+    EGRESS,
+    EVENTS,
+    MISSION_STATUS,
+    VICTIMS,
+    PublishedEvent,
+    read_status,
+)
+from robotteamsim.recording.topics.radio import NETWORK_LINKS, NETWORK_STATE, VOICE_MAP, PublishedNetwork
+from robotteamsim.recording.topics.robots import CONTACT
+from robotteamsim.recording.topics.world import DOORS, FIRE, MAP, OBJECTS, PEOPLE, ROBOTS, SMOKE, TEMPERATURE
 from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.scenario import Role
 
-STATE, LINKS = "/network/state", "/network/links"
+LAYERS = (DOORS, OBJECTS, PEOPLE, EGRESS, VOICE_MAP, FIRE, SMOKE, TEMPERATURE)
+"""What a page shows over time, besides the run."""
 
-_TEAM_TYPES = {
-    "/map": "nav_msgs/OccupancyGrid",
-    STATE: "robotteamsim/NetworkState",
-    LINKS: "robotteamsim/NetworkLinks",
-    "/mission/status": "robotteamsim/MissionStatus",
-    "/mission/events": "robotteamsim/MissionEvent",
-    "/mission/victims": "robotteamsim/Victims",
-    "/mission/areas": "robotteamsim/Areas",
-    **{topic.name: topic.type_name for topic in (EGRESS, ROBOTS, FIRE, SMOKE)},
-}
-_ROBOT_TYPES = {
-    "contact": "robotteamsim/Contact",
-    "controller/status": "robotteamsim/ControllerStatus",
-}
+_TEAM = (MAP, NETWORK_STATE, NETWORK_LINKS, MISSION_STATUS, EVENTS, VICTIMS, AREAS, EGRESS, ROBOTS, FIRE, SMOKE)
 _PATH_TOTALS = ("distance_m", "mean_speed_mps", "max_speed_mps")
 _TOTALS_OF_ROBOT = {
-    "contact": ("collisions", "contact_s"),
-    "controller/status": ("excluded_s", "context"),
+    CONTACT.name: ("collisions", "contact_s"),
+    STATUS.name: ("excluded_s", "context"),
 }
 _NETWORK_TOTALS = (
     *("mean_links", "max_hops", "mean_fiedler_value", "min_fiedler_value", "split_s", "endangered_links"),
     "endangered_s",
 )
-_TOTALS_OF_TEAM = {"/mission/status": (), STATE: _NETWORK_TOTALS, LINKS: _NETWORK_TOTALS}
+_TOTALS_OF_TEAM = {
+    MISSION_STATUS.name: (),
+    NETWORK_STATE.name: _NETWORK_TOTALS,
+    NETWORK_LINKS.name: _NETWORK_TOTALS,
+}
 """Topics with one message per step, and the totals that depend on all of them."""
 
 _LEAVES_OR_COMES = ("robot_removed", "robot_failed_by_heat", "firefighter_collapsed", "robot_spawned")
-_TIMELESS = ("/map", "/mission/areas", ROBOTS.name)
-_AT_END = (EGRESS.name, FIRE.name, SMOKE.name)
+_TIMELESS = (MAP.name, AREAS.name, ROBOTS.name)
+_AT_END = (EGRESS, FIRE, SMOKE)
 """Of which only the last one up to the end of the mission counts."""
 
 _MAX_DISORDER_NS = 10**9
 """Messages may overtake each other by less than this; stamps that go back further belong to a second run."""
-
-_MOST_M, _MOST_S = 1e6, 1e9
-"""Limits of lengths [m] and times [s]; greater ones are impossible."""
 
 _CLOCKS_NS, _ONE_TIME_NS = 10 * 10**9, 86_400 * 10**9
 """Clocks may differ by less than the first, which includes delays; above the second they are not of one kind."""
@@ -83,53 +73,45 @@ Samples = Mapping[str, list[tuple[int, Any]]]
 """Stamps [ns] and values by topic."""
 
 
-class _NetworkSample(NamedTuple):
-    """A state of the network; its matrices have the square of the number of robots as their number of values."""
-
-    num_robots: int
-    adjacency: np.ndarray
-    endangered: np.ndarray
-    hop_count: np.ndarray
-    fiedler_value: float
-
-
 class ContentError(RecordingError):
     """A bag is intact, but its contents cannot belong to one run."""
 
 
-def read_run(paths: Sequence[Path], odometry: Sequence[str] = ()) -> RecordedRun:
+def read_run(paths: Sequence[Path], odometry: Sequence[str] = (), *, layers: bool = True) -> RecordedRun:
     """Read one run from a bag, or from the parts of one.
 
     Args:   odometry: the topics of the robots' poses; (): those of `path_topics`.
+            layers:   whether to read also what only a page shows, which takes memory.
     Raises: RecordingError: a bag cannot be read, contains no run, or contains more than one.
     """
     with BagReader(paths) as bag:
         try:
-            return _read(bag, name_of(paths[0]), odometry)
+            return _read(bag, paths, odometry, LAYERS if layers else ())
         except ContentError as error:
             raise RecordingError(f"{', '.join(map(str, paths))}: {error}") from None
 
 
-def _read(bag: BagReader, name: str, odometry: Sequence[str]) -> RecordedRun:
+def _read(bag: BagReader, files: Sequence[Path], odometry: Sequence[str], layers: Sequence[Topic]) -> RecordedRun:
     try:
         paths = path_topics(bag.topics, odometry)
     except ValueError as error:
         raise ContentError(str(error)) from None
-    types = _types_to_read(bag.topics, paths)
-    unread = {topic for topic in types if not bag.is_known(topic)}
+    readers = _readers(bag.topics, paths, layers)
+    unread = {topic for topic in readers if not bag.is_known(topic)}
     samples: dict[str, list[tuple[int, Any]]] = defaultdict(list)
     transforms, ended_ns = tracks.Transforms(), math.inf
-    for topic, stamp_ns, message in bag.messages(set(types) - unread):
-        if types[topic] in TF_TYPES:
+    last_counts = {topic.name for topic in _AT_END if topic not in layers}
+    for topic, stamp_ns, message in bag.messages(set(readers) - unread):
+        if bag.topics[topic] in TF_TYPES:
             transforms.add(topic, stamp_ns, message)
             continue
-        if topic in _AT_END and stamp_ns > ended_ns:
+        if topic in last_counts and stamp_ns > ended_ns:
             continue
-        if topic in (*_TIMELESS, *_AT_END):
+        if topic in _TIMELESS or topic in last_counts:
             samples[topic].clear()  # Only the last one counts, and maps are large.
         try:
-            samples[topic].append((stamp_ns, _CONVERTERS[types[topic]](stamp_ns, message)))
-            if topic == "/mission/status" and message.state == "ended":
+            samples[topic].append((stamp_ns, readers[topic](message)))
+            if topic == MISSION_STATUS.name and message.state == "ended":
                 ended_ns = min(ended_ns, stamp_ns)
         except AttributeError:  # This version of the type lacks an attribute.
             unread.add(topic)
@@ -152,24 +134,30 @@ def _read(bag: BagReader, name: str, odometry: Sequence[str]) -> RecordedRun:
             notes.append(f"{topic}: {lost} of {len(once[topic])} poses are not finite; they are left out")
         once[topic] = finite
     notes += transforms.contradictions({pose.frame for topic in names & set(once) for _, pose in once[topic][:1]})
-    return _run(name, once, paths, transforms, tuple(sorted(unread)), tuple(notes), bag.topics)
+    return _run(files, once, paths, transforms, tuple(sorted(unread)), tuple(notes), bag.topics, layers)
 
 
-def _types_to_read(topics: Mapping[str, str], paths: Mapping[str, PathTopic]) -> dict[str, str]:
-    """Return the topics to read and their types; tf is read only if some robot's true poses are not recorded."""
-    types = {topic: kind for topic, kind in _TEAM_TYPES.items() if topics.get(topic) == kind}
-    if STATE in types:
-        types.pop(LINKS, None)  # The matrices contain the links.
+def _readers(
+    topics: Mapping[str, str], paths: Mapping[str, PathTopic], layers: Sequence[Topic]
+) -> dict[str, Callable[[Any], Any]]:
+    """Return the topics to read, each with the function that returns the value of a message.
+
+    The transforms are read only if some robot's true poses are not recorded. Their function is not used.
+    """
+    of_team = [topic for topic in dict.fromkeys((*_TEAM, *layers)) if topics.get(topic.name) == topic.type_name]
+    found = {topic.name: _reader(topic) for topic in of_team}
+    if NETWORK_STATE.name in found:
+        found.pop(NETWORK_LINKS.name, None)  # The matrices contain the links.
     for namespace, path in paths.items():
-        types[path.name] = topics[path.name]
-        of_robot = {f"{namespace}/{name}": kind for name, kind in _ROBOT_TYPES.items()}
-        types |= {topic: kind for topic, kind in of_robot.items() if topics.get(topic) == kind}
+        found[path.name] = _pose_sample
+        for topic in (CONTACT, STATUS):
+            if topics.get(f"{namespace}/{topic.name}") == topic.type_name:
+                found[f"{namespace}/{topic.name}"] = _reader(topic)
     if not paths or any(path.source != "truth" for path in paths.values()):
         names = ("tf", "tf_static")
-        types |= {
-            topic: kind for topic, kind in topics.items() if kind in TF_TYPES and topic.rpartition("/")[2] in names
-        }
-    return types
+        transforms = (topic for topic, kind in topics.items() if kind in TF_TYPES)
+        found |= {topic: _pose_sample for topic in transforms if topic.rpartition("/")[2] in names}
+    return found
 
 
 def _differing_clocks(late_ns: Mapping[str, int]) -> list[str]:
@@ -187,13 +175,14 @@ def _differing_clocks(late_ns: Mapping[str, int]) -> list[str]:
 
 
 def _run(
-    name: str,
+    files: Sequence[Path],
     samples: Samples,
     paths: Mapping[str, PathTopic],
     transforms: tracks.Transforms,
     unread: tuple[str, ...],
     notes: tuple[str, ...],
     topics: Mapping[str, str],
+    layers: Sequence[Topic],
 ) -> RecordedRun:
     samples = _until_end(samples)
     names = {namespace: namespace.strip("/") or "robot" for namespace in paths}
@@ -201,37 +190,40 @@ def _run(
         names[""] = paths[""].name
     by_namespace = {key: _robot(key, names[key], path, samples, transforms) for key, path in paths.items()}
     robots = tuple(filter(None, by_namespace.values()))
-    mission = tuple(status for _, status in samples.get("/mission/status", []))
-    network = next((_network(topic, samples[topic]) for topic in (STATE, LINKS) if topic in samples), None)
+    statuses = Timeline(samples.get(MISSION_STATUS.name, ()))
+    of_network = next((topic.name for topic in (NETWORK_STATE, NETWORK_LINKS) if topic.name in samples), None)
+    network = None if of_network is None else _network(of_network, samples[of_network])
     stamps = [robot.track.stamps_ns[[0, -1]] for robot in robots]
     stamps += [] if network is None else [network.stamps_ns[[0, -1]]]
-    stamps += [np.array([mission[0].stamp_ns, mission[-1].stamp_ns])] if mission else []
+    stamps += [np.array([statuses[0][0], statuses[-1][0]])] if statuses else []
     if not stamps:
         more = ", .." if len(topics) > 6 else ""
         shown = [f"{topic} of type {kind}" for topic, kind in list(topics.items())[:6]]
         found = f"found {', '.join(shown)}{more}" if topics else "the bag is empty"
-        raise ContentError(f"expected odometry, poses or tf of a robot, /mission/status or {STATE}; {found}")
+        raise ContentError(
+            f"expected odometry, poses or tf of a robot, /mission/status or {NETWORK_STATE.name}; {found}"
+        )
     first_ns, end_ns = int(min(np.min(pair) for pair in stamps)), int(max(np.max(pair) for pair in stamps))
-    started = next((status for status in mission if status.state == "running"), None)
+    started_ns = (stamp_ns - round(status.time_s * 1e9) for stamp_ns, status in statuses if status.state == "running")
     return RecordedRun(
-        name=name,
+        name=name_of(files[0]),
+        paths=tuple(files),
         robots=robots,
-        statuses=mission,
-        events=tuple(samples.get("/mission/events", [])),
-        victims=tuple(samples.get("/mission/victims", [])),
-        areas=samples["/mission/areas"][-1][1] if "/mission/areas" in samples else (),
+        statuses=statuses,
+        events=Timeline(samples.get(EVENTS.name, ())),
+        victims=Timeline(samples.get(VICTIMS.name, ())),
+        areas=_last(samples, AREAS) or (),
         network=network,
-        grid=_last(samples, "/map"),
-        start_ns=started.stamp_ns - round(started.time_s * 1e9) if started else first_ns,
+        grid=_last(samples, MAP),
+        start_ns=next(started_ns, first_ns),
         end_ns=end_ns,
         unread=unread,
-        egress=_last(samples, EGRESS.name),
-        fire=_last(samples, FIRE.name),
-        smoke=_last(samples, SMOKE.name),
-        gaps=_gaps(
-            samples, paths, by_namespace, next((each.stamp_ns for each in mission if each.state == "ended"), None)
-        ),
+        egress=_last(samples, EGRESS),
+        fire=_last(samples, FIRE),
+        smoke=_last(samples, SMOKE),
+        gaps=_gaps(samples, paths, by_namespace, _end_ns(samples)),
         notes=notes,
+        layers={topic: Timeline(samples.get(topic.name, ())) for topic in layers},
     )
 
 
@@ -262,15 +254,20 @@ def _gaps(
     return tuple(found)
 
 
-def _last(samples: Samples, topic: str) -> Any:
+def _last(samples: Samples, topic: Topic) -> Any:
     """Return the last value of a topic; None if there is none."""
-    return samples[topic][-1][1] if samples.get(topic) else None
+    return samples[topic.name][-1][1] if samples.get(topic.name) else None
+
+
+def _end_ns(samples: Samples) -> int | None:
+    """Return the stamp of the mission's end; None if it has not ended."""
+    statuses = samples.get(MISSION_STATUS.name, [])
+    return next((stamp_ns for stamp_ns, status in statuses if status.state == "ended"), None)
 
 
 def _until_end(samples: Samples) -> Samples:
     """Return the samples up to the end of the mission; floor plan and areas have no time."""
-    statuses = samples.get("/mission/status", [])
-    ended_ns = next((stamp_ns for stamp_ns, status in statuses if status.state == "ended"), None)
+    ended_ns = _end_ns(samples)
     if ended_ns is None:
         return samples
     cut = {
@@ -282,7 +279,7 @@ def _until_end(samples: Samples) -> Samples:
 
 def _without_copies(topic: str, samples: list[tuple[int, Any]]) -> list[tuple[int, Any]]:
     """Return the samples of a topic without those that were there before, with the same stamp and value."""
-    least_ns = 0 if topic == "/mission/events" else 1  # Several events may have one stamp.
+    least_ns = 0 if topic == EVENTS.name else 1  # Several events may have one stamp.
     if topic in _TIMELESS or min(_steps_ns(samples), default=least_ns) >= least_ns:
         return samples
     return list({(stamp_ns, pickle.dumps(value)): (stamp_ns, value) for stamp_ns, value in samples}.values())
@@ -309,7 +306,7 @@ def _robot(
 ) -> RecordedRobot | None:
     number = re.fullmatch(r"robot_(\d+)", name)
     robot_id = int(number[1]) if number else None
-    absences = _absences([item for item in samples.get("/mission/events", []) if item[1].robot_id == robot_id])
+    absences = _absences([item for item in samples.get(EVENTS.name, []) if item[1].robot_id == robot_id])
     poses = samples.get(path.name, [])
     if path.source == "truth":
         track = tracks.from_truth(poses, absences)
@@ -317,15 +314,16 @@ def _robot(
         track = tracks.from_odometry(poses, transforms, absences, namespace=namespace, source=path.source)
     if track is None:
         return None
-    contact, statuses = samples.get(f"{namespace}/contact"), samples.get(f"{namespace}/controller/status", [])
+    contact, statuses = samples.get(f"{namespace}/{CONTACT.name}"), samples.get(f"{namespace}/{STATUS.name}", [])
     excluded = _series([(stamp_ns, is_excluded) for stamp_ns, (is_excluded, _) in statuses], bool)
     context = _series([(stamp_ns, values) for stamp_ns, (_, values) in statuses if values is not None], float)
-    roles = _last(samples, ROBOTS.name) or ()
+    team = _last(samples, ROBOTS)
+    roles = team.roles if team and robot_id is not None else ()
     role: Role = roles[robot_id] if robot_id is not None and robot_id < len(roles) else "robot"
     return RecordedRobot(name, robot_id, track, _series(contact, bool), excluded, context, role, namespace)
 
 
-def _absences(events: list[tuple[int, RecordedEvent]]) -> tuple[Absence, ...]:
+def _absences(events: list[tuple[int, PublishedEvent]]) -> tuple[Absence, ...]:
     """Return the absences of a robot from its events; if the first event is its arrival, it was absent before."""
     changes = [(ns, event.kind == "robot_spawned") for ns, event in events if event.kind in _LEAVES_OR_COMES]
     gone_ns = tracks.BEFORE_ALL_NS if changes and changes[0][1] else None
@@ -343,140 +341,56 @@ def _series(samples: list[tuple[int, Any]] | None, kind: type) -> Series | None:
     return Series(np.array([stamp for stamp, _ in samples]), np.array([value for _, value in samples], dtype=kind))
 
 
-def _network(topic: str, samples: list[tuple[int, Any]]) -> RecordedNetwork:
-    states: list[_NetworkSample] = [state for _, state in samples]
-    sizes = [state.num_robots for state in states]
+def _network(topic: str, samples: list[tuple[int, PublishedNetwork]]) -> RecordedNetwork:
+    states = [state for _, state in samples]
+    sizes = [len(state.adjacency) for state in states]
     if min(sizes) < max(sizes):
         raise ContentError(f"{topic}: has {min(sizes)} and then {max(sizes)} robots; expected one run per bag")
-    shape = (len(samples), sizes[0], sizes[0])
+    signals = [state.signals_dbm for state in states if state.signals_dbm is not None]
     return RecordedNetwork(
         np.array([stamp_ns for stamp_ns, _ in samples]),
-        np.array([state.adjacency for state in states], dtype=bool).reshape(shape),
-        np.array([state.endangered for state in states], dtype=bool).reshape(shape),
-        np.array([state.hop_count for state in states], dtype=np.int32).reshape(shape),
+        np.array([state.adjacency for state in states], dtype=bool),
+        np.array([state.endangered for state in states], dtype=bool),
+        np.array([state.hop_count for state in states], dtype=np.int32),
         np.array([state.fiedler_value for state in states], dtype=np.float64),
+        np.array(signals, dtype=np.int16) if signals else None,
     )
 
 
-def _pose_sample(stamp_ns: int, message: Any) -> tracks.PoseSample:
+def _pose_sample(message: Any) -> tracks.PoseSample:
     pose = getattr(message.pose, "pose", message.pose)
     position, q = pose.position, pose.orientation
     return tracks.PoseSample(message.header.frame_id.lstrip("/"), position.x, position.y, q.x, q.y, q.z, q.w)
 
 
-def _controller_sample(stamp_ns: int, message: Any) -> tuple[bool, tuple[float, ...] | None]:
+def _controller_sample(message: Any) -> tuple[bool, tuple[float, ...] | None]:
     """Return whether a robot is excluded, and the values of `SwarmContext`; None without adaptation."""
     contexts = message.context
     values = tuple(getattr(contexts[0], key) for key in SwarmContext.__struct_fields__) if len(contexts) else None
     return message.excluded, values
 
 
-def _network_sample(stamp_ns: int, message: Any) -> _NetworkSample:
-    n = message.num_robots
-    if not n * n == len(message.adjacency) == len(message.endangered) == len(message.hop_count):
-        raise ValueError(f"matrices of {len(message.adjacency)} values; expected {n * n}")
-    return _NetworkSample(n, message.adjacency, message.endangered, message.hop_count, message.fiedler_value)
+def _floor(message: Any) -> OccupancyGrid | None:
+    """Return the map, of any program; None if it is rotated, empty or incomplete."""
+    info = message.info
+    is_complete = 0 < len(message.data) == info.height * info.width and info.resolution > 0.0
+    is_straight = math.isclose(info.origin.orientation.z, 0.0, abs_tol=1e-6)
+    return read_occupancy_grid(message) if is_complete and is_straight else None
 
 
-def _links_sample(stamp_ns: int, message: Any) -> _NetworkSample:
-    n = message.num_robots
-    num_bytes = n * row_bytes(n)
-    if not (num_bytes == len(message.adjacency) == len(message.endangered) and n == len(message.present)):
-        raise ValueError(f"rows of {len(message.adjacency)} bytes; expected {num_bytes}")
-    adjacency, endangered = (
-        unpacked(bits.reshape(n, row_bytes(n)), n) for bits in (message.adjacency, message.endangered)
-    )
-    hops = hops_among(adjacency, message.present != 0)
-    return _NetworkSample(n, adjacency, endangered, hops, message.fiedler_value)
+def _reader(topic: Topic) -> Callable[[Any], Any]:
+    """Return the function that returns the value of a message."""
+    if topic in _READERS:
+        return _READERS[topic]
+    read = topic.read
+    assert read is not None
+    return lambda message: read(message, None, None)
 
 
-def _status(stamp_ns: int, message: Any) -> RecordedStatus:
-    delivered = None
-    if message.has_base:
-        count = int(message.discoveries_delivered)
-        delivered = DeliveredDiscoveries(count, message.mean_delivery_delay_s, message.max_delivery_delay_s)
-    return RecordedStatus(
-        stamp_ns=stamp_ns,
-        time_s=_finite("time", message.time_s, _MOST_S),
-        scenario=message.scenario,
-        state=message.state,
-        end=message.end,
-        explored=tuple(map(bool, message.explored)),
-        victims=tuple(message.victims),
-        endangered_links=int(message.endangered_links),
-        noise_db=message.noise_db,
-        delivered=delivered,
-        target_area=int(message.target_area),
-    )
-
-
-def _event(stamp_ns: int, message: Any) -> RecordedEvent:
-    time_s = _finite("time", message.time_s, _MOST_S)
-    return RecordedEvent(time_s, message.kind, message.subject, message.robot_id, message.detail, message.error_m)
-
-
-def _victims(stamp_ns: int, message: Any) -> tuple[RecordedVictim, ...]:
-    return tuple(RecordedVictim(v.name, _position(v.position), v.state) for v in message.victims)
-
-
-def _areas(stamp_ns: int, message: Any) -> tuple[RecordedArea, ...]:
-    return tuple(
-        RecordedArea(a.name, _position(a.center), _finite("radius", a.radius_m, _MOST_M)) for a in message.areas
-    )
-
-
-def _roles(stamp_ns: int, message: Any) -> tuple[Role, ...]:
-    """Return the role of each member of the team. Raises: ValueError: an unknown role."""
-    numbers = list(message.roles)
-    if any(number >= len(ROLES) for number in numbers):
-        raise ValueError(f"role {max(numbers)}; expected at most {len(ROLES) - 1}")
-    return tuple(ROLES[number] for number in numbers)
-
-
-def _egress(stamp_ns: int, message: Any) -> Egress:
-    egress = read_egress(message)
-    parts: tuple[PersonEgress | ExitEgress, ...] = (*egress.people, *egress.exits)
-    for part in parts:
-        _finite("dose", max(part.gas, part.heat), _MOST_S)
-        _finite("visibility", part.visibility_m, _MOST_M)
-    times_s = [egress.ignition_s, *(part.untenable_s for part in parts), *(person.out_s for person in egress.people)]
-    for time_s in times_s:
-        _finite("time", time_s or 0.0, _MOST_S)
-    return egress
-
-
-def _grid(stamp_ns: int, message: Any) -> OccupancyGrid | None:
-    """Return the map, or None if it is rotated, empty or incomplete."""
-    info, origin = message.info, message.info.origin
-    is_complete = 0 < message.data.size == info.height * info.width and info.resolution > 0.0
-    if not (is_complete and math.isclose(origin.orientation.z, 0.0, abs_tol=1e-6)):
-        return None
-    cells = message.data.reshape(info.height, info.width)
-    return OccupancyGrid(_position(origin.position), _finite("resolution", info.resolution, _MOST_M), cells)
-
-
-def _position(point: Any) -> tuple[float, float]:
-    return _finite("position", point.x, _MOST_M), _finite("position", point.y, _MOST_M)
-
-
-def _finite(name: str, value: float, most: float) -> float:
-    """Return a number. Raises: ValueError: it is not finite, or impossibly large."""
-    if not abs(value) <= most:
-        raise ValueError(f"{name} {value:g}; expected at most {most:g}")
-    return float(value)
-
-
-_CONVERTERS: dict[str, Callable[[int, Any], Any]] = {
-    **dict.fromkeys(SOURCES, _pose_sample),
-    "nav_msgs/OccupancyGrid": _grid,
-    "robotteamsim/Contact": lambda stamp_ns, message: message.in_contact,
-    "robotteamsim/ControllerStatus": _controller_sample,
-    "robotteamsim/NetworkState": _network_sample,
-    "robotteamsim/NetworkLinks": _links_sample,
-    "robotteamsim/MissionStatus": _status,
-    "robotteamsim/MissionEvent": _event,
-    "robotteamsim/Victims": _victims,
-    "robotteamsim/Areas": _areas,
-    EGRESS.type_name: _egress,
-    ROBOTS.type_name: _roles,
+_READERS: dict[Topic, Callable[[Any], Any]] = {
+    MAP: _floor,
+    MISSION_STATUS: read_status,
+    CONTACT: lambda message: message.in_contact,
+    STATUS: _controller_sample,
 }
+"""For topics of which a run needs something else than controllers do."""
