@@ -60,7 +60,7 @@ def main() -> None:
 def _page(robots: int) -> tuple[str, float]:
     """Return the page of a garage mission, and the mission's duration [s]."""
     simulation = Simulation(load("garage_sar", [f"robots.count={robots}", "run.seed=1"]))
-    recorder = FrameRecorder(simulation)
+    recorder = FrameRecorder(simulation.setup)
     result = simulation.run([recorder])
     return mission_page([recorder.recording], "bench"), result.sim_time_s
 

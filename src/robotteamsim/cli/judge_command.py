@@ -10,13 +10,15 @@ from rich.console import Console
 from robotteamsim import scenario
 from robotteamsim.cli.analyse_command import add_odometry_option
 from robotteamsim.cli.interrupt import InterruptBetweenSteps
-from robotteamsim.cli.output import OutputConsole
+from robotteamsim.cli.output import OutputConsole, check_outputs
 from robotteamsim.cli.parser import Parser, path_of
 from robotteamsim.cli.progress import ProgressBar
 from robotteamsim.cli.run_command import SCENARIO_HELP, add_set_option, exit_status, failures_in
 from robotteamsim.recording import result_summary
+from robotteamsim.recording.bag_paths import files_of
 from robotteamsim.recording.measures import Measures
 from robotteamsim.recording.results import EventList
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Observer
 from robotteamsim.wording import printable
 
@@ -34,6 +36,7 @@ numbers, robot_<id>, or else in the order of their names; one without poses is a
 examples:
   robotteamsim judge mission.bag --mission garage_sar --set run.seed=7
   robotteamsim judge real.bag --mission my_house.yaml --set robots.count=2 --json
+  robotteamsim judge real.bag --mission my_house.yaml --html mission.html
   robotteamsim judge mission_0.bag mission_1.bag --mission garage_sar      two parts of one recording"""
 
 
@@ -43,6 +46,7 @@ def add_to(parser: Parser) -> None:
     parser.add_argument("--mission", required=True, metavar="SCENARIO", help=SCENARIO_HELP)
     add_set_option(parser)
     add_odometry_option(parser)
+    parser.add_argument("--html", type=path_of, metavar="FILE", help="write what was judged as a page for any browser")
     parser.add_argument("--json", action="store_true", help="print result and events as one JSON object")
     parser.add_argument("--quiet", action="store_true", help="no progress bar, no table")
     parser.set_defaults(command=judge)
@@ -56,12 +60,18 @@ def judge(options: argparse.Namespace) -> int:
     from robotteamsim.recording.replay.reading import read_run
 
     loaded = scenario.load(options.mission, options.overrides)
-    events, measures = EventList(), Measures()
+    bags = [file for bag in options.bags for file in files_of(bag)]
+    check_outputs({"--html": options.html}, [*bags, *loaded.origin.files])
+    setup, events, measures = resolve(loaded), EventList(), Measures()
     observers: list[Observer] = [events, measures, InterruptBetweenSteps()]
+    if options.html:
+        from robotteamsim.view.html import PageWriter
+
+        observers.append(PageWriter(options.html, setup))
     if not options.quiet:
         observers.append(ProgressBar(Console(stderr=True)))
     run = read_run(options.bags, options.odometry, layers=False)
-    result = judged.judge(run, loaded, observers)
+    result = judged.judge(run, setup, observers)
     notes = [*run.notes, *(f"{topic}: not read, of an unknown type" for topic in run.unread), *gap_lines(run.gaps)]
     if not result.end:
         notes.append("the recording ends before the mission does")
@@ -71,7 +81,8 @@ def judge(options: argparse.Namespace) -> int:
         rows = {"events": [event.row() for event in events.events], "notes": notes}
         print(json.dumps(result_summary(result) | measures.values() | failures | rows))
     elif not options.quiet:
-        print_result(OutputConsole(), result, events.events, (), measures.measured)
+        written = [options.html] if options.html else []
+        print_result(OutputConsole(), result, events.events, written, measures.measured)
         for note in notes:
             print(f"  {printable(note)}")
     return exit_status(num_failed, reason)

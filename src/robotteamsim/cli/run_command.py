@@ -118,7 +118,7 @@ def run(options: argparse.Namespace) -> int:
     if options.html:
         from robotteamsim.view.html import PageWriter
 
-        observers.append(PageWriter(options.html, simulation))
+        observers.append(PageWriter(options.html, simulation.setup))
     if not options.quiet:
         observers.append(ProgressBar(console))
     observers.append(InterruptBetweenSteps())

@@ -40,7 +40,7 @@ class Window(SteppedMission):
                 self._note(record)
             else:
                 self._stepped, self._frame_s = simulation, 0.0
-                self._begin_with(FrameRecorder(simulation), record)
+                self._begin_with(simulation, FrameRecorder(simulation.setup), record)
             if not self._playing or time.perf_counter() - self._frame_s > FRAME_WALL_S:
                 self._show()
             self._wait(simulation.scenario.run.step_s)

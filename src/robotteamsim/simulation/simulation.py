@@ -162,6 +162,36 @@ class Simulation:
         record.mission = self.mission.status
         return record
 
+    def look(self, record: StepRecord) -> StepRecord:
+        """Return the record of the last step with what was changed since then, while no further step is made.
+
+        A robot that came has measured nothing yet, but its pose.
+        """
+        world, mission = self.world, self.mission
+        state = record.state
+        if world.team_version != record.team_version:
+            state = _core.state.State(*record.state.ranges_m.shape)
+            for robot_id, pose in enumerate(world.poses()):
+                if world.present[robot_id] and record.is_there(robot_id):
+                    state.put_reading(robot_id, record.readings[robot_id])
+                elif world.present[robot_id]:
+                    state.place(robot_id, pose)
+        return msgspec.structs.replace(
+            record,
+            state=state,
+            doors=world.door_states(),
+            team_version=world.team_version,
+            present=world.present,
+            arrivals=world.arrivals,
+            mishaps=world.mishaps,
+            loads=world.loads,
+            objects=world.object_states(),
+            mission=mission.status,
+            victims=mission.victims,
+            noise_db=mission.noise_db,
+            egress=mission.egress,
+        )
+
     def silence(self) -> bool:
         """Silence the victims who call no more, before robots that are moved elsewhere hear; whether that is new."""
         self.hearing.silence(self._silent)

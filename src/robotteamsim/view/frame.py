@@ -12,7 +12,7 @@ from robotteamsim.interface import OUTSIDE
 from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.events import AnyEvent
 from robotteamsim.scenario.sections import Victim
-from robotteamsim.simulation import Simulation, StepRecord
+from robotteamsim.simulation import StepRecord
 from robotteamsim.world.contract import ObjectStates
 from robotteamsim.world.people import PersonState
 
@@ -97,37 +97,35 @@ class Frame(msgspec.Struct, frozen=True):
 
 
 def frame_of(
-    record: StepRecord, simulation: Simulation, *, with_scans: bool, fallen: Collection[str] = frozenset()
+    record: StepRecord, objects: Iterable[str], *, with_scans: bool, fallen: Collection[str] = frozenset()
 ) -> Frame:
-    """Return the frame of a step, with what was changed since then if no other step was made.
+    """Return the frame of a step.
 
-    Args: fallen: names of the victims who have collapsed.
+    Args: objects: names of those in the scene.  fallen: names of the victims who have collapsed.
     """
     scans = [finite_ranges(reading.ranges_m, FAR_M) for reading in record.readings] if with_scans else []
-    world, mission = simulation.world, simulation.mission
-    # A robot that was added after the step has no reading yet.
-    team = zip(record.readings, record.present, world.poses(), world.present, strict=True)
-    poses = [(was.true_pose if was_there else now) if is_there else None for was, was_there, now, is_there in team]
-    status, enclosed = mission.status, enclosed_of(record.people)
+    team = zip(record.readings, record.present, strict=True)
+    poses = [reading.true_pose if is_there else None for reading, is_there in team]
+    status, enclosed = record.mission, enclosed_of(record.people)
     return Frame(
-        time_s=record.mission.time_s,
+        time_s=status.time_s,
         poses=tuple(None if pose is None else (pose.x_m, pose.y_m, pose.yaw_rad) for pose in poses),
         swarms=tuple(OUTSIDE if decision.excluded else decision.swarm for decision in record.decisions),
         links=links_of(record.network.adjacency, record.network.rssi_dbm),
         fiedler_value=record.network.fiedler_value,
-        doors=tuple(state.opening for state in world.door_states().values()),
-        objects=shown_objects((obj.name for obj in simulation.scenario.objects), world.object_states()),
+        doors=tuple(state.opening for state in record.doors.values()),
+        objects=shown_objects(objects, record.objects),
         victims=tuple(
             victim_shape(victim.name, victim.position, state, gait_of(victim), fallen, enclosed)
-            for victim, state in zip(mission.victims, status.victims, strict=True)
+            for victim, state in zip(record.victims, status.victims, strict=True)
         ),
         explored=status.explored,
         target=status.target_area,
         state=status.state,
-        noise_db=mission.noise_db,
+        noise_db=record.noise_db,
         endangered=status.endangered_links,
         scans_m=tuple(scans),
-        egress=shown_egress(mission.egress),
+        egress=shown_egress(record.egress),
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from robotteamsim.errors import RecordingError
 from robotteamsim.interface import OUTSIDE
-from robotteamsim.recording.replay.recorded_run import RecordedRobot, RecordedRun, Series, Timeline
+from robotteamsim.recording.replay.recorded_run import RecordedRobot, RecordedRun, Timeline
 from robotteamsim.recording.replay.scans import Scan, read_scans
 from robotteamsim.recording.topics import Topic
 from robotteamsim.recording.topics.mission import EGRESS, PublishedStatus
@@ -101,7 +101,6 @@ def _frames(run: RecordedRun, scans: Scans, scenario: Scenario | None, scene: Sc
     layers = run.layers
     known = resolve(scenario).scenario.mission.victims if scenario else ()
     gaits = {victim.name: gait_of(victim) for victim in known}
-    excluded = [_timeline(robot.excluded) for robot in run.robots]
     fallen_ns = _fallen_ns(run)
     at_start = DoorStates.at_start(scenario.plan) if scenario else DoorStates()
     places = {robot.robot_id: place for place, robot in enumerate(run.robots) if robot.robot_id is not None}
@@ -118,7 +117,7 @@ def _frames(run: RecordedRun, scans: Scans, scenario: Scenario | None, scene: Sc
             Frame(
                 time_s=(stamp_ns - run.start_ns) / 1e9,
                 poses=tuple(_pose(robot, stamp_ns) for robot in run.robots),
-                swarms=tuple(OUTSIDE if flags.at(stamp_ns, False) else 0 for flags in excluded),
+                swarms=tuple(_swarm(robot, stamp_ns) for robot in run.robots),
                 links=_among(places, links),
                 fiedler_value=fiedler_value,
                 doors=tuple(doors.get(name, state).opening for name, state in at_start.items()),
@@ -215,8 +214,11 @@ def _pose(robot: RecordedRobot, stamp_ns: int) -> Pose | None:
     return x_m, y_m, yaw_rad
 
 
-def _timeline(flags: Series | None) -> Timeline[bool]:
-    return Timeline(() if flags is None else zip(flags.stamps_ns.tolist(), flags.values.tolist(), strict=True))
+def _swarm(robot: RecordedRobot, stamp_ns: int) -> int:
+    """Return the swarm of a robot, as of the last status of its controller."""
+    if robot.excluded is None or robot.swarm is None or stamp_ns < robot.swarm.stamps_ns[0]:
+        return 0
+    return OUTSIDE if robot.excluded.at(stamp_ns) else int(robot.swarm.at(stamp_ns))
 
 
 def _network(run: RecordedRun, stamp_ns: int) -> tuple[tuple[Link, ...], float]:

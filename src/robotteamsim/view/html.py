@@ -13,7 +13,7 @@ from robotteamsim import palette
 from robotteamsim.errors import RecordingError
 from robotteamsim.recording.files import check_replaceable, write_atomically
 from robotteamsim.setup import Setup
-from robotteamsim.simulation import Result, Simulation
+from robotteamsim.simulation import Result
 from robotteamsim.view.document import packed
 from robotteamsim.view.recorder import FRAME_S, FrameRecorder, Recording
 
@@ -64,10 +64,10 @@ def size_problem(setup: Setup, most_links: int = MOST_LINKS) -> str:
 
 
 class PageWriter(FrameRecorder):
-    """Records a simulation, and writes the page that plays it when the mission has ended, completely or not at all."""
+    """Records a mission, and writes the page that plays it when the mission has ended, completely or not at all."""
 
-    def __init__(self, path: Path, simulation: Simulation) -> None:
-        super().__init__(simulation)
+    def __init__(self, path: Path, setup: Setup) -> None:
+        super().__init__(setup)
         self._path = path
 
     def begin(self, setup: Setup) -> None:

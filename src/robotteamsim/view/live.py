@@ -159,9 +159,9 @@ class LiveMission(ShownMission):
     def _begin(self, seed: int | None) -> None:
         simulation = Simulation(self._load(seed))
         simulation.mission.start()
-        recorder = FrameRecorder(simulation)
+        recorder = FrameRecorder(simulation.setup)
         record = self._stepper.submit(simulation.step).result()
-        self._begin_with(recorder, record)
+        self._begin_with(simulation, recorder, record)
         self._driven, self._error = DrivenRobots(simulation), ""
         self._publish()
 

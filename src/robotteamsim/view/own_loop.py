@@ -59,7 +59,7 @@ class LiveView(SteppedMission):
         self._simulation = simulation
         self._frame_s = self._due_s = time.perf_counter()
         """When the next frame is sent, and when the last step was due [s, wall]."""
-        recorder = FrameRecorder(simulation)
+        recorder = FrameRecorder(simulation.setup)
         self._server = ViewServer(port, live_page(recorder.recording.title), self)
         self.url = self._server.url
         """The address of the page, for browsers of this machine."""
@@ -88,7 +88,7 @@ class LiveView(SteppedMission):
             if self._missions:
                 self._note(record)
             else:
-                self._begin_with(self._recorder, record)
+                self._begin_with(self._simulation, self._recorder, record)
             now_s = time.perf_counter()
             if now_s >= self._frame_s or not self._playing or record.mission.state == "ended":
                 self._publish()

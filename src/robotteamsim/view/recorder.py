@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from robotteamsim.errors import RecordingError
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.scenario import Scenario
+from robotteamsim.setup import Setup
 from robotteamsim.simulation import Observer, Result, Simulation, StepRecord
 from robotteamsim.view.frame import Frame, ShownEvent, fallen_of, frame_of, shown_events
 from robotteamsim.view.layers import LOWEST_DBM, MAX_CELLS, SMOKE_S, LayerMap, field_layer, hazard_layers, keep_map
@@ -42,19 +43,19 @@ class Recording:
 
 
 class FrameRecorder(Observer):
-    """Observes a simulation and keeps its frames in `recording`."""
+    """An observer that keeps the frames of a mission in `recording`."""
 
-    def __init__(self, simulation: Simulation) -> None:
-        self.simulation = simulation
-        self.coverage = RadioCoverage(simulation.scenario)
-        scenario = simulation.scenario
+    def __init__(self, setup: Setup) -> None:
+        scenario = setup.scenario
+        self.coverage = RadioCoverage(scenario)
+        self._objects = [obj.name for obj in scenario.objects]
         self._every = max(round(FRAME_S / scenario.run.step_s), 1)
         self._every_scan = max(round(SCAN_S / scenario.run.step_s / self._every), 1) * self._every
         self._every_radio = max(round(RADIO_S / scenario.run.step_s / self._every), 1) * self._every
         self._fallen: frozenset[str] = frozenset()
         self._has_scans = scenario.num_robots <= MOST_SCANNED
         title = f"{scenario.name}, seed {scenario.run.seed}, {scenario.voice.noise_db:g} dB"
-        self.recording = Recording(scene_of(simulation.setup), title)
+        self.recording = Recording(scene_of(setup), title)
 
     def step(self, record: StepRecord) -> None:
         """Keep the frame of a step, if one is due, and its events."""
@@ -70,7 +71,7 @@ class FrameRecorder(Observer):
         if index % self._every and record.mission.state != "ended":
             return
         with_scans = self._has_scans and index % self._every_scan == 0
-        frame = frame_of(record, self.simulation, with_scans=with_scans, fallen=self._fallen)
+        frame = frame_of(record, self._objects, with_scans=with_scans, fallen=self._fallen)
         found.frames.append(frame)
         if index % self._every_radio == 0:
             found.radio += self.coverage.at(frame)
@@ -98,7 +99,7 @@ class RadioCoverage:
 def record_mission(scenario: Scenario) -> tuple[Recording, Result]:
     """Simulate a mission; return its recording and its result."""
     simulation = Simulation(scenario)
-    recorder = FrameRecorder(simulation)
+    recorder = FrameRecorder(simulation.setup)
     return recorder.recording, simulation.run([recorder])
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import msgspec
 
 from robotteamsim.hazards import HazardField
-from robotteamsim.simulation import StepRecord
+from robotteamsim.simulation import Simulation, StepRecord
 from robotteamsim.view.document import film, header
 from robotteamsim.view.frame import Frame, ShownEvent, fallen_of, frame_of, shown_events
 from robotteamsim.view.html import mission_page, size_problem
@@ -136,9 +136,8 @@ class ShownMission:
         scene = self._header if is_new else {}
         return Update(self._status(), events, frames, layers, viewer.number, restarted=is_new, **scene)
 
-    def _begin_with(self, recorder: FrameRecorder, record: StepRecord) -> None:
-        """Show the simulation of a new recorder from now on. Args: record: of its first step that is shown."""
-        simulation = recorder.simulation
+    def _begin_with(self, simulation: Simulation, recorder: FrameRecorder, record: StepRecord) -> None:
+        """Show a simulation from now on. Args: recorder: a new one.  record: of its first step that is shown."""
         scenario = simulation.scenario  # with the places of random victims
         shown = Recording(recorder.recording.scene, f"{scenario.name}, seed {scenario.run.seed}")
         # All that can fail comes before this, so that a failed restart changes nothing.
@@ -172,7 +171,9 @@ class ShownMission:
     def _publish(self) -> None:
         """Let all viewers take the latest frame, and the events and maps that are new."""
         shown = frozenset[str]().union(*(viewer.layers for viewer in self._viewers))
-        frame = frame_of(self._record, self._simulation, with_scans="laser" in shown, fallen=self._fallen)
+        record, scene = self._simulation.look(self._record), self._recorder.recording.scene
+        names = (obj.name for obj in scene.objects)
+        frame = frame_of(record, names, with_scans="laser" in shown, fallen=self._fallen)
         if self._frames:
             last = self._frames.pop()
             self._frames += [] if last.time_s == frame.time_s else [msgspec.structs.replace(last, scans_m=())]

@@ -86,7 +86,7 @@ def fled(tmp_path_factory) -> Run:
     folder = tmp_path_factory.mktemp("fled")
     scenario = from_mapping(SCENARIO, "store.yaml")
     simulation = Simulation(scenario)
-    frames, results = FrameRecorder(simulation), ResultWriter(folder / "out")
+    frames, results = FrameRecorder(simulation.setup), ResultWriter(folder / "out")
     result = simulation.run([BagWriter(folder / "store.bag"), results, frames])
     return Run(
         result,

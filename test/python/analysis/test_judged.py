@@ -19,7 +19,9 @@ from robotteamsim.recording.bag_types import bag_typestore
 from robotteamsim.recording.mcap_writer import McapWriter
 from robotteamsim.recording.replay.reading import read_run
 from robotteamsim.scenario import Scenario, load
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Observer, Result, Simulation, StepRecord
+from robotteamsim.view.recorder import FrameRecorder
 
 CASES = {
     "tutorial_arena": [],
@@ -52,7 +54,7 @@ def recorded(scenario: Scenario, path: Path) -> tuple[Result, Steps]:
 def judged(scenario: Scenario, path: Path) -> tuple[Result, Steps]:
     """Judge a recording."""
     steps = Steps()
-    return judge(read_run([path]), scenario, [steps]), steps
+    return judge(read_run([path]), resolve(scenario), [steps]), steps
 
 
 def assert_equal(found: tuple[Result, Steps], expected: tuple[Result, Steps]) -> None:
@@ -110,6 +112,22 @@ def test_what_controllers_say_between_two_steps_counts(tmp_path: Path):
             writer.write(ids[connection.id], time_ns, changed)
     _, steps = judged(scenario, late)
     assert [(e.time_s, e.kind) for e in steps.events] == [(e.time_s, e.kind) for e in expected[1].events][:-1]
+
+
+def test_page_of_a_judged_bag_shows_the_mission(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    path, setup = tmp_path / "m.bag", resolve(load("garage_rescue", ["mission.time_limit_s=10"]))
+    live, found = FrameRecorder(setup), FrameRecorder(setup)
+    Simulation(setup).run([live, BagWriter(path)])
+    judge(read_run([path]), setup, [found])
+    without_scans = [msgspec.structs.replace(frame, scans_m=()) for frame in live.recording.frames]
+    assert [msgspec.structs.replace(frame, scans_m=()) for frame in found.recording.frames] == without_scans
+    assert found.recording.events == live.recording.events
+    page, time_limit = tmp_path / "m.html", ["--set", "mission.time_limit_s=10"]
+    assert main(["judge", str(path), "--mission", "garage_rescue", *time_limit, "--html", str(page)]) == 0
+    assert str(page) in capsys.readouterr().out
+    assert page.read_text().startswith("<!doctype html>")
+    assert main(["judge", str(path), "--mission", "garage_rescue", "--html", str(path)]) == 2
+    assert "a file that this command reads" in capsys.readouterr().err
 
 
 def test_robot_without_poses_is_absent(tmp_path: Path):

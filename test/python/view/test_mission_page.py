@@ -67,7 +67,7 @@ def test_names_with_markup_are_shown_as_text(
     victims = (Victim(name=name, position=(9.0, 4.0)),)
     scenario = hall_scenario(mission=Mission(victims=victims, time_limit_s=5.0))
     simulation = Simulation(scenario)
-    recorder = FrameRecorder(simulation)
+    recorder = FrameRecorder(simulation.setup)
     simulation.run([recorder])
     with shown(browser, tmp_path, [recorder.recording], title=f"</title>{name}") as page:
         seek(page, 4.0)

@@ -81,7 +81,7 @@ def test_a_bag_shows_the_same_mission(
     hall_scenario: Callable[..., Scenario], tmp_path: Path, name: str, writer: Callable[[Path], Observer]
 ) -> None:
     simulation = Simulation(hall_scenario())
-    recorder = FrameRecorder(simulation)
+    recorder = FrameRecorder(simulation.setup)
     listed = EventList()
     result = simulation.run([recorder, listed, writer(tmp_path / name)])
     assert [event.time_s for event in recorder.recording.events] == [event.time_s for event in listed.events]
@@ -109,7 +109,7 @@ def test_a_bag_shows_the_lasers_the_doors_and_the_voice_map(
     plan = scenario.plan.model_copy(update={"doors": (door,)})
     scenario = hall_scenario(plan=plan, schedule=openings, mission=Mission(time_limit_s=4.0))
     simulation = Simulation(scenario)
-    recorder = FrameRecorder(simulation)
+    recorder = FrameRecorder(simulation.setup)
     simulation.run([recorder, BagWriter(tmp_path / "hall.bag")])
     own, bag = recorder.recording, recording_of(read_run([tmp_path / "hall.bag"]), scenario)
     assert {frame.doors for frame in own.frames} == {frame.doors for frame in bag.frames} == {(0.0,), (1.0,)}

@@ -20,14 +20,14 @@ from robotteamsim.view.from_bag import recording_of
 from robotteamsim.view.recorder import FrameRecorder
 
 CASES = {
-    "warehouse_push": 25,  # objects
-    "office_fire": 30,  # people who flee, doors, smoke
-    "garage_rescue": 40,  # firefighters
-    "office_manet": 15,  # links by distance
-    "office_egress": 20,  # no robots
-    "garage_sar": 60,
+    "warehouse_push": ["mission.time_limit_s=25"],  # objects
+    "office_fire": ["mission.time_limit_s=30"],  # people who flee, doors, smoke
+    "garage_rescue": ["mission.time_limit_s=40"],  # firefighters
+    "office_manet": ["mission.time_limit_s=15"],  # links by distance
+    "office_egress": ["mission.time_limit_s=20"],  # no robots
+    "garage_sar": ["mission.time_limit_s=60", "robots.count=6", "control.algorithm=dpso"],  # several swarms
 }
-"""Scenarios, and for how long they run [s]."""
+"""Scenarios, and what is different."""
 
 
 def _plain(shown: Any) -> Any:
@@ -61,9 +61,9 @@ def _check_totals(found: RunTotals, expected: Result) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_totals_and_page_of_a_recording_are_those_of_the_mission(name: str, tmp_path: Path):
-    scenario = load(name, [f"mission.time_limit_s={CASES[name]}"])
+    scenario = load(name, CASES[name])
     simulation = Simulation(scenario)
-    live, files = FrameRecorder(simulation), [tmp_path / "a.bag", tmp_path / "a.mcap"]
+    live, files = FrameRecorder(simulation.setup), [tmp_path / "a.bag", tmp_path / "a.mcap"]
     result = simulation.run([live, BagWriter(files[0]), McapWriter(files[1])])
     expected = live.recording
     for path in files:

@@ -112,7 +112,7 @@ def _last(values: list[tuple[float, Any]], time_s: float) -> Any:
 def mission(tmp_path_factory: pytest.TempPathFactory) -> tuple[Recording, _Truth, Path]:
     """Record the mission; return it, the truth, and its bag."""
     simulation = Simulation(_scenario())
-    recorder, truth = FrameRecorder(simulation), _Truth()
+    recorder, truth = FrameRecorder(simulation.setup), _Truth()
     bag = tmp_path_factory.mktemp("rescue") / "rescue.bag"
     simulation.run([recorder, truth, BagWriter(bag)])
     return recorder.recording, truth, bag

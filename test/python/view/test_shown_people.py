@@ -79,7 +79,7 @@ def _gaits(frames: list[Frame], victim: int) -> dict[str, set[str]]:
 
 def test_recordings_and_bags_show_collapsed_and_enclosed_people(scenario: Scenario, tmp_path: Path) -> None:
     simulation = Simulation(scenario)
-    recorder = FrameRecorder(simulation)
+    recorder = FrameRecorder(simulation.setup)
     simulation.run([recorder, BagWriter(tmp_path / "hall.bag")])
     paths = [tmp_path / "hall.bag"]
     for frames in (recorder.recording.frames, recording_of(read_run(paths), scenario).frames):
@@ -96,7 +96,7 @@ def test_people_of_a_group_flee_in_a_recording_and_in_a_bag(scenario: Scenario, 
     mission = scenario.mission.model_copy(update={"victims": (), "time_limit_s": 6.0})
     guests = scenario.model_copy(update={"mission": mission, "people": People(groups=(group,))})
     simulation = Simulation(guests)
-    recorder = FrameRecorder(simulation)
+    recorder = FrameRecorder(simulation.setup)
     simulation.run([recorder, BagWriter(tmp_path / "guests.bag")])
     paths = [tmp_path / "guests.bag"]
     for frames in (recorder.recording.frames, recording_of(read_run(paths), guests).frames):

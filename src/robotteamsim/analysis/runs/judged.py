@@ -16,14 +16,13 @@ from robotteamsim.network.messages import Message
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.replay.recorded_run import RecordedRobot, RecordedRun
 from robotteamsim.recording.topics.decisions import OUTBOX, STATUS
-from robotteamsim.scenario import Scenario
-from robotteamsim.setup import Setup, resolve
+from robotteamsim.setup import Setup
 from robotteamsim.simulation import Observer, Result
 from robotteamsim.simulation.judge import Judge
 from robotteamsim.wording import counted
 
 
-def judge(run: RecordedRun, scenario: Scenario, observers: Sequence[Observer] = ()) -> Result:
+def judge(run: RecordedRun, setup: Setup, observers: Sequence[Observer] = ()) -> Result:
     """Judge a run by the mission of a scenario, and show each step to observers.
 
     The poses of the robots are those of the run, and what their controllers say is that of `controller/status` and
@@ -33,9 +32,8 @@ def judge(run: RecordedRun, scenario: Scenario, observers: Sequence[Observer] = 
     Returns: the result; its `end` is "" if the recording ends before the mission does.
     Raises:  RecordingError: the run has robots that the scenario has not, or their poses are not in `map`.
     """
-    setup = resolve(scenario)
     robots = _team(run, setup)
-    said, step_ns = _Said(run, robots, setup), scenario.run.step_ns
+    said, step_ns = _Said(run, robots, setup), setup.scenario.run.step_ns
     stamps_ns = [robot.track.stamps_ns[[0, -1]] for robot in robots if robot] or [np.array([run.start_ns, run.end_ns])]
     first_ns, end_ns = int(np.min(stamps_ns)), int(np.max(stamps_ns))
     judged = Judge(setup, observers)

@@ -315,12 +315,13 @@ def _robot(
     if track is None:
         return None
     contact, statuses = samples.get(f"{namespace}/{CONTACT.name}"), samples.get(f"{namespace}/{STATUS.name}", [])
-    excluded = _series([(stamp_ns, is_excluded) for stamp_ns, (is_excluded, _) in statuses], bool)
-    context = _series([(stamp_ns, values) for stamp_ns, (_, values) in statuses if values is not None], float)
+    excluded = _series([(stamp_ns, is_excluded) for stamp_ns, (is_excluded, _, _) in statuses], bool)
+    swarm = _series([(stamp_ns, number) for stamp_ns, (_, number, _) in statuses], int)
+    context = _series([(stamp_ns, values) for stamp_ns, (_, _, values) in statuses if values is not None], float)
     team = _last(samples, ROBOTS)
     roles = team.roles if team and robot_id is not None else ()
     role: Role = roles[robot_id] if robot_id is not None and robot_id < len(roles) else "robot"
-    return RecordedRobot(name, robot_id, track, _series(contact, bool), excluded, context, role, namespace)
+    return RecordedRobot(name, robot_id, track, _series(contact, bool), excluded, context, role, namespace, swarm)
 
 
 def _absences(events: list[tuple[int, PublishedEvent]]) -> tuple[Absence, ...]:
@@ -363,11 +364,11 @@ def _pose_sample(message: Any) -> tracks.PoseSample:
     return tracks.PoseSample(message.header.frame_id.lstrip("/"), position.x, position.y, q.x, q.y, q.z, q.w)
 
 
-def _controller_sample(message: Any) -> tuple[bool, tuple[float, ...] | None]:
-    """Return whether a robot is excluded, and the values of `SwarmContext`; None without adaptation."""
+def _controller_sample(message: Any) -> tuple[bool, int, tuple[float, ...] | None]:
+    """Return whether a robot is excluded, its swarm, and the values of `SwarmContext`; None without adaptation."""
     contexts = message.context
     values = tuple(getattr(contexts[0], key) for key in SwarmContext.__struct_fields__) if len(contexts) else None
-    return message.excluded, values
+    return message.excluded, message.swarm, values
 
 
 def _floor(message: Any) -> OccupancyGrid | None:

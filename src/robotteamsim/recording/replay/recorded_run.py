@@ -57,7 +57,7 @@ class RecordedRobot:
 
     name:     its namespace without slashes; without one, "robot", or its topic if that is the name of another one.
     robot_id: the number in robot_<number>; None for other names.
-    contact, excluded: bool.
+    contact, excluded: bool.  swarm: the number of its swarm.
     context:  its metrics and coefficients while it adapts, in the order of `SwarmContext`: float64, shape (n, 10); None
               without adaptation.
     role:     in the team.
@@ -71,6 +71,7 @@ class RecordedRobot:
     context: Series | None = None
     role: Role = "robot"
     namespace: str = ""
+    swarm: Series | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
