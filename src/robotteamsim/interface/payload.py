@@ -17,6 +17,9 @@ Coordinate = Annotated[float, msgspec.Meta(ge=-1e6, le=1e6)]
 Point = tuple[Coordinate, Coordinate]
 """x and y in `map` [m]."""
 
+Time = Annotated[float, msgspec.Meta(ge=0.0, le=1e9)]
+"""Time of the mission [s]."""
+
 _encoder = msgspec.json.Encoder()
 
 

@@ -9,8 +9,8 @@ from typing import Literal
 import msgspec
 import numpy as np
 
-from robotteamsim.control.people.messages import parse_firefighter_update
 from robotteamsim.interface import Decision
+from robotteamsim.interface.firefighter import parse_firefighter_update
 from robotteamsim.interface.task import Assistance
 from robotteamsim.mission.egress import AT_CENTRE
 from robotteamsim.mission.events import (

@@ -22,7 +22,7 @@ from robotteamsim.setup import Setup, check_headless, resolve
 from robotteamsim.simulation.controllers import Controllers, TeamControllers
 from robotteamsim.simulation.record import Observer, Result, StepRecord
 from robotteamsim.simulation.stages import (
-    HazardStage,
+    FireStage,
     HearingStage,
     NetworkStage,
     NoHazards,
@@ -64,7 +64,7 @@ class Simulation:
         self.setup, self.scenario = setup, scenario
         self.schedule = ScheduleStage(scenario.schedule)
         self.world = make_world(scenario, robots)
-        self.hazards = NoHazards() if scenario.fire is None else HazardStage(setup, self.world)
+        self.hazards = NoHazards() if scenario.fire is None else FireStage(setup, self.world)
         """Fire and smoke."""
         self.people = PeopleStage(setup, self.world)
         """The victims who move."""

@@ -92,38 +92,36 @@ class ScheduleStage:
 
 
 class NoHazards:
-    """The hazards of a scenario in which nothing can burn. This stage does nothing."""
+    """The hazards of a scenario in which nothing can burn: what `FireStage` has, without effect."""
 
-    source: HazardSource | None = None
-    """Simulates fire and smoke."""
-    field: HazardField | None = None
-    """Fire, smoke and temperature as of the last update; None if nothing can burn."""
+    source: None = None
+    field: None = None
     is_updated = False
-    """Whether `field` was updated in the last step."""
     failed: frozenset[int] = frozenset()
-    """The absent robots and firefighters that have failed or collapsed."""
     burnt_doors: tuple[str, ...] = ()
-    """The names of the doors that have burnt through."""
-
-    @property
-    def ignited(self) -> tuple[Ignited, ...]:
-        """What has begun to burn so far, in order."""
-        return ()
+    ignited: tuple[Ignited, ...] = ()
 
     def slowed(self, twists: Sequence[Twist]) -> Sequence[Twist]:
-        """Return the commands of a step as firefighters can follow them in the smoke of the last update."""
+        """Return the commands as they are."""
         return twists
 
     def step(self) -> None:
-        """Advance to the world's current step, just made."""
+        """Do nothing."""
 
     def ignite(self, position_m: Point) -> None:
-        """Set fire to a place in `map` [m]. Raises: ValueError: nothing burns there, or the scenario has no fire."""
+        """Raises: ValueError: the scenario has no fire."""
         raise ValueError("ignite: the scenario has no section 'fire'")
 
 
-class HazardStage(NoHazards):
-    """Fire and smoke, and what they do to the world: doors burn through, robots and firefighters fail."""
+class FireStage:
+    """Fire and smoke, and what they do to the world: doors burn through, robots and firefighters fail.
+
+    source:      simulates them.
+    field:       fire, smoke and temperature as of the last update.
+    is_updated:  whether `field` was updated in the last step.
+    failed:      the absent robots and firefighters that have failed or collapsed.
+    burnt_doors: the names of the doors that have burnt through.
+    """
 
     def __init__(self, setup: Setup, world: AnyWorld) -> None:
         scenario = setup.scenario
@@ -132,20 +130,23 @@ class HazardStage(NoHazards):
         self._update_s = scenario.fire.update_s
         self.source: HazardSource = make_hazards(scenario, setup.building)
         self.field = self.source.field
+        self.is_updated = False
+        self.failed: frozenset[int] = frozenset()
+        self.burnt_doors: tuple[str, ...] = ()
         self._stress = HeatStress(scenario.fire, world.num_robots)
         self._firefighters = FirefighterHealth(scenario)
 
     @property
     def ignited(self) -> tuple[Ignited, ...]:
-        """See `NoHazards.ignited`."""
+        """What has begun to burn so far, in order."""
         return self.source.ignited
 
     def slowed(self, twists: Sequence[Twist]) -> Sequence[Twist]:
-        """See `NoHazards.slowed`."""
+        """Return the commands of a step as firefighters can follow them in the smoke of the last update."""
         return self._firefighters.slowed(twists)
 
     def step(self) -> None:
-        """See `NoHazards.step`."""
+        """Advance to the world's current step, just made."""
         world = self._world
         self.failed = frozenset(robot_id for robot_id in self.failed if not world.present[robot_id])
         self.is_updated = self.source.step(world.sim_time_ns, world.door_states())
@@ -164,7 +165,7 @@ class HazardStage(NoHazards):
         self.failed |= frozenset(failing)
 
     def ignite(self, position_m: Point) -> None:
-        """See `NoHazards.ignite`."""
+        """Set fire to a place in `map` [m]. Raises: ValueError: nothing burns there."""
         self.source.ignite(position_m)
 
 

@@ -9,10 +9,11 @@ import pytest
 
 from robotteamsim.control.cover.floor_cover import CoverUpdate
 from robotteamsim.control.people.dispatch import DispatchController
-from robotteamsim.control.people.messages import FirefighterUpdate, Orders, parse_orders
+from robotteamsim.control.people.messages import Orders, parse_orders
 from robotteamsim.errors import ScenarioError
 from robotteamsim.interface import EVERYBODY, Discovery, Message, Observation, Task
 from robotteamsim.interface.discovery import announcement
+from robotteamsim.interface.firefighter import FirefighterUpdate
 from robotteamsim.scenario.loading import from_mapping
 from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.setup import resolve

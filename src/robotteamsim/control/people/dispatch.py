@@ -12,11 +12,12 @@ from robotteamsim.control.cover.floor_cover import parse_cover_update
 from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import UNREACHABLE_M, known_map
 from robotteamsim.control.people.floor_search import FloorSearch
-from robotteamsim.control.people.messages import FirefighterUpdate, Order, Orders, parse_firefighter_update
+from robotteamsim.control.people.messages import Order, Orders
 from robotteamsim.errors import ScenarioError
 from robotteamsim.extras import missing_extra
 from robotteamsim.interface import EVERYBODY, Decision, Message, Observation, Task
 from robotteamsim.interface.discovery import announced_in
+from robotteamsim.interface.firefighter import FirefighterUpdate, parse_firefighter_update
 from robotteamsim.scenario.base import Point
 from robotteamsim.setup import Setup
 

@@ -8,9 +8,10 @@ from robotteamsim.control.cover.floor_cover import parse_cover_update
 from robotteamsim.control.driving.path_controller import PathController, Situation
 from robotteamsim.control.people.felt_floor import FeltFloor
 from robotteamsim.control.people.floor_search import FloorSearch
-from robotteamsim.control.people.messages import FirefighterUpdate, Order, parse_orders
+from robotteamsim.control.people.messages import Order, parse_orders
 from robotteamsim.control.rdpso.terms import RuledOut
 from robotteamsim.interface import EVERYBODY, Assistance, Decision, Discovery, Message
+from robotteamsim.interface.firefighter import FirefighterUpdate
 from robotteamsim.scenario.base import Point
 from robotteamsim.setup import Setup
 

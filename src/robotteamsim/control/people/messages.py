@@ -1,13 +1,8 @@
-"""The messages between the command centre and firefighters, and where teammates are."""
-
-from typing import Annotated
+"""The orders of the command centre to firefighters, and where teammates are."""
 
 import msgspec
 
-from robotteamsim.interface.payload import Index, Point, Update, read_payload, update_reader
-
-Time = Annotated[float, msgspec.Meta(ge=0.0, le=1e9)]
-"""Time of the mission [s]."""
+from robotteamsim.interface.payload import Index, Point, Time, Update, read_payload, update_reader
 
 
 class Order(msgspec.Struct, frozen=True):
@@ -27,23 +22,6 @@ class Orders(Update, frozen=True, tag="orders"):
     orders: tuple[Order, ...]
 
 
-class FirefighterUpdate(Update, frozen=True, tag="firefighter"):
-    """What a firefighter does.
-
-    victim:  whom they go to or help; "" for nobody.
-    helping: whether they have reached the victim.
-    safe:    names of the victims whom they have brought to safety.
-    missing: name and time of the news of victims whom they did not find.
-    """
-
-    robot_id: Index
-    position: Point
-    victim: str
-    helping: bool
-    safe: tuple[str, ...] = ()
-    missing: tuple[tuple[str, Time], ...] = ()
-
-
 class RelayUpdate(Update, frozen=True, tag="relay"):
     """Where a relay is."""
 
@@ -57,7 +35,6 @@ class _Whereabouts(msgspec.Struct, frozen=True):
 
 
 parse_orders = update_reader(Orders, kept=64)
-parse_firefighter_update = update_reader(FirefighterUpdate, kept=256)
 parse_relay = update_reader(RelayUpdate, kept=256)
 _whereabouts = msgspec.json.Decoder(_Whereabouts)
 
