@@ -181,8 +181,8 @@ exactness: build_tests ## compare 50 million cells of maps with one ray each, an
 	@cmake --build $(BUILD) -j$(JOBS) --target robotteamsim_exactness > $(BUILD)/build_bench.log 2>&1 || { cat $(BUILD)/build_bench.log; exit 1; }
 	@set -o pipefail; $(BUILD)/devel/lib/robotteamsim/robotteamsim_exactness $(ARGS) | tee bench/results/exactness.txt
 
-report: build_tests ## run the five campaigns of study/report (1,500 missions) and write the report; ARGS=--resume continues
-	@$(ENV) nice $(PYTHON) -m study run $(ARGS)
+report: build_tests ## run the five campaigns of study/dissertation (1,500 missions) and write the report; ARGS=--resume continues
+	@$(ENV) nice $(PYTHON) -m study.dissertation run $(ARGS)
 
 build_fuzz: build_tests
 	@command -v clang++-14 > /dev/null || { echo "this needs clang-14 and libclang-rt-14-dev (apt-get install)"; exit 1; }

@@ -24,6 +24,7 @@ from robotteamsim.view.recorder import record_mission
 
 DOCS = Path(__file__).parent
 ROOT = DOCS.parent
+STUDIES = (ROOT / "study" / "README.md", *sorted(ROOT.glob("study/*/README.md")))
 
 SECTIONS = {
     "Tutorials": (
@@ -68,10 +69,10 @@ SECTIONS = {
         "search",
         "testing",
         "reliability",
-        "study/README",
         "SECURITY",
         "CONTRIBUTING",
     ),
+    "Studies": tuple(str(page.relative_to(ROOT).with_suffix("")) for page in STUDIES),
 }
 """The pages of the website by kind (https://diataxis.fr); each page of docs/ is in one section."""
 
@@ -120,9 +121,12 @@ def write_sources(folder: Path) -> None:
     shutil.copytree(DOCS / "images", folder / "extra" / "images")
     shutil.copytree(DOCS / "exercises", folder / "exercises")
     shutil.copytree(ROOT / "examples", folder / "examples")
-    for place in (folder, folder / "extra"):
-        shutil.copytree(ROOT / "study" / "report", place / "study" / "report")
-    shutil.copy(ROOT / "study" / "README.md", folder / "study")
+    shutil.copytree(ROOT / "study", folder / "study", ignore=shutil.ignore_patterns("*.py", "__pycache__", "data"))
+    for page in STUDIES:
+        text = page.read_text(encoding="utf-8").replace("../docs/", "../")
+        (folder / page.relative_to(ROOT)).write_text(text, encoding="utf-8")
+    report = Path("study", "dissertation", "report")
+    shutil.copytree(ROOT / report, folder / "extra" / report)
     shutil.copy(DOCS / "notebook.ipynb", folder / "extra")
     shutil.copy(DOCS / "site" / "conf.py", folder)
     (folder / "notebook.md").write_text(notebook_page(DOCS / "notebook.ipynb"), encoding="utf-8")

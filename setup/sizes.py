@@ -9,7 +9,7 @@ import subprocess
 import sys
 from collections import Counter
 
-PROSE = ("docs/*.md", "README.md", "CHANGELOG.md")
+PROSE = ("docs/*.md", "study/*.md", "README.md", "CHANGELOG.md")
 FOREIGN = "three."
 
 

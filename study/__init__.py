@@ -1,1 +1,1 @@
-"""The study of the dissertation: its missions, its claims, and a verdict on each from our missions."""
+"""Studies: users of the package that compare, measure and judge it; README.md lists them."""

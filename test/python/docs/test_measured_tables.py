@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[3]
+REPORT = "study/dissertation/report"
 
 
 def rows(path: str) -> list[dict[str, str]]:
@@ -61,10 +62,10 @@ def test_table_of_lost_robots_is_that_of_the_benchmark(building):
 
 
 def test_study_states_the_verdicts_of_the_shipped_report():
-    verdicts = [row["verdict"] for row in rows("study/report/tables/claims.csv") if row["basis"] == "not fitted"]
+    verdicts = [row["verdict"] for row in rows(f"{REPORT}/tables/claims.csv") if row["basis"] == "not fitted"]
     yes, no = verdicts.count("reproduced"), verdicts.count("not reproduced")
     counts = f"{yes} are reproduced in all five campaigns, {no} are not reproduced, and {len(verdicts) - yes - no} are"
-    page = text("study/README.md")
+    page = text("study/dissertation/README.md")
     assert f"Of the {len(verdicts)} claims that were not fitted, {counts} undecided" in page
     assert "agreement with the means of Table 8 is calibration and confirms nothing" in page
-    assert f"Of these {len(verdicts)} claims, {yes} are reproduced, {no} are not" in text("study/report/report.html")
+    assert f"Of these {len(verdicts)} claims, {yes} are reproduced, {no} are not" in text(f"{REPORT}/report.html")

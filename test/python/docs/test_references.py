@@ -12,9 +12,9 @@ from robotteamsim.cli.command_line import make_parser
 from robotteamsim.scenario import load
 
 ROOT = Path(__file__).parents[3]
-PAGES = (ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").glob("*.md")))
+PAGES = sorted((*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("study/**/README.md")))
 
-pages = pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+pages = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 
 
 def headings(page: Path) -> set[str]:
@@ -37,7 +37,7 @@ def test_links_lead_to_files_and_headings(page):
 @pages
 def test_paths_that_are_named_exist(page):
     text = page.read_text()
-    paths = re.findall(r"`((?:src|include|test|bench|docs|setup|scripts|templates|launch)/[\w/]+\.\w+)`", text)
+    paths = re.findall(r"`((?:src|include|test|bench|study|docs|setup|scripts|templates|launch)/[\w/]+\.\w+)`", text)
     assert [path for path in paths if not (ROOT / path).exists()] == []
 
 

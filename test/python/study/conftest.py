@@ -8,7 +8,7 @@ import pytest
 
 from robotteamsim.campaign import StoredCampaign, make_design
 from robotteamsim.campaign.factors import Factor
-from study.reference import MissionValues, dissertation_missions
+from study.dissertation.reference import MissionValues, dissertation_missions
 
 
 @pytest.fixture(scope="session")

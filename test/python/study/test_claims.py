@@ -7,8 +7,8 @@ import pytest
 from robotteamsim.analysis.report.samples import pooled, read_campaign
 from robotteamsim.analysis.report.statistics import Interval
 from robotteamsim.analysis.report.wording import share_text
-from study.claims import judge
-from study.criteria import over_campaigns
+from study.dissertation.claims import judge
+from study.dissertation.criteria import over_campaigns
 
 pytestmark = pytest.mark.slow
 

@@ -8,8 +8,8 @@ import re
 import pytest
 
 from robotteamsim.errors import CampaignError
-from study.reference import MissionValues, dissertation_missions
-from study.tables import dissertation_tables, missions_by_noise
+from study.dissertation.reference import MissionValues, dissertation_missions
+from study.dissertation.tables import dissertation_tables, missions_by_noise
 
 
 def rows(text, title):

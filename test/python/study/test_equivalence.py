@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from robotteamsim import rng
-from study.equivalence import equivalence, mean_ratio, median_ratio, sd_ratio
-from study.reference import dissertation_missions
+from study.dissertation.equivalence import equivalence, mean_ratio, median_ratio, sd_ratio
+from study.dissertation.reference import dissertation_missions
 
 TIMES_S = {noise_db: np.array([m.time_s for m in missions]) for noise_db, missions in dissertation_missions().items()}
 

@@ -7,7 +7,7 @@ import pytest
 from robotteamsim.analysis.report.samples import read_campaign
 from robotteamsim.campaign import make_design
 from robotteamsim.campaign.factors import Factor
-from study.missions import compared, panels
+from study.dissertation.missions import compared, panels
 
 
 def test_dissertations_missions_are_those_of_the_levels_that_it_has(garage):

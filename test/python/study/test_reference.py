@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from robotteamsim.analysis.report.rank_tests import mann_whitney
-from study.reference import dissertation_missions
+from study.dissertation.reference import dissertation_missions
 
 
 def test_there_are_30_missions_at_each_of_three_levels():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from robotteamsim.analysis.report.samples import read_campaign
-from study.maps import heard_shares, nearest_other_m, widest_moment_m
+from study.dissertation.maps import heard_shares, nearest_other_m, widest_moment_m
 
 
 def test_nearest_other_robot_of_three_equals_the_hand_calculation():

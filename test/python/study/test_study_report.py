@@ -9,9 +9,9 @@ import pytest
 from robotteamsim.campaign import make_design, open_store
 from robotteamsim.campaign.factors import Factor
 from robotteamsim.errors import CampaignError
-from study.__main__ import main
-from study.report import make_study
-from study.wording import DISSERTATION
+from study.dissertation.__main__ import main
+from study.dissertation.report import make_study
+from study.dissertation.wording import DISSERTATION
 
 pytestmark = pytest.mark.slow
 
@@ -140,4 +140,7 @@ def test_command_prints_tables_6_to_9(capsys, folder, tmp_path):
     assert main(["tables", folder(1)]) == 0
     assert capsys.readouterr().out.count("\nTable ") == 3
     assert main(["tables", str(tmp_path)]) == 1
-    assert capsys.readouterr().err == f"study: {tmp_path}: contains no campaign: there is no campaign.sqlite\n"
+    assert (
+        capsys.readouterr().err
+        == f"study.dissertation: {tmp_path}: contains no campaign: there is no campaign.sqlite\n"
+    )

@@ -7,7 +7,7 @@ import numpy as np
 from robotteamsim.analysis.report.samples import Campaign, Cell, Panel, Sample, Series
 from robotteamsim.campaign.design import NOISE_KEY
 from robotteamsim.palette import OURS, THEIRS
-from study.reference import dissertation_missions
+from study.dissertation.reference import dissertation_missions
 
 LIMIT_S = 600.0
 _NUM_AREAS, _NUM_VICTIMS = 5, 4

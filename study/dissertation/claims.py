@@ -14,11 +14,21 @@ from robotteamsim.analysis.report.samples import Campaign, Cell, Sample
 from robotteamsim.analysis.report.statistics import generator
 from robotteamsim.analysis.report.wording import p_text
 from robotteamsim.scenario import Scenario
-from study.comparison import MARGIN, Comparison, compare, shares
-from study.criteria import LEVEL, Finding, Verdict, at_least, at_most, equivalent, falls, over_campaigns, together
-from study.equivalence import equivalence, mean_difference, mean_ratio
-from study.maps import nearest_other_m
-from study.missions import Pair, compared
+from study.dissertation.comparison import MARGIN, Comparison, compare, shares
+from study.dissertation.criteria import (
+    LEVEL,
+    Finding,
+    Verdict,
+    at_least,
+    at_most,
+    equivalent,
+    falls,
+    over_campaigns,
+    together,
+)
+from study.dissertation.equivalence import equivalence, mean_difference, mean_ratio
+from study.dissertation.maps import nearest_other_m
+from study.dissertation.missions import Pair, compared
 
 MIN_TRIALS = 100
 """Missions needed at each noise level before a claim counts as reproduced."""

@@ -11,7 +11,7 @@ import numpy as np
 from robotteamsim.analysis.report.rank_tests import holm
 from robotteamsim.analysis.report.samples import Cell, Sample
 from robotteamsim.analysis.report.statistics import Interval, clopper_pearson, fisher_freeman_halton, generator
-from study.equivalence import Equivalence, equivalence, mean_difference, mean_ratio, median_ratio, sd_ratio
+from study.dissertation.equivalence import Equivalence, equivalence, mean_difference, mean_ratio, median_ratio, sd_ratio
 
 MARGIN = 0.1
 """Relative difference up to which mean and median times count as equivalent."""

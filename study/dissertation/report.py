@@ -25,13 +25,13 @@ from robotteamsim.analysis.report.tables import campaign_tables
 from robotteamsim.analysis.report.wording import listed
 from robotteamsim.campaign import StoredCampaign
 from robotteamsim.errors import CampaignError
-from study import figures
-from study.claims import MIN_TRIALS, Claim, judge
-from study.comparison import MARGIN, SD_FACTOR, VICTIMS_MARGIN, Comparison, compare
-from study.criteria import Verdict
-from study.maps import map_pictures
-from study.missions import compared, panels
-from study.wording import DISSERTATION, calibration, claims_table, tests_table
+from study.dissertation import figures
+from study.dissertation.claims import MIN_TRIALS, Claim, judge
+from study.dissertation.comparison import MARGIN, SD_FACTOR, VICTIMS_MARGIN, Comparison, compare
+from study.dissertation.criteria import Verdict
+from study.dissertation.maps import map_pictures
+from study.dissertation.missions import compared, panels
+from study.dissertation.wording import DISSERTATION, calibration, claims_table, tests_table
 
 _NUMBERS = {
     "voice_lowest": 16,

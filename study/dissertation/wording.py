@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from robotteamsim.analysis.report.tables import UNKNOWN, Entry, Table, interval_entry, p_entry, share_entry
-from study.claims import FOLLOWING, Claim
-from study.comparison import Comparison
+from study.dissertation.claims import FOLLOWING, Claim
+from study.dissertation.comparison import Comparison
 
 DISSERTATION = (
     "G. N. S. Augusto, RobotTeamSim \N{EN DASH} 3D Visualization of Cooperative Mobile Robot Missions in Gazebo "

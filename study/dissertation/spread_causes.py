@@ -1,6 +1,6 @@
 """Search for the cause of the missing spread at 30 dB: durations of garage missions under changed settings.
 
-python study/spread_causes.py --missions 40 --noise 30
+python -m study.dissertation.spread_causes --missions 40 --noise 30
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Command line of the study: `python -m study --help`."""
+"""Command line of the study: `python -m study.dissertation --help`."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from robotteamsim.campaign import read_store
 from robotteamsim.cli import main as robotteamsim
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.view.campaign_missions import shown_missions
-from study.report import make_study
-from study.tables import dissertation_tables, missions_by_noise
+from study.dissertation.report import make_study
+from study.dissertation.tables import dissertation_tables, missions_by_noise
 
 SEEDS = (314159265, 271828182, 141421356, 173205080, 223606797)
 """The first nine digits of pi, e, and the square roots of 2, 3 and 5. None was used to choose a parameter."""
@@ -23,11 +23,11 @@ TRIALS = 100
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command. Returns: an exit status."""
-    parser = argparse.ArgumentParser(prog="study", description="The study of the dissertation.")
+    parser = argparse.ArgumentParser(prog="study.dissertation", description="The study of the dissertation.")
     commands = parser.add_subparsers(required=True, metavar="COMMAND")
     run = commands.add_parser("run", help="run the five campaigns and write the report: `make report`")
     run.add_argument("--folder", type=Path, default=Path("build/report"), help="of the campaigns; %(default)s")
-    run.add_argument("--out", type=Path, default=Path("study/report"), help="of the report; %(default)s")
+    run.add_argument("--out", type=Path, default=Path("study/dissertation/report"), help="of the report; %(default)s")
     run.add_argument("--resume", action="store_true", help="keep finished missions: only if no code has changed")
     run.set_defaults(command=_run)
     report = commands.add_parser("report", help="judge each claim by campaigns of the garage, and write the report")
@@ -42,7 +42,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         status: int = options.command(options)
     except RobotTeamSimError as error:
-        print(f"study: {error}", file=sys.stderr)
+        print(f"study.dissertation: {error}", file=sys.stderr)
         return 1
     return status
 

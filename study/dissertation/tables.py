@@ -9,7 +9,7 @@ from robotteamsim.campaign.design import NOISE_KEY
 from robotteamsim.campaign.summary import UNLIMITED
 from robotteamsim.errors import CampaignError
 from robotteamsim.wording import column_groups
-from study.reference import MissionValues, dissertation_missions
+from study.dissertation.reference import MissionValues, dissertation_missions
 
 Missions = Mapping[float, Sequence[MissionValues | None]]
 """Missions by background noise [dB], in order; None for one that failed or was not run."""

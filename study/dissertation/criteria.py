@@ -12,8 +12,8 @@ import numpy as np
 
 from robotteamsim.analysis.report.rank_tests import mann_whitney, mean_shift
 from robotteamsim.analysis.report.wording import interval_text, p_text, percents, share_text
-from study.comparison import Shares
-from study.equivalence import Equivalence
+from study.dissertation.comparison import Shares
+from study.dissertation.equivalence import Equivalence
 
 Verdict = Literal["reproduced", "depends on the seed", "not shown", "not reproduced"]
 

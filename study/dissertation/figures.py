@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from robotteamsim.analysis.plain_figure import PlainFigure
 from robotteamsim.analysis.report.figures import DPI, WIDTH_INCHES, styled
 from robotteamsim.palette import OURS, PAPER
-from study.comparison import MARGIN, Comparison
+from study.dissertation.comparison import MARGIN, Comparison
 
 REPRODUCED, CONTRADICTED, UNDECIDED = "#00795a", "#b34a00", "#8a6100"
 """Verdicts: green, vermillion and orange, dark enough for text."""
