@@ -8,19 +8,18 @@ import os
 import re
 import signal
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import rospy
-from ros_network_bench import free_port, pid_of
+from ros_network_bench import pid_of
+from ros_processes import ROSLAUNCH, free_port
 from std_srvs.srv import Trigger
 
 from robotteamsim.ros.master import wait_for_master
 
-ROSLAUNCH = (sys.executable, "-c", "import roslaunch; roslaunch.main()")
 SLOWEST = 0.01
 """Until the mission is paused, its first step takes this part of real time."""
 

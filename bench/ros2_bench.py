@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 import results_file
+from ros_processes import busy_s
 
 VERSION = 2 if os.environ.get("ROS_VERSION") == "2" else 1
 
@@ -33,13 +34,6 @@ CASES = {
     "scans, odometry, tf of a hundred": (100, {"controllers": "inside"}, r"/tf|/robot_\d+/(base_scan|odom)"),
 }
 """Number of robots, settings of the mission, and the topics of the reader."""
-TICKS = os.sysconf("SC_CLK_TCK")
-
-
-def cpu_s(pid: int) -> float:
-    """Return the processor time of a process [s]."""
-    fields = Path(f"/proc/{pid}/stat").read_text(encoding="utf-8").rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / TICKS
 
 
 def read(pattern: str | None, ready: Any, done: Any, counts: Any) -> None:
@@ -64,9 +58,9 @@ def measure(robots: int, settings: dict[str, Any], pattern: str | None) -> dict[
         if not ready.wait(120.0):
             raise SystemExit("the reader did not start")
         mission.step(WARM_UP_STEPS)
-        begin_s, before_s = time.monotonic(), cpu_s(mission.pid)
+        begin_s, before_s = time.monotonic(), busy_s(mission.pid)
         mission.step(STEPS)
-        wall_s, used_s = time.monotonic() - begin_s, cpu_s(mission.pid) - before_s
+        wall_s, used_s = time.monotonic() - begin_s, busy_s(mission.pid) - before_s
         time.sleep(1.0)  # the last messages
         done.set()
         topics, counted = counts.get(timeout=60.0)

@@ -18,13 +18,10 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
 import resource
 import signal
-import socket
 import statistics
 import subprocess
-import sys
 import tempfile
 import xmlrpc.client
 from dataclasses import dataclass
@@ -32,14 +29,13 @@ from pathlib import Path
 
 import numpy as np
 import results_file
+from ros_processes import GRACE_S, ROSLAUNCH, busy_s, environment
 from world_bench import free_robots, plan_of_rectangles
 
 from robotteamsim.scenario.loading import write_floor_plan
 
-ROSLAUNCH = (sys.executable, "-c", "import roslaunch; roslaunch.main()")
 STEP_S = 0.1
 TIMEOUT_S = 300
-GRACE_S = 30
 START_S = 1.0
 
 
@@ -54,15 +50,6 @@ class Heard:
     client_busy: float
 
 
-def environment(folder: str) -> tuple[int, dict[str, str]]:
-    """Return a free port for a master, and an environment in which nothing is left outside the folder."""
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        port = probe.getsockname()[1]
-    uri = {"ROS_MASTER_URI": f"http://localhost:{port}", "ROS_HOSTNAME": "localhost"}
-    return port, os.environ | uri | {"ROS_HOME": folder, "ROS_LOG_DIR": f"{folder}/log", "PWD": folder}
-
-
 def write_scenario(folder: str, count: int) -> None:
     plan = plan_of_rectangles(np.random.default_rng(7))
     write_floor_plan(plan, f"{folder}/plan.yaml")
@@ -72,12 +59,6 @@ def write_scenario(folder: str, count: int) -> None:
     ]
     # JSON is YAML.
     Path(folder, "many.yaml").write_text(json.dumps({"name": "many", "plan": "plan.yaml", "robots": robots}))
-
-
-def busy_s(pid: int) -> float:
-    """Return the busy time of a process so far."""
-    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def world_pid(master_uri: str) -> int:

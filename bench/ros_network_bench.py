@@ -19,10 +19,8 @@ import argparse
 import itertools
 import os
 import signal
-import socket
 import statistics
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Iterator
@@ -33,6 +31,7 @@ from xmlrpc.client import ServerProxy
 import results_file
 import rosgraph
 import rospy
+from ros_processes import GRACE_S, ROSLAUNCH, busy_s, environment
 
 NODES = ("simulation",)
 STEP_S = 0.1
@@ -41,12 +40,6 @@ START_TIMEOUT_S = 600.0
 """The nodes of 1000 robots register 17,000 topics at one master [s, wall]."""
 STAMP = slice(4, 12)
 """Where a message that begins with a header carries its stamp: two unsigned 32-bit numbers, s and ns."""
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("localhost", 0))
-        return probe.getsockname()[1]
 
 
 class Listener:
@@ -62,12 +55,6 @@ class Listener:
         self.arrivals.append((time.monotonic(), stamp_ns))
 
 
-def cpu_s(pid: int) -> float:
-    """Return the processor time that a process has used, in the system and outside [s]."""
-    fields = Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
-
-
 def pid_of(node: str) -> int:
     return ServerProxy(rosgraph.Master("/bench").lookupNode(f"/{node}")).getPid("/bench")[2]
 
@@ -76,9 +63,9 @@ def pid_of(node: str) -> int:
 def launched(*arguments: str, speed: float = 1.0) -> Iterator[None]:
     """Launch the garage on a master of its own, as roslaunch would with these arguments; end it after."""
     with tempfile.TemporaryDirectory() as folder:
-        port = free_port()
-        os.environ |= {"ROS_MASTER_URI": f"http://localhost:{port}", "ROS_HOME": folder, "ROS_LOG_DIR": folder}
-        command = [sys.executable, "-c", "import roslaunch; roslaunch.main()", "-p", str(port)]
+        port, env = environment(folder)
+        os.environ |= env
+        command = [*ROSLAUNCH, "-p", str(port)]
         command += [
             "robotteamsim",
             "scenario.launch",
@@ -92,7 +79,7 @@ def launched(*arguments: str, speed: float = 1.0) -> Iterator[None]:
             yield
         finally:
             launch.send_signal(signal.SIGINT)
-            launch.wait(30.0)
+            launch.wait(GRACE_S)
 
 
 def measure(topic: str, robots: int, seconds: float, csv: Path | None) -> None:
@@ -105,9 +92,9 @@ def measure(topic: str, robots: int, seconds: float, csv: Path | None) -> None:
             raise SystemExit(f"/network/{topic}: {len(network.arrivals)} messages came within {START_TIMEOUT_S:.0f} s")
         time.sleep(0.1)
     pids = {name: pid_of(name) for name in NODES}
-    first, before_s = len(network.arrivals), {name: cpu_s(pid) for name, pid in pids.items()}
+    first, before_s = len(network.arrivals), {name: busy_s(pid) for name, pid in pids.items()}
     time.sleep(seconds)
-    used_s = {name: cpu_s(pid) - before_s[name] for name, pid in pids.items()}
+    used_s = {name: busy_s(pid) - before_s[name] for name, pid in pids.items()}
     arrivals = network.arrivals[first:]
     wall_s, sim_s = ((arrivals[-1][i] - arrivals[0][i]) * unit for i, unit in ((0, 1.0), (1, 1e-9)))
     gaps_s = [later[0] - earlier[0] for earlier, later in itertools.pairwise(arrivals)]

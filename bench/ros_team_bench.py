@@ -15,7 +15,8 @@ from pathlib import Path
 
 import results_file
 import rospy
-from ros_network_bench import Listener, cpu_s, launched, pid_of
+from ros_network_bench import Listener, launched, pid_of
+from ros_processes import busy_s
 
 NODES = ("simulation", "controllers")
 STEP_S = 0.1
@@ -32,9 +33,9 @@ def measure(robots: int, seconds: float, csv: Path | None) -> None:
             raise SystemExit(f"/robot_0/cmd_vel_stamped: fewer than {WARM_UP_STEPS} messages came within three minutes")
         time.sleep(0.1)
     pids = {name: pid_of(name) for name in NODES}
-    first, before_s = len(answers.arrivals), {name: cpu_s(pid) for name, pid in pids.items()}
+    first, before_s = len(answers.arrivals), {name: busy_s(pid) for name, pid in pids.items()}
     time.sleep(seconds)
-    used_s = {name: cpu_s(pid) - before_s[name] for name, pid in pids.items()}
+    used_s = {name: busy_s(pid) - before_s[name] for name, pid in pids.items()}
     arrivals = answers.arrivals[first:]
     wall_s, sim_s = ((arrivals[-1][i] - arrivals[0][i]) * unit for i, unit in ((0, 1.0), (1, 1e-9)))
     share = (len({stamp_ns for _, stamp_ns in arrivals}) - 1) / round(sim_s / STEP_S)
