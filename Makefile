@@ -225,7 +225,7 @@ gazebo: build_gazebo ## run the garage mission in Gazebo, in a Debian 11 that is
 	@$(ENV) GAZEBO_CHROOT=$(GAZEBO_CHROOT) $(PYTHON) -m pytest test/gazebo -s $(ARGS)
 
 bench_gazebo: build_gazebo ## run 30 garage missions in Gazebo and in our own world, with the same seeds; ARGS="--first 1 --trials 5"
-	@$(ENV) GAZEBO_CHROOT=$(GAZEBO_CHROOT) $(PYTHON) bench/gazebo_missions.py $(ARGS)
+	@$(ENV) GAZEBO_CHROOT=$(GAZEBO_CHROOT) $(PYTHON) -m study.worlds.gazebo_missions $(ARGS)
 
 NIGHTLY ?= tidy sanitize fuzz faults garbage gazebo
 
@@ -244,7 +244,7 @@ wheel: $(DEBIAN)-build $(VENV)/.wheel ## build dist/*.whl for Python 3.11 and ne
 pictures: build_tests ## regenerate the pictures of README and docs
 	@$(ENV) $(PYTHON) docs/draw_cases.py
 	@$(ENV) $(PYTHON) docs/draw_swarm.py
-	@$(ENV) $(PYTHON) docs/draw_learning.py
+	@$(ENV) $(PYTHON) -m study.learning.draw_curve
 	@$(ENV) $(PYTHON) docs/make_own_building.py
 	@$(ENV) $(PYTHON) -m robotteamsim.cli field radio garage_sar --at 4,5 --at 30,36 --at 50,18 --png docs/images/field.png
 	@$(ENV) $(PYTHON) -m robotteamsim.cli field radio garage_sar --loss --png docs/images/field_loss.png \
@@ -253,7 +253,7 @@ pictures: build_tests ## regenerate the pictures of README and docs
 		--compare voice.noise_db=10 --compare voice.noise_db=20 --compare voice.noise_db=30
 	@$(ENV) for map in mrl_arena isr_floor_0; do \
 		$(PYTHON) -m robotteamsim.cli plan render $$map --png docs/images/$$map.png || exit 1; done
-	@$(ENV) $(PYTHON) bench/office_arms.py --again
+	@$(ENV) $(PYTHON) -m study.network.office_arms --again
 	@rm -rf $(BUILD)/analysis && mkdir -p $(BUILD)/analysis
 	@$(ENV) $(PYTHON) -m robotteamsim.cli run garage_sar --seed 7 --bag $(BUILD)/analysis/mission.bag --out $(BUILD)/analysis > /dev/null
 	@$(ENV) $(PYTHON) -m robotteamsim.cli analyse $(BUILD)/analysis/mission.bag --scenario garage_sar > /dev/null \

@@ -60,7 +60,8 @@ def plan_of_rectangles(generator: np.random.Generator) -> FloorPlan:
 
 
 def free_robots(plan: FloorPlan, count: int, generator: np.random.Generator) -> list[PlacedRobot]:
-    solid, robots = obstacles(plan), []
+    solid = obstacles(plan)
+    robots: list[PlacedRobot] = []
     while len(robots) < count:
         x, y = generator.uniform(0.5, 59.5), generator.uniform(0.5, 39.5)
         apart = all(math.dist((x, y), robot.start_pose[:2]) > 0.5 for robot in robots)

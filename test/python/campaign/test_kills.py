@@ -11,7 +11,7 @@ import pytest
 
 pytestmark = pytest.mark.slow
 
-SCRIPT = Path(__file__).parents[3] / "bench" / "campaign_kills.py"
+SCRIPT = Path(__file__).parents[3] / "study" / "reliability" / "campaign_kills.py"
 
 
 def test_campaign_killed_at_random_moments_completes_to_the_same_bytes():

@@ -29,14 +29,14 @@ def share(row: dict[str, str]) -> str:
     return f"{100.0 * float(row['complete']):.0f} %"
 
 
-@pytest.mark.parametrize("row", rows("bench/results/adaptation.csv"), ids=lambda row: row["row"])
+@pytest.mark.parametrize("row", rows("study/swarm/adaptation.csv"), ids=lambda row: row["row"])
 def test_table_of_adaptation_is_that_of_the_benchmark(row):
     numbers = [cell(row, "time_s", 0), *(cell(row, key, 1) for key in ("victims", "areas", "endangered_links"))]
     assert f"| {row['row']} | {' | '.join(numbers)} | {share(row)} |" in text("docs/swarm.md")
 
 
 def test_table_of_additions_is_that_of_the_benchmark():
-    measured = {(row["row"], row["noise_db"]): row for row in rows("bench/results/additions.csv")}
+    measured = {(row["row"], row["noise_db"]): row for row in rows("study/swarm/additions.csv")}
     page = text("docs/swarm.md").replace("`", "")
     for name in sorted({name for name, _ in measured}):
         both = [measured[name, noise_db] for noise_db in ("20.0", "10.0")]
@@ -48,7 +48,7 @@ def test_table_of_additions_is_that_of_the_benchmark():
 def test_table_of_lost_robots_is_that_of_the_benchmark(building):
     complete = [
         (row["robots"], row["lost"], float(row["time_s"]))
-        for row in rows("bench/results/losses.csv")
+        for row in rows("study/swarm/losses.csv")
         if row["building"] == building and row["all_areas"] == "1"
     ]
 

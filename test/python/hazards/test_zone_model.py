@@ -1,4 +1,4 @@
-"""Two rooms with a fire against CFAST, a zone model: bench/zone_model.py has written its results."""
+"""Two rooms with a fire against CFAST, a zone model: study/fire/zone_model.py has written its results."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from burning import Doors, advance, fire_of, rooms_with_door
 
 from robotteamsim.hazards import Hazards
 
-RESULTS = Path(__file__).parents[3] / "bench" / "results" / "zone_model.csv"
+RESULTS = Path(__file__).parents[3] / "study" / "fire" / "zone_model.csv"
 HEIGHT_M = 2.6
 TIMES_S = (120, 180, 240, 300)
 AMBIENT_OXYGEN = 0.2049

@@ -134,7 +134,7 @@ def test_flow_through_a_door_of_one_metre_is_within_the_published_range_and_nobo
     ("radius_m", "time_gap_s", "theirs"), [(0.15, 1.0, 1.611), (0.2, 1.0, 0.898), (0.15, 0.8, 1.885)]
 )
 def test_flow_through_a_door_agrees_with_that_of_jupedsim(radius_m, time_gap_s, theirs, monkeypatch):
-    # JuPedSim 1.4.2, the same room, people and parameters: bench/jupedsim_door.py.
+    # JuPedSim 1.4.2, the same room, people and parameters: study/people/jupedsim_door.py.
     tuning = People(radius_m=radius_m, time_gap_s=time_gap_s)
     monkeypatch.setitem(globals(), "TUNING", tuning)
     assert door_flow(1.0)[0] == pytest.approx(theirs, rel=0.12)

@@ -5,7 +5,7 @@ the last area, and drives at most at `max_step_speed_mps`. Printed per number of
 interval, the time of one robot divided by the number, the bound, and when each area was explored and the last victim
 saved.
 
-python bench/search_floor.py --missions 20 --noise 30 --robots 1 2 3 4 6 8 --seed 5001
+python -m study.search.floor --missions 20 --noise 30 --robots 1 2 3 4 6 8 --seed 5001
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ import numpy as np
 
 from robotteamsim.analysis.benchmark.bound import CONTACT_M, OptimisticFloor
 from robotteamsim.analysis.benchmark.routes import longest_route
+from robotteamsim.mission.events import Event
 from robotteamsim.scenario import load
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import resolve
@@ -81,7 +82,8 @@ def least_time_s(scenario: Scenario) -> float:
 
 
 def _mission(task: tuple[int, float, int]) -> Outcome:
-    simulation, events = Simulation(scenario_of(*task)), []
+    simulation = Simulation(scenario_of(*task))
+    events: list[Event] = []
     simulation.mission.start()
     while simulation.mission.status.state != "ended":
         events += simulation.step().events

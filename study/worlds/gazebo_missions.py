@@ -3,7 +3,7 @@
 Gazebo follows the clock of gazebo_clock.py, which waits for the decisions of each step, so that outcomes do not depend
 on the load of the machine. `speed` is simulated over wall time, and depends on it; `*_busy` is the processor time of
 Gazebo and of the simulation with its controllers, per simulated second. `make bench_gazebo` builds what this needs.
-Usage: python bench/gazebo_missions.py [--first 44001] [--trials 30] [--chroot DIR] [--csv FILE] [--table]
+Usage: python -m study.worlds.gazebo_missions [--first 44001] [--trials 30] [--chroot DIR] [--csv FILE] [--table]
 appends a row per mission, and prints the table of all rows; --table: only that.
 """
 
@@ -23,16 +23,16 @@ from pathlib import Path
 
 import msgspec
 import numpy as np
-from mujoco_missions import OUTCOME, outcome
-from results_file import append_rows
-from ros_bench import GRACE_S, ROSLAUNCH, environment
 
+from bench.results_file import append_rows
+from bench.ros_processes import GRACE_S, ROSLAUNCH, environment
 from robotteamsim.analysis.report.statistics import Interval, bootstrap_mean, clopper_pearson, generator
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
 from robotteamsim.simulation.record import Result
+from study.worlds.mujoco_missions import OUTCOME, outcome
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 PLUGINS = ROOT / "build" / "gazebo" / "devel" / "lib"
 COST = ("speed", "gazebo_busy", "simulation_busy")
 MISSION_S = 3600.0
@@ -53,15 +53,15 @@ def gazebo_mission(seed: int, chroot: str) -> tuple[object, ...]:
         env |= {"GAZEBO_MASTER_URI": f"http://localhost:{gazebo_port}", "GAZEBO_IP": "127.0.0.1"}
         gzserver = f"{ROOT}/setup/gazebo-chroot.sh run {chroot} gzserver" if chroot else "gzserver"
         robots = " ".join(map(str, range(load("garage_sar").num_robots)))
-        arguments = (f"in_gazebo:={robots}", "localization:=ground_truth", "controllers:=inside", "rviz:=false")
+        arguments = [f"in_gazebo:={robots}", "localization:=ground_truth", "controllers:=inside", "rviz:=false"]
         arguments += (f"seed:={seed}", f"out:={folder}/out", f"gzserver:={gzserver}", f"plugins:={PLUGINS}")
         launch = (*ROSLAUNCH, "-p", str(port), "robotteamsim", "scenario.launch", "world:=gazebo", *arguments)
         cost_file, log_file = Path(folder, "cost.json"), Path(folder, "log.txt")
-        clock = (sys.executable, str(ROOT / "bench" / "gazebo_clock.py"), str(cost_file))
+        clock = (sys.executable, "-m", "study.worlds.gazebo_clock", str(cost_file))
         with (
             log_file.open("w") as log,
             subprocess.Popen(launch, env=env, cwd=folder, stdout=log, stderr=log) as mission,
-            subprocess.Popen(clock, env=env, cwd=folder, stdout=log, stderr=log) as clocking,
+            subprocess.Popen(clock, env=env, cwd=ROOT, stdout=log, stderr=log) as clocking,
         ):
             try:
                 if clocking.wait(MISSION_S) == 0:
@@ -112,7 +112,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser.add_argument("--first", type=int, default=44001, help="the first seed")
     parser.add_argument("--trials", type=int, default=30, help="number of seeds")
     parser.add_argument("--chroot", default=os.environ.get("GAZEBO_CHROOT", ""), help="folder that has Gazebo")
-    parser.add_argument("--csv", type=Path, default=ROOT / "bench" / "results" / "gazebo_missions.csv")
+    parser.add_argument("--csv", type=Path, default=Path(__file__).with_suffix(".csv"))
     parser.add_argument("--table", action="store_true", help="run nothing")
     options = parser.parse_args(arguments)
     for seed in range(options.first, options.first + (0 if options.table else options.trials)):

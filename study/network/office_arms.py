@@ -3,7 +3,7 @@
 Both arms run with the same seeds. Printed per figure: the mean of each arm with a 95 % bootstrap interval, and the
 p-value of Wilcoxon's signed-rank test of the pairs. A find that the base has not heard of at the end counts as late by
 the time that was left. Written: one row per trial, one row per trial and 10 s, and a figure.
-Usage: python bench/office_arms.py [--trials 30] [--workers 2] [--scenario office_manet] [--set K=V] [--again]
+Usage: python -m study.network.office_arms [--trials 30] [--workers 2] [--scenario office_manet] [--set K=V] [--again]
        --again takes the trials from the files of the last run and only prints and draws.
 """
 
@@ -17,16 +17,18 @@ from pathlib import Path
 
 import matplotlib as mpl
 import numpy as np
-from scipy.stats import bootstrap, wilcoxon
+from scipy.stats import wilcoxon
 
 from robotteamsim import palette
 from robotteamsim.control.cover.floor_cover import FloorCover
 from robotteamsim.scenario import load
+from robotteamsim.scenario.controllers.cover import CoverControl
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation, StepRecord
+from study.intervals import mean_with_interval
 
-RESULTS = Path(__file__).resolve().parent / "results"
+RESULTS = Path(__file__).parent
 ARMS = {"with": (), "without": ("control.c4=0",)}
 FIGURES = {
     "coverage": "floor covered",
@@ -45,11 +47,11 @@ Row = dict[str, float | str]
 
 
 class Watcher:
-    """Looks on at one trial and adds up what this bench is about."""
+    """Looks on at one trial and adds up what this study is about."""
 
     def __init__(self, scenario: Scenario) -> None:
         setup = resolve(scenario)
-        reach_m, radius_m = setup.robots[0].reach_m, scenario.control.radius_m
+        reach_m, radius_m = setup.robots[0].reach_m, scenario.control.as_kind(CoverControl).radius_m
         self._cover = FloorCover(setup.building, reach_m, setup.start_m(0), radius_m)
         self._base = scenario.mission.base or 0
         self._step_s = scenario.run.step_s
@@ -132,14 +134,6 @@ def values(rows: list[Row], arm: str, figure: str) -> np.ndarray:
     return np.array([float(row[figure]) for row in rows if row["arm"] == arm])
 
 
-def interval(sample: np.ndarray) -> tuple[float, float]:
-    """Return the 95 % bootstrap interval of a mean."""
-    if np.ptp(sample) == 0.0:
-        return float(sample[0]), float(sample[0])
-    result = bootstrap((sample,), np.mean, method="percentile", rng=np.random.default_rng(1))
-    return float(result.confidence_interval.low), float(result.confidence_interval.high)
-
-
 def print_table(rows: list[Row]) -> None:
     """Print both arms side by side."""
     trials = len(values(rows, "with", "seed"))
@@ -148,7 +142,7 @@ def print_table(rows: list[Row]) -> None:
     for figure, title in FIGURES.items():
         arms = [values(rows, arm, figure) for arm in ARMS]
         p = wilcoxon(*arms).pvalue if np.any(arms[0] != arms[1]) else 1.0
-        cells = [f"{arm.mean():.4g} [{low:.4g}, {high:.4g}]" for arm in arms for low, high in [interval(arm)]]
+        cells = [f"{mean:.4g} [{low:.4g}, {high:.4g}]" for mean, low, high in map(mean_with_interval, arms)]
         print(f"{title:45s} {cells[0]:>26s} {cells[1]:>26s} {p:9.2g}")
 
 
@@ -205,7 +199,7 @@ def main() -> None:
     parser.add_argument("--set", action="append", default=[], dest="overrides")
     parser.add_argument("--again", action="store_true")
     parser.add_argument("--out", type=Path, default=RESULTS)
-    parser.add_argument("--picture", type=Path, default=RESULTS.parents[1] / "docs" / "images" / "office_arms.png")
+    parser.add_argument("--picture", type=Path, default=RESULTS / "office_arms.png")
     options = parser.parse_args()
     trials_file, series_file = options.out / "office_arms.csv", options.out / "office_arms_series.csv"
     if not options.again:

@@ -1,6 +1,6 @@
-"""Collect the curves of trainings, and judge other controllers in the same missions: bench/results/learning_curve.csv.
+"""Collect the curves of trainings, and judge other controllers in the same missions: curve.csv.
 
-Usage: python bench/learning_curve.py DIR...     folders of trainings by examples/learning; needs the extra `train`
+Usage: python -m study.learning.curve DIR...     folders of trainings by examples/learning; needs the extra `train`
 """
 
 from __future__ import annotations
@@ -9,19 +9,20 @@ import csv
 import sys
 from pathlib import Path
 
-from results_file import append_rows
+from bench.results_file import append_rows
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "examples" / "learning"))
 
 import search_task  # noqa: E402
 
-RESULTS = Path(__file__).parent / "results" / "learning_curve.csv"
+RESULTS = Path(__file__).with_suffix(".csv")
 CONTROLLERS = ("random_walk", "rdpso", "greedy", "search")
 MISSIONS = 10
 
 
 def main(folders: list[str]) -> None:
+    """Append the curves of the folders, and a row for each controller."""
     columns = search_task.Training.COLUMNS
     for folder in folders:
         with (Path(folder) / "learning_curve.csv").open(encoding="utf-8", newline="") as file:

@@ -1,6 +1,6 @@
 """Missions of `garage_fire` by RDPSO and `search`, and by `search` when it begins 400 s after the fire.
 
-`nice python bench/garage_fire.py > bench/results/garage_fire.csv`
+`nice python -m study.fire.garage > study/fire/garage.csv`
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Do robots help firefighters? Prints the table of docs/rescue.md from campaigns of bench/rescue_design.yaml.
+"""Do robots help firefighters? Prints the table of README.md from campaigns of design.yaml.
 
 Seeds that some arm lacks are left out.
-Usage: python bench/rescue_arms.py DIR... [--arms N] [--csv FILE]
+Usage: python -m study.rescue.arms DIR... [--arms N] [--csv FILE]
        --arms takes only the first N arms; --csv writes a row per mission.
 """
 
@@ -14,10 +14,10 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from scipy.stats import bootstrap
 
 from robotteamsim.campaign.store import read_store
 from robotteamsim.campaign.trial import Outcome
+from study.intervals import mean_with_interval
 
 ARMS = ("firefighters alone", "and robots that search", "and robots that search and keep the network")
 
@@ -60,14 +60,6 @@ COLUMNS: dict[str, Callable[[Outcome], float]] = {
 }
 
 
-def interval(sample: np.ndarray) -> tuple[float, float]:
-    """Return the 95 % bootstrap interval of a mean."""
-    if len(sample) < 2 or np.ptp(sample) == 0.0:
-        return float(sample[0]), float(sample[0])
-    result = bootstrap((sample,), np.mean, method="percentile", rng=np.random.default_rng(1))
-    return float(result.confidence_interval.low), float(result.confidence_interval.high)
-
-
 def main() -> None:
     """Print a row per quantity: mean and interval of each arm, and the paired differences to the first."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -105,8 +97,8 @@ def write(file: Path, by_arm: dict[str, dict[int, Outcome]], seeds: list[int]) -
 
 def cell(sample: np.ndarray, sign: str = "") -> str:
     """Return mean and interval as text."""
-    low, high = interval(sample)
-    return f"{sample.mean():{sign}.2f} [{low:{sign}.2f}, {high:{sign}.2f}]"
+    mean, low, high = mean_with_interval(sample)
+    return f"{mean:{sign}.2f} [{low:{sign}.2f}, {high:{sign}.2f}]"
 
 
 if __name__ == "__main__":

@@ -2,7 +2,7 @@
 
 Slip forward is the distance by which the tyres rolled farther than the robots drove, slip to the side the distance that
 they moved across their rolling direction, both as shares of the distance; sampled once per step.
-Usage: python bench/mujoco_missions.py [--first 1] [--trials 30] [--csv FILE]       appends a row per mission
+Usage: python -m study.worlds.mujoco_missions [--first 1] [--trials 30] [--csv FILE]       appends a row per mission
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ import statistics
 from pathlib import Path
 
 import numpy as np
-from results_file import append_rows
 
+from bench.results_file import append_rows
 from robotteamsim.scenario import load
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.setup import resolve
@@ -86,7 +86,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--first", type=int, default=1, help="the first seed")
     parser.add_argument("--trials", type=int, default=30, help="number of seeds")
-    parser.add_argument("--csv", type=Path, default=Path(__file__).parent / "results" / "mujoco_missions.csv")
+    parser.add_argument("--csv", type=Path, default=Path(__file__).with_suffix(".csv"))
     options = parser.parse_args()
     for seed in range(options.first, options.first + options.trials):
         for world in ("box2d", "mujoco"):

@@ -3,7 +3,7 @@
 All rows run with the same seeds, and with exclusion as printed: missions also end when all robots are excluded. Printed
 and written, per row: means with 95 % bootstrap intervals of time, victims and areas, and the share of missions in which
 all areas were explored.
-Usage: python bench/additions.py [--trials 30] [--noise 20 10] [--workers 2] [--csv bench/results/additions.csv]
+Usage: python -m study.swarm.additions [--trials 30] [--noise 20 10] [--workers 2] [--csv FILE]
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
 import numpy as np
-from scipy.stats import bootstrap
 
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Result, Simulation
+from study.intervals import mean_with_interval
 
-CSV = Path(__file__).resolve().parent / "results" / "additions.csv"
+CSV = Path(__file__).with_suffix(".csv")
 FIRST_SEED = 90001
 ADDITIONS = {
     "gated communication": ("control.communication.gated", "true", "false"),
@@ -54,15 +54,6 @@ def rows_of_the_table() -> dict[str, tuple[str, tuple[str, ...]]]:
 def mission(scenario: str, overrides: tuple[str, ...], noise_db: float, seed: int) -> Result:
     """Return the result of one mission."""
     return Simulation(load(scenario, [*overrides, f"voice.noise_db={noise_db}", f"run.seed={seed}"])).run()
-
-
-def mean_with_interval(values: np.ndarray) -> tuple[float, float, float]:
-    """Return a mean and its 95 % bootstrap interval."""
-    mean = float(values.mean())
-    if np.ptp(values) == 0.0:
-        return mean, mean, mean
-    interval = bootstrap((values,), np.mean, method="percentile", rng=np.random.default_rng(1)).confidence_interval
-    return mean, float(interval.low), float(interval.high)
 
 
 def row_of(name: str, noise_db: float, results: list[Result]) -> Row:

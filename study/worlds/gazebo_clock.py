@@ -19,9 +19,9 @@ from typing import Any
 import rosgraph
 import rospy
 from robotteamsim.msg import MissionStatus
-from ros_bench import busy_s
 from rosgraph_msgs.msg import Clock
 
+from bench.ros_processes import busy_s
 from robotteamsim.scenario import load
 
 START_S, CHECK_S = 300.0, 0.1

@@ -1,7 +1,7 @@
 """Heat release rate of fires on grids of several sizes: in a hall, in the open, next to a wall and in a corner, and in
 garage_rescue; from few cells on, second by second.
 
-`python bench/fire_growth.py > bench/results/fire_growth.csv`
+`python -m study.fire.growth > study/fire/growth.csv`
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@ garage is that of garage_sar; in the office, robots explore four areas and hear 
 1200 s: at 600 s, the limit of garage_sar, some teams are still on their way. Each mission is written as soon as it has
 ended; with --again, all run again, otherwise only those that the file lacks. Printed, per cell: missions, those that
 explored all areas, those that did so within 600 s, different trajectories, and means of time and victims.
-Usage: python bench/losses.py [--trials 20] [--again] [--csv bench/results/losses.csv] [KEY=VALUE ...]
+Usage: python -m study.swarm.losses [--trials 20] [--again] [--csv FILE] [KEY=VALUE ...]
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from adaptation import OFFICE
-from additions import PRINTED_EXCLUSION
 
 import robotteamsim as rts
 from robotteamsim import rng
+from study.swarm.adaptation import OFFICE
+from study.swarm.additions import PRINTED_EXCLUSION
 
-CSV = Path(__file__).resolve().parent / "results" / "losses.csv"
+CSV = Path(__file__).with_suffix(".csv")
 FIRST_SEED = 601
 LAST_LOSS_S = 300.0
 SHORT_S = 600.0

@@ -28,6 +28,8 @@ _WORKERS_END_S = 60.0
 
 @dataclass
 class Tally:
+    """What was killed, and what was left each time."""
+
     campaigns: int = 0
     workers: int = 0
     completed: int = 0
@@ -36,10 +38,12 @@ class Tally:
 
     @property
     def kills(self) -> int:
+        """Number of processes killed."""
         return self.campaigns + self.workers
 
 
 def main() -> None:
+    """Kill, and print what happened."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--kills", type=int, default=100)
     parser.add_argument("--trials", type=int, default=60, help="of each of two cells")
@@ -71,6 +75,7 @@ def kill_many(folder: Path, trials: int, kills: int, generator: np.random.Genera
 
 
 def command(folder: Path, trials: int) -> list[str]:
+    """Return the command that starts or resumes a campaign."""
     arguments = ["campaign", "tutorial_arena", "--noise", "10", "--noise", "20", "--trials", str(trials)]
     arguments += ["--set", "mission.time_limit_s=3", "--workers", "2", "--quiet", "--out", str(folder)]
     return [sys.executable, "-m", "robotteamsim.cli", *arguments]
@@ -108,6 +113,7 @@ def kill_campaign(
     before: dict[tuple[int, int], float],
     tally: Tally,
 ) -> None:
+    """Kill a campaign; check that its workers end and that its store keeps the trials."""
     process.kill()
     process.wait()
     _, left = psutil.wait_procs(children, timeout=_WORKERS_END_S)
@@ -144,6 +150,7 @@ def kept(campaign: Path) -> dict[tuple[int, int], float]:
 
 
 def check_kept(before: dict[tuple[int, int], float], after: dict[tuple[int, int], float]) -> None:
+    """Raise an AssertionError unless a store has all trials of before, not computed again."""
     changed = [trial for trial, wall_s in before.items() if after.get(trial) != wall_s]
     assert not changed, f"trials were lost or computed again: {changed}"
 

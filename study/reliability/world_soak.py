@@ -1,6 +1,6 @@
 """Whether memory stays flat while 100 robots with lasers drive for a long time.
 
-Usage: python bench/world_soak.py [--robots 100] [--minutes 60]
+Usage: python -m study.reliability.world_soak [--robots 100] [--minutes 60]
 Prints the resident memory once a minute; ends with status 1 if it grew by more than 1 MB after the first tenth.
 """
 
@@ -12,8 +12,8 @@ import time
 from pathlib import Path
 
 import numpy as np
-from world_bench import REDRAW_STEPS, RUN, free_robots, plan_of_rectangles, random_twists
 
+from bench.world_bench import REDRAW_STEPS, RUN, free_robots, plan_of_rectangles, random_twists
 from robotteamsim.sensing.robots import RobotSensors
 from robotteamsim.world import World
 
@@ -28,6 +28,7 @@ def resident_mb() -> float:
 
 
 def main() -> None:
+    """Drive, and print the memory."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--robots", type=int, default=100)
     parser.add_argument("--minutes", type=float, default=60.0)

@@ -1,4 +1,4 @@
-"""Where amcl's likelihood field puts a robot that drives towards a wall: python bench/amcl_offset.py
+"""Where amcl's likelihood field puts a robot that drives towards a wall: python -m study.amcl.offset
 
 amcl is not in Debian, so these are its models with its default parameters: the likelihood field [thrun2005, Table
 6.3] and the beam model [Table 6.1], each with amcl's sum of cubes; the odometry motion model, an update every 0.2 m,
@@ -125,7 +125,8 @@ def exact_ranges_m(solid: shapely.Geometry, base: Pose) -> np.ndarray:
     angles = base.yaw_rad + BEAMS
     ends = np.stack([x + LASER.range_max_m * np.cos(angles), y + LASER.range_max_m * np.sin(angles)], axis=1)
     rays = shapely.linestrings(np.stack([np.broadcast_to((x, y), ends.shape), ends], axis=1))
-    return np.fmin(shapely.distance(shapely.intersection(solid, rays), shapely.Point(x, y)), LASER.range_max_m)
+    distances_m = shapely.distance(shapely.intersection(solid, rays), shapely.Point(x, y))
+    return np.asarray(np.fmin(distances_m, LASER.range_max_m))
 
 
 def drive(plan: FloorPlan, speed_mps: float, seed: int) -> list[Moment]:

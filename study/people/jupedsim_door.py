@@ -2,7 +2,7 @@
 
 JuPedSim is not among the requirements: it brings 1.2 GB of viewers. In an environment of its own:
     pip install --no-deps jupedsim deprecated "wrapt<2" numpy shapely
-    python bench/jupedsim_door.py
+    python study/people/jupedsim_door.py
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Draw the learning curves of bench/results/learning_curve.csv: docs/images/learning_curve.png.
+"""Draw the learning curves of curve.csv: curve.png.
 
 Run by `make pictures`; needs no display.
 """
@@ -6,7 +6,6 @@ Run by `make pictures`; needs no display.
 from __future__ import annotations
 
 import csv
-import sys
 from collections import defaultdict
 from pathlib import Path
 
@@ -17,9 +16,8 @@ from matplotlib.lines import Line2D
 
 from robotteamsim import palette
 
-ROOT = Path(__file__).resolve().parents[1]
-RESULTS = ROOT / "bench" / "results" / "learning_curve.csv"
-PATH = ROOT / "docs" / "images" / "learning_curve.png"
+RESULTS = Path(__file__).with_name("curve.csv")
+PATH = Path(__file__).with_name("curve.png")
 
 TRAINED = {"ppo": (palette.BLUE, "PPO"), "mappo": (palette.GREEN, "MAPPO")}
 OTHERS = {
@@ -43,8 +41,16 @@ def draw(axes: Axes, rows: list[Row], measure: str, title: str, top: float) -> N
         if row["algorithm"] in OTHERS:
             colour, value = OTHERS[row["algorithm"]], float(row[measure])
             axes.axhline(value, color=colour, ls="--", lw=1.2)
-            place = {"xycoords": axes.get_yaxis_transform(), "textcoords": "offset points", "ha": "right"}
-            axes.annotate(row["algorithm"], (1.0, value), (0.0, 2.5), color=colour, fontsize=8.5, **place)
+            axes.annotate(
+                row["algorithm"],
+                (1.0, value),
+                (0.0, 2.5),
+                xycoords=axes.get_yaxis_transform(),
+                textcoords="offset points",
+                ha="right",
+                color=colour,
+                fontsize=8.5,
+            )
     for algorithm, (colour, _) in TRAINED.items():
         by_seed: dict[str, list[tuple[float, float]]] = defaultdict(list)
         for row in rows:
@@ -87,4 +93,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

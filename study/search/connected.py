@@ -5,7 +5,7 @@ has already are not run again. Printed, per cell of the CSV: mean number of vict
 shares of missions that saved all victims, explored all areas, and were never split, with 95 % intervals [wilson1927];
 the mean time, and that over the time of the free team. --bound prints how many robots a chain of likely links from a
 base at the start to each area, and to all floor, needs at least.
-Usage: python bench/connected.py --missions 50 --building garage isr_floor office
+Usage: python -m study.search.connected --missions 50 --building garage isr_floor office
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from pathlib import Path
 
 import msgspec
 import numpy as np
-from additions import mean_with_interval
 
 from robotteamsim.campaign.protocol import SearchProtocol, search_design
 from robotteamsim.control.search.cells import cell_grid, cell_paths
@@ -29,8 +28,9 @@ from robotteamsim.scenario.controllers.search import SearchControl
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation
+from study.intervals import mean_with_interval
 
-CSV = Path(__file__).resolve().parent / "results" / "connected.csv"
+CSV = Path(__file__).with_suffix(".csv")
 TEAMS = {"search": "free", "search_connected": "connected"}
 KEYS = ("building", "noise_db", "robots", "team", "seed")
 NUM_VICTIMS = SearchProtocol((), (), (), (), trials=1).victims

@@ -1,10 +1,10 @@
-"""Writes the missions of search benchmarks that are complete, one per line, for the tables of docs/search.md.
+"""Writes the missions of search benchmarks that are complete, one per line, for the tables of README.md.
 
 Args: folders that `robotteamsim benchmark search --out` wrote. Cells with fewer missions than asked for are left out
 and named. Printed, per cell: victims saved, time to save all (the limit where not all were), areas explored, and the
 times in which the team was split and had endangered links.
 
-python bench/search_missions.py full_garage full_office --missions 30 --csv bench/results/search_missions.csv
+python -m study.search.missions full_garage full_office --missions 30 [--csv FILE]
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from robotteamsim.analysis.benchmark.measures import last_saved_s
 from robotteamsim.campaign import read_store
 from robotteamsim.campaign.protocol import load_building
 
-CSV = Path(__file__).resolve().parent / "results" / "search_missions.csv"
+CSV = Path(__file__).with_suffix(".csv")
 _CELL = ("building", "areas", "noise_db", "robots", "controller")
 _NETWORK = ("split_s", "endangered_s", "breaks", "messages_lost")
 _MISSION = (

@@ -3,7 +3,7 @@
 All rows run with the same seeds, and with exclusion as printed. Printed and written, per row: means with 95 % bootstrap
 intervals of time, victims, areas and endangered links, and the share of missions in which all areas were explored. In
 the office, eight robots of a swarm explore four areas; the radio is weak.
-Usage: python bench/adaptation.py [--trials 30] [--workers 2] [--csv bench/results/adaptation.csv]
+Usage: python -m study.swarm.adaptation [--trials 30] [--workers 2] [--csv FILE]
 """
 
 from __future__ import annotations
@@ -12,10 +12,10 @@ import argparse
 from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 
-from additions import PRINTED_EXCLUSION, Row, mission, row_of, write_rows
+from study.swarm.additions import PRINTED_EXCLUSION, Row, mission, row_of, write_rows
 
 FIRST_SEED = 3001
-CSV = Path(__file__).resolve().parent / "results" / "adaptation.csv"
+CSV = Path(__file__).with_suffix(".csv")
 OFFICE = (
     "control.algorithm=rdpso",
     "robots.count=8",

