@@ -24,7 +24,7 @@ from robotteamsim.view.recorder import record_mission
 
 DOCS = Path(__file__).parent
 ROOT = DOCS.parent
-STUDIES = (ROOT / "study" / "README.md", *sorted(ROOT.glob("study/*/README.md")))
+STUDIES = (ROOT / "study" / "README.md", *sorted(ROOT.glob("study/*/README.md")), ROOT / "bench" / "README.md")
 
 SECTIONS = {
     "Tutorials": (
@@ -122,6 +122,7 @@ def write_sources(folder: Path) -> None:
     shutil.copytree(DOCS / "exercises", folder / "exercises")
     shutil.copytree(ROOT / "examples", folder / "examples")
     shutil.copytree(ROOT / "study", folder / "study", ignore=shutil.ignore_patterns("*.py", "__pycache__", "data"))
+    (folder / "bench").mkdir()
     for page in STUDIES:
         text = page.read_text(encoding="utf-8").replace("../docs/", "../")
         (folder / page.relative_to(ROOT)).write_text(text, encoding="utf-8")

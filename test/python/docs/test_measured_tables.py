@@ -32,12 +32,12 @@ def share(row: dict[str, str]) -> str:
 @pytest.mark.parametrize("row", rows("study/swarm/adaptation.csv"), ids=lambda row: row["row"])
 def test_table_of_adaptation_is_that_of_the_benchmark(row):
     numbers = [cell(row, "time_s", 0), *(cell(row, key, 1) for key in ("victims", "areas", "endangered_links"))]
-    assert f"| {row['row']} | {' | '.join(numbers)} | {share(row)} |" in text("docs/swarm.md")
+    assert f"| {row['row']} | {' | '.join(numbers)} | {share(row)} |" in text("study/swarm/README.md")
 
 
 def test_table_of_additions_is_that_of_the_benchmark():
     measured = {(row["row"], row["noise_db"]): row for row in rows("study/swarm/additions.csv")}
-    page = text("docs/swarm.md").replace("`", "")
+    page = text("study/swarm/README.md").replace("`", "")
     for name in sorted({name for name, _ in measured}):
         both = [measured[name, noise_db] for noise_db in ("20.0", "10.0")]
         numbers = [f"{cell(row, 'time_s', 0)} | {cell(row, 'victims', 1)} | {share(row)}" for row in both]
@@ -57,8 +57,8 @@ def test_table_of_lost_robots_is_that_of_the_benchmark(building):
         return ", ".join(str(sum(time_s <= limit_s for time_s in times_s)) for times_s in own)
 
     cells = [f"{counts(robots, 1200.0)} ({counts(robots, 600.0)})" for robots in "35"]
-    assert f"| {building} | {cells[0]} |" in text("docs/swarm.md")
-    assert "printed" in building or f"| {cells[1]} |" in text("docs/swarm.md")
+    assert f"| {building} | {cells[0]} |" in text("study/swarm/README.md")
+    assert "printed" in building or f"| {cells[1]} |" in text("study/swarm/README.md")
 
 
 def test_study_states_the_verdicts_of_the_shipped_report():

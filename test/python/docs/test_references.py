@@ -12,7 +12,8 @@ from robotteamsim.cli.command_line import make_parser
 from robotteamsim.scenario import load
 
 ROOT = Path(__file__).parents[3]
-PAGES = sorted((*ROOT.glob("*.md"), *ROOT.glob("docs/*.md"), *ROOT.glob("study/**/README.md")))
+FOLDERS = (".", "docs", "study", "study/*", "bench")
+PAGES = sorted(page for folder in FOLDERS for page in ROOT.glob(f"{folder}/*.md"))
 
 pages = pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 

@@ -1,6 +1,6 @@
 """Tests of ISO 20414 for models of evacuation, as far as they apply to people who flee [iso20414].
 
-test_crowd.py has those of counter-flows and flows, test_iso_20414_smoke.py those of smoke; docs/rescue.md lists all.
+test_crowd.py has those of counter-flows and flows, test_iso_20414_smoke.py those of smoke; study/people lists all.
 """
 
 from __future__ import annotations
