@@ -30,6 +30,7 @@ from robotteamsim.mission.status import END_TEXTS
 from robotteamsim.recording.replay.reading import read_run
 from robotteamsim.scenario import Scenario, from_mapping, load
 from robotteamsim.simulation import Result
+from robotteamsim.view.document import packed
 from robotteamsim.view.from_bag import recording_of
 from robotteamsim.view.html import HEIGHT_PX, player_frame
 from robotteamsim.view.plan_svg import plan_svg
@@ -51,7 +52,7 @@ class Player:
     height_px: int = HEIGHT_PX
 
     def _repr_html_(self) -> str:
-        return player_frame([self.recording], self.recording.title, self.height_px)
+        return player_frame(packed([self.recording]), self.recording.title, self.height_px)
 
 
 @dataclass(frozen=True)

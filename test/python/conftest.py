@@ -71,8 +71,8 @@ def closet() -> FloorPlan:
 
 
 @pytest.fixture(autouse=True, scope="session")
-def _no_plan_cache() -> Iterator[None]:
-    """Import every image again, and leave the user's cache folder alone."""
+def _no_cache() -> Iterator[None]:
+    """Compute everything again, and leave the user's cache folder alone."""
     with pytest.MonkeyPatch.context() as environment:
         environment.setenv("ROBOTTEAMSIM_CACHE", "")
         yield

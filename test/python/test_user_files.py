@@ -51,6 +51,7 @@ _READS = re.compile(
     r"\b(open_regular|read_text\(path|ezdxf\.readfile|fdsreader\.Simulation|sqlite3\.connect|torch\.load)\b"
 )
 _READERS = {
+    "cache.py": "cache of imported plans",
     "campaign/store.py": "`campaign.sqlite`",
     "hazards/fds.py": "results of FDS",
     "learning/policy_file.py": "a policy (`policy.pt`)",
@@ -62,7 +63,6 @@ _READERS = {
     "recording/results.py": "`mission.json`",
     "scenario/dxf_content.py": "drawing (DXF)",
     "scenario/patrol.py": "patrol graph",
-    "scenario/plan_cache.py": "cache of imported plans",
     "scenario/yaml_text.py": "scenario, floor plan, map yaml",
     "stage/world_file.py": "world of Stage",
 }

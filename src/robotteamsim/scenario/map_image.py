@@ -13,6 +13,7 @@ import numpy as np
 import shapely
 from pydantic import BeforeValidator, ConfigDict, Field
 
+from robotteamsim.cache import cached
 from robotteamsim.errors import ScenarioError
 from robotteamsim.map_import.cells import (
     FREE_THRESH,
@@ -28,7 +29,6 @@ from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Model, PlanarPose, P
 from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.image_walls import MAX_WALL_THICKNESS_M, MIN_PIECE_M2, in_metres, walls_and_blocks
 from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN, Grid, OccupancyGrid, occupancy_grid, too_many_cells
-from robotteamsim.scenario.plan_cache import cached_plan
 from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown
@@ -254,7 +254,7 @@ def import_image(image: MapImage, path: Path, rules: DrawingRules) -> FloorPlan:
 
     `left_out` decides what is no wall, `map_import.cells.solid_cells` which cells are solid, and
     `image_walls.walls_and_blocks` converts them to walls and blocks. Plans of large images are taken from the cache,
-    see `plan_cache`. A yaw turns the plan about the map's origin.
+    see `robotteamsim.cache`. A yaw turns the plan about the map's origin.
 
     Args:   path: of the image or its yaml, for the plan's name and for errors.
     Raises: ScenarioError: one line with file, key, value and what was expected.
@@ -295,7 +295,8 @@ def import_image(image: MapImage, path: Path, rules: DrawingRules) -> FloorPlan:
     if pixels.shape[0] * pixels.shape[1] < CACHED_PIXELS:
         return plan()
     keys = f"{name} {settings.model_dump_json()} {pixels.shape} {rules}"
-    return cached_plan((keys.encode(), pixels.tobytes()), plan)
+    kept = cached((keys.encode(), pixels.tobytes()), lambda: plan().model_dump_json().encode())
+    return FloorPlan.model_validate_json(kept)
 
 
 class _Turn:

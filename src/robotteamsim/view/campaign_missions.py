@@ -7,10 +7,13 @@ from collections.abc import Sequence
 
 from robotteamsim.analysis.report import ShownMissions
 from robotteamsim.analysis.report.samples import cell_scenario
+from robotteamsim.cache import cached
 from robotteamsim.campaign import Outcome, StoredCampaign
 from robotteamsim.campaign.design import cell_name
 from robotteamsim.control import foreign_code
 from robotteamsim.errors import RecordingError, RobotTeamSimError
+from robotteamsim.scenario import Scenario
+from robotteamsim.view import document
 from robotteamsim.view.html import player_frame
 from robotteamsim.view.recorder import Recording, repeat_mission
 
@@ -22,37 +25,45 @@ RULE = (
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class _Mission:
-    """A mission of a campaign. label: its place in the order: best, median or worst."""
+    """A mission of a campaign. place: folder of the store, for messages."""
 
-    label: str
-    campaign: StoredCampaign
-    outcome: Outcome
+    title: str
+    scenario: Scenario
+    trajectory_hash: str
+    place: str
 
 
 def shown_missions(stored: Sequence[StoredCampaign], places: Sequence[str], *, allow_code: bool) -> ShownMissions:
     """Return the player of three missions of all campaigns, or the reason why there is none.
 
+    They are simulated again, and kept in the user's cache folder for the next report.
+
     Args: places: the stores' folders, for messages. allow_code: whether a controller that a store names as
           module:Class may run.
     """
-    recordings: list[Recording] = []
-    for mission in _chosen(stored):
-        place = places[next(index for index, one in enumerate(stored) if one is mission.campaign)]
-        try:
-            recordings.append(_recording(mission, place, allow_code=allow_code))
-        except RobotTeamSimError as error:
-            return ShownMissions(RULE, "", f"No mission can be played: {error}.")
-    frame = player_frame(recordings, "Best, median and worst mission") if recordings else ""
-    return ShownMissions(RULE, frame, "")
+    try:
+        missions = _chosen(stored, places, allow_code=allow_code)
+        if not missions:
+            return ShownMissions(RULE, "", "")
+        content = [f"{one.title} {one.trajectory_hash} {one.scenario.model_dump_json()}".encode() for one in missions]
+        packed = cached(content, lambda: document.packed(list(map(_recording, missions))).encode())
+    except RobotTeamSimError as error:
+        return ShownMissions(RULE, "", f"No mission can be played: {error}.")
+    return ShownMissions(RULE, player_frame(packed.decode(), "Best, median and worst mission"), "")
 
 
-def _chosen(stored: Sequence[StoredCampaign]) -> list[_Mission]:
-    """Return the best, the median and the worst mission; fewer if fewer have ended."""
-    ended = [(campaign, outcome) for campaign in stored for outcome in campaign.outcomes if not outcome.failed]
-    ended.sort(key=lambda pair: _order(pair[1]))
+def _chosen(stored: Sequence[StoredCampaign], places: Sequence[str], *, allow_code: bool) -> list[_Mission]:
+    """Return the best, the median and the worst mission; fewer if fewer have ended. Raises: as `_mission`."""
+    ended = [
+        (campaign, place, outcome)
+        for campaign, place in zip(stored, places, strict=True)
+        for outcome in campaign.outcomes
+        if not outcome.failed
+    ]
+    ended.sort(key=lambda mission: _order(mission[2]))
     last = len(ended) - 1
     labels = {last // 2: "median"} | {0: "best", last: "worst"} if last > 0 else {0: "only mission"}
-    return [_Mission(label, *ended[index]) for index, label in sorted(labels.items())] if ended else []
+    return [_mission(label, *ended[i], allow_code=allow_code) for i, label in sorted(labels.items())] if ended else []
 
 
 def _order(outcome: Outcome) -> tuple[int, int, float, int, int]:
@@ -63,9 +74,9 @@ def _order(outcome: Outcome) -> tuple[int, int, float, int, int]:
     return -outcome.victims_saved, -outcome.areas_explored, outcome.time_s, outcome.cell, outcome.number
 
 
-def _recording(mission: _Mission, place: str, *, allow_code: bool) -> Recording:
-    """Simulate a mission again. Raises: RecordingError, ScenarioError."""
-    outcome, settings = mission.outcome, mission.campaign.settings
+def _mission(label: str, campaign: StoredCampaign, place: str, outcome: Outcome, *, allow_code: bool) -> _Mission:
+    """Return a mission under a label. Raises: RecordingError, ScenarioError: it cannot be simulated again."""
+    settings = campaign.settings
     values = dict(zip(settings["keys"], settings["cells"][outcome.cell], strict=True))
     scenario = cell_scenario(settings["scenario"], values, place)
     if outcome.trajectory_hash is None:
@@ -73,9 +84,14 @@ def _recording(mission: _Mission, place: str, *, allow_code: bool) -> Recording:
     if not allow_code:
         foreign_code.check_foreign(scenario.control.algorithm, place, "--allow-code")
     seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": outcome.seed})})
-    recording = repeat_mission(seeded, outcome.trajectory_hash, place)
-    name = cell_name(values, scenario.name)
-    return dataclasses.replace(recording, title=f"{mission.label}: {name}, seed {outcome.seed}, {_summary(outcome)}")
+    title = f"{label}: {cell_name(values, scenario.name)}, seed {outcome.seed}, {_summary(outcome)}"
+    return _Mission(title, seeded, outcome.trajectory_hash, place)
+
+
+def _recording(mission: _Mission) -> Recording:
+    """Simulate a mission again. Raises: RecordingError: as `repeat_mission`."""
+    recording = repeat_mission(mission.scenario, mission.trajectory_hash, mission.place)
+    return dataclasses.replace(recording, title=mission.title)
 
 
 def _summary(outcome: Outcome) -> str:

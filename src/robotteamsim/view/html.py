@@ -32,16 +32,15 @@ def mission_page(recordings: Sequence[Recording], title: str, *, compare: bool =
 
     Args: compare: show all missions side by side at the same time, instead of one at a time.
     """
-    modules = {"three": _data_url(PAGE / "three.min.js")}
-    modules |= {f"viewer/{name}": _data_url(PAGE / f"{name}.js") for name in MODULES}
-    mode = "compare" if compare else "single"
-    data = f'<script id="missions" type="text/plain" data-mode="{mode}">{packed(recordings)}</script>'
-    return _page(title, modules, data)
+    return _player(packed(recordings), title, "compare" if compare else "single")
 
 
-def player_frame(recordings: Sequence[Recording], title: str, height_px: int = HEIGHT_PX) -> str:
-    """Return an iframe that contains the whole player; several missions get a selector."""
-    page = html.escape(mission_page(recordings, title))
+def player_frame(missions: str, title: str, height_px: int = HEIGHT_PX) -> str:
+    """Return an iframe that contains the whole player; several missions get a selector.
+
+    Args: missions: as `document.packed` returns them.
+    """
+    page = html.escape(_player(missions, title, "single"))
     style = f"width:100%;height:{height_px}px;border:0;border-radius:8px"
     return f'<iframe srcdoc="{page}" title="{html.escape(title)}" style="{style}" loading="lazy"></iframe>'
 
@@ -79,6 +78,12 @@ class PageWriter(FrameRecorder):
     def end(self, result: Result) -> None:
         """Write the page. Raises: RecordingError."""
         write_atomically(self._path, mission_page([self.recording], self.recording.title))
+
+
+def _player(missions: str, title: str, mode: str) -> str:
+    modules = {"three": _data_url(PAGE / "three.min.js")}
+    modules |= {f"viewer/{name}": _data_url(PAGE / f"{name}.js") for name in MODULES}
+    return _page(title, modules, f'<script id="missions" type="text/plain" data-mode="{mode}">{missions}</script>')
 
 
 def _page(title: str, modules: dict[str, str], data: str) -> str:

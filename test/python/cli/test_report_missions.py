@@ -87,3 +87,31 @@ def test_missions_that_this_version_computes_otherwise_are_not_played(
     )
     assert "".join(said.split()) in "".join(printed.split())
     assert "<iframe" not in (folder / "report.html").read_text(encoding="utf-8")
+
+
+def test_missions_of_the_last_report_are_not_simulated_again(
+    campaign: Callable[..., Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROBOTTEAMSIM_CACHE", str(tmp_path / "cache"))
+    folder, pages = str(campaign((1, 4, 0, 3, 2))), []
+    for out in ("first", "again"):
+        assert main(["report", folder, "--out", str(tmp_path / out)]) == 0
+        pages.append((tmp_path / out / "report.html").read_bytes())
+        monkeypatch.setattr("robotteamsim.view.campaign_missions.repeat_mission", None)
+    assert pages[0] == pages[1]
+    assert b"<iframe" in pages[0]
+
+
+def test_kept_missions_of_foreign_code_are_not_played_without_leave(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("ROBOTTEAMSIM_CACHE", str(tmp_path / "cache"))
+    monkeypatch.chdir(tmp_path)
+    own = "robotteamsim.control.baselines.random_walk:RandomWalkController"
+    options = ["--set", f"control.algorithm={own}", "--set", "mission.time_limit_s=1", "--trials", "1", "--quiet"]
+    assert main(["campaign", "garage_sar", *options, "--workers", "1", "--out", "c"]) == 0
+    assert main(["report", "c", "--allow-code"]) == 0
+    assert "<iframe" in Path("c/report.html").read_text(encoding="utf-8")
+    assert main(["report", "c"]) == 0
+    assert "--allow-code" in capsys.readouterr().out
+    assert "<iframe" not in Path("c/report.html").read_text(encoding="utf-8")
