@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from robotteamsim.analysis.report import Report
 
 DESCRIPTION = """\
-Make the report of a campaign: report.html, which needs no other file, the figures as PNG,
-PDF and SVG, and the tables as CSV and LaTeX. The same store always gives the same bytes. The page compares
-the settings, and plays the best, the median and the worst mission, which are simulated again and
-must have the stored trajectories."""
+Make the report of a campaign: report.html, which needs no other file, the figures as PNG, and the
+tables as CSV and LaTeX. The same store always gives the same bytes. The page compares the
+settings, and plays the best, the median and the worst mission, which are simulated again and must
+have the stored trajectories; the next report shows them at once."""
 
 EPILOG = """\
 examples:
@@ -53,9 +53,11 @@ def add_to(parser: Parser) -> None:
     parser.add_argument(
         "--width",
         choices=("column", "page"),
-        help="draw the files of figures for a paper in two columns, 3.5 or 7.16 inches wide with text of 8 pt, and let "
-        "wide LaTeX tables span both columns",
+        help="draw the files of figures for a paper in two columns, 3.5 or 7.16 inches wide with text of 8 pt, also "
+        "as PDF, and let wide LaTeX tables span both columns",
     )
+    parser.add_argument("--pdf", action="store_true", help="also write the figures as PDF")
+    parser.add_argument("--svg", action="store_true", help="also write the figures as SVG")
     parser.add_argument("--no-players", action="store_true", help="leave out the three missions, about 2 MB")
     add_code_option(parser)
     parser.add_argument("--json", action="store_true", help="print opening and notes as one JSON object")
@@ -95,4 +97,12 @@ def _report(stored: Sequence[StoredCampaign], options: argparse.Namespace) -> Re
         from robotteamsim.view.campaign_missions import shown_missions
 
         missions = shown_missions(stored, places, allow_code=options.allow_code)
-    return make_report(stored, places, missions, each_pair=options.each_pair, paper=PAPERS.get(options.width))
+    wanted = {"pdf": options.pdf or options.width, "svg": options.svg}
+    return make_report(
+        stored,
+        places,
+        missions,
+        each_pair=options.each_pair,
+        paper=PAPERS.get(options.width),
+        formats=[kind for kind, is_wanted in wanted.items() if is_wanted],
+    )

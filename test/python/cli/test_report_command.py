@@ -43,11 +43,28 @@ def test_report_is_written_next_to_the_store_or_to_the_given_folder(capsys, camp
 
 
 @pytest.mark.slow
-def test_report_for_a_paper_writes_narrow_figures_and_the_same_page(campaign_folder, tmp_path):
+@pytest.mark.parametrize(
+    ("options", "suffixes"),
+    [("", {".png"}), ("--svg", {".png", ".svg"}), ("--pdf --svg", {".pdf", ".png", ".svg"})],
+)
+def test_figures_are_pdf_and_svg_when_asked_for(campaign_folder, tmp_path, options, suffixes):
+    assert (
+        main(["report", str(campaign_folder(4)), "--no-players", *options.split(), "--out", str(tmp_path / "o")]) == 0
+    )
+    files = {path.suffix: path.read_bytes() for path in (tmp_path / "o" / "figures").iterdir()}
+    assert set(files) == suffixes
+    starts = {".png": b"\x89PNG", ".pdf": b"%PDF", ".svg": b"<?xml"}
+    assert all(data.startswith(starts[suffix]) for suffix, data in files.items())
+
+
+@pytest.mark.slow
+def test_report_for_a_paper_writes_narrow_figures_as_pdf_and_the_same_page(campaign_folder, tmp_path):
     folder = str(campaign_folder(4))
-    for options in ((), ("--width", "column")):
+    for options in ((), ("--width", "column", "--svg")):
         assert main(["report", folder, "--no-players", *options, "--out", str(tmp_path / "".join(options))]) == 0
-    assert 'width="252pt"' in (tmp_path / "--widthcolumn" / "figures" / "times.svg").read_text()
+    narrow = tmp_path / "--widthcolumn--svg" / "figures"
+    assert 'width="252pt"' in (narrow / "times.svg").read_text()
+    assert (narrow / "times.pdf").is_file()
     pages = {path.read_bytes() for path in tmp_path.rglob("report.html")}
     assert len(pages) == 1
 

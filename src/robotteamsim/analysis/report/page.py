@@ -73,6 +73,7 @@ class Report:
     page:    HTML.
     tables:  the most important one first.
     in_columns: whether its files are for a paper in two columns.
+    formats: of the files of figures besides PNG: pdf, svg.
     """
 
     opening: tuple[str, ...]
@@ -81,11 +82,12 @@ class Report:
     pictures: tuple[Picture, ...]
     tables: tuple[Table, ...]
     in_columns: bool = False
+    formats: tuple[str, ...] = ()
 
     @cached_property
     def files(self) -> dict[str, bytes]:
-        """Its files by path below the folder: figures as PNG, PDF and SVG, tables as CSV and LaTeX, the page last."""
-        files = {f"figures/{name}": data for drawn in self.pictures for name, data in drawn.files().items()}
+        """Its files by path below the folder: figures, tables as CSV and LaTeX, the page last."""
+        files = {f"figures/{name}": data for one in self.pictures for name, data in one.files(self.formats).items()}
         for table in self.tables:
             files[f"tables/{table.name}.csv"] = table.csv().encode()
             files[f"tables/{table.name}.tex"] = table.latex(in_columns=self.in_columns).encode()
@@ -123,12 +125,14 @@ def make_report(
     *,
     each_pair: bool = False,
     paper: Sheet | None = None,
+    formats: Sequence[str] = (),
 ) -> Report:
     """Return the report of one stored campaign, or of several of one design; the same stores give the same bytes.
 
     Args:   places: the stores' folders, for messages. missions: to play in the page; None: none.
             each_pair: whether to compare each pair of algorithms, not only each with the first, and any number of
             pairs. paper: whose width the files of the figures have; wide tables span its columns.
+            formats: of the files of figures besides PNG: pdf, svg.
     Raises: CampaignError: no mission has ended, this version cannot read the scenario, or the campaigns differ.
     """
     campaign = pooled(stored, places)
@@ -146,7 +150,7 @@ def make_report(
         campaign, [*opening, *notes], pictures, tables[len(comparison) :], missions, comparison=comparison
     )
     files = tuple(campaign_pictures(campaign, panels, paper)) if paper else pictures
-    return Report(opening, notes, page, files, tables, in_columns=paper is not None)
+    return Report(opening, notes, page, files, tables, in_columns=paper is not None, formats=tuple(formats))
 
 
 def compared_settings(contrasts: Sequence[Contrast]) -> tuple[str, ...]:

@@ -63,7 +63,7 @@ def kruskal_wallis(samples: Sequence[np.ndarray], generator: np.random.Generator
 def holm(p_values: Sequence[float | None]) -> list[float | None]:
     """Return p values with Holm's correction; None stays None."""
     known = [p for p in p_values if p is not None]
-    if not known:
+    if len(known) < 2:
         return list(p_values)
     corrected = iter(multipletests(known, method="holm")[1].tolist())
     return [None if p is None else next(corrected) for p in p_values]

@@ -68,7 +68,7 @@ def test_figures_of_papers_have_the_width_of_a_column_or_page_and_text_of_8_poin
     pictures = list(campaign_pictures(campaign, panels_of(campaign), PAPERS[width]))
     assert {picture.name for picture in pictures} >= {"victims", "times", "survival", "saved", "areas", "endangered"}
     for picture in pictures:
-        svg = picture.files()[f"{picture.name}.svg"].decode()
+        svg = picture.files(("svg",))[f"{picture.name}.svg"].decode()
         assert f'width="{72 * inches:g}pt"' in svg
         texts = [text for text in picture.figure.findobj(Text) if text.get_text() and text.get_visible()]
         assert {text.get_fontsize() for text in texts} == {8.0}

@@ -49,8 +49,6 @@ def test_report_has_its_figures(garage_report):
     for name in names:
         image = Image.open(io.BytesIO(garage_report.files[name]))
         assert len(image.convert("RGB").getcolors(1_000_000)) > 10
-        assert garage_report.files[name.replace(".png", ".pdf")].startswith(b"%PDF")
-        assert garage_report.files[name.replace(".png", ".svg")].startswith(b"<?xml")
 
 
 def test_page_needs_no_other_file(garage_report):
