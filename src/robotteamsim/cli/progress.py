@@ -26,9 +26,9 @@ _REFRESH_S = 0.1
 _LINE_EVERY_S = 10.0
 
 
-def preparing(console: Console, name: str) -> AbstractContextManager[object]:
-    """Return a context that shows for how long a mission has been prepared; does nothing without a terminal."""
-    columns = SpinnerColumn(), TextColumn("[bold]{task.description}"), TextColumn("preparing"), TimeElapsedColumn()
+def working(console: Console, name: str, what: str) -> AbstractContextManager[object]:
+    """Return a context that shows what is done, and for how long it has been; does nothing without a terminal."""
+    columns = SpinnerColumn(), TextColumn("[bold]{task.description}"), TextColumn(what), TimeElapsedColumn()
     progress = Progress(*columns, console=console, disable=not console.is_terminal, transient=True)
     progress.add_task(name, total=None)
     return progress

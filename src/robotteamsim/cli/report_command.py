@@ -8,8 +8,11 @@ import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from rich.console import Console
+
 from robotteamsim.campaign import StoredCampaign, read_store
 from robotteamsim.cli.parser import Parser, path_of
+from robotteamsim.cli.progress import working
 from robotteamsim.cli.run_command import add_code_option
 from robotteamsim.errors import CampaignError
 from robotteamsim.recording.files import prepare_folder, remove_empty
@@ -72,8 +75,9 @@ def run(options: argparse.Namespace) -> int:
     out = options.out or options.folders[0]
     created = prepare_folder(out)  # first, because the report takes long
     try:
-        report = _report(stored, options)
-        path = report.write(out)
+        with working(Console(stderr=True), "report", "missions, figures and tables"):
+            report = _report(stored, options)
+            path = report.write(out)
     finally:
         remove_empty(created)
     failed = sum(bool(outcome.controller_failed) for one in stored for outcome in one.outcomes)

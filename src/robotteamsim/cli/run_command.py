@@ -13,7 +13,7 @@ from robotteamsim.analysis.runs.tables import print_result, print_timings
 from robotteamsim.cli.interrupt import InterruptBetweenSteps
 from robotteamsim.cli.output import OutputConsole, check_outputs
 from robotteamsim.cli.parser import Parser, UsageError, number, path_of, whole_number
-from robotteamsim.cli.progress import ProgressBar, preparing
+from robotteamsim.cli.progress import ProgressBar, working
 from robotteamsim.control import foreign_code
 from robotteamsim.errors import ScenarioError
 from robotteamsim.mission.events import Event, failure_of
@@ -108,7 +108,7 @@ def run(options: argparse.Namespace) -> int:
     _check_files(options, loaded)
     check_code(options, loaded)
     console = Console(stderr=True, quiet=options.quiet)
-    with preparing(console, loaded.name):
+    with working(console, loaded.name, "preparing"):
         simulation = Simulation(loaded)
     check_constructed(simulation.controllers, loaded)
     if options.timings:

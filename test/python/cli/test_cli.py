@@ -19,7 +19,7 @@ from rosbags.rosbag1 import Reader
 import robotteamsim
 from robotteamsim import scenario
 from robotteamsim.cli import main
-from robotteamsim.cli.progress import preparing
+from robotteamsim.cli.progress import working
 
 SHORT = ("--set", "mission.time_limit_s=2")
 
@@ -117,7 +117,7 @@ def test_file_that_would_be_too_large_is_rejected_before_the_mission(
 
 def test_waiting_is_shown_on_a_terminal():
     console = Console(file=io.StringIO(), force_terminal=True, width=100)
-    with preparing(console, "hall"):
+    with working(console, "hall", "preparing"):
         pass
     assert "hall preparing 0:00:0" in re.sub(r"\x1b\[[0-9;?]*[a-zA-Z]", "", console.file.getvalue())
 
