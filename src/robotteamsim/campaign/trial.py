@@ -11,7 +11,7 @@ import msgspec
 import robotteamsim
 from robotteamsim.campaign.design import Trial
 from robotteamsim.campaign.paths import PathLog
-from robotteamsim.errors import CampaignError
+from robotteamsim.errors import CampaignError, RobotTeamSimError
 from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.events import VictimLocated, failure_of
 from robotteamsim.mission.status import VictimState
@@ -21,6 +21,7 @@ from robotteamsim.recording.network_log import NetworkLog, NetworkTotals
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Observer, Result, Simulation, StepRecord
+from robotteamsim.wording import described, place_of
 
 _OF_RESULT = (
     *("end", "time_s", "areas_explored", "num_areas", "victims_saved", "num_victims", "endangered_links"),
@@ -144,7 +145,9 @@ def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
         result = Simulation(seeded).run([times, paths, network, measures])
     except Exception as error:  # The other trials continue.
         wall_s = time.perf_counter() - start_s
-        line = " ".join(f"{type(error).__name__}: {error}".split())
+        # Our own errors name the place: that of a sensor its line of code, for example.
+        place = "" if isinstance(error, RobotTeamSimError) else f" ({place_of(error)[1]})"
+        line = described(error) + place
         trace = traceback.format_exc()
         return Outcome(trial.cell, trial.number, trial.seed, error=line, traceback=trace, wall_s=wall_s)
     values = msgspec.structs.asdict(result)

@@ -7,7 +7,6 @@ import json
 import shlex
 import shutil
 import sys
-import textwrap
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -36,6 +35,8 @@ DEFAULT_TRIALS = 30
 DEFAULT_SEED = 1
 EXIT_INCOMPLETE = 1
 _MAX_LISTED_FAILURES = 10
+_SHOWN_OF_ERROR = 100
+"""Letters of the begin of a long error, and of its end, which names the line of code."""
 
 DESCRIPTION = """\
 Run many missions on all cores and print tables of their results. Each result is stored
@@ -158,8 +159,10 @@ class StoredRun:
     def warn(self) -> None:
         """Print one line for each trial that failed or was given up, up to a limit, and one for failed controllers."""
         for outcome in self.failed[:_MAX_LISTED_FAILURES]:
-            error = textwrap.shorten(outcome.error, 200, placeholder=" ...")
-            _warn(f"trial {outcome.number} of cell {outcome.cell} (seed {outcome.seed}) failed: {error}")
+            error = outcome.error
+            if len(error) > 2 * _SHOWN_OF_ERROR:
+                error = f"{error[:_SHOWN_OF_ERROR]} ... {error[-_SHOWN_OF_ERROR:]}"
+            _warn(printable(f"trial {outcome.number} of cell {outcome.cell} (seed {outcome.seed}) failed: {error}"))
         if len(self.failed) > _MAX_LISTED_FAILURES:
             _warn(f"{len(self.failed) - _MAX_LISTED_FAILURES} more trials failed; {self.csv_path} lists them")
         for trial in self.given_up:

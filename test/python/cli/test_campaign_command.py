@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import json
 import os
 import signal
@@ -118,6 +119,22 @@ def test_failed_trials_are_reported_and_the_rest_runs(capsys, tmp_path, monkeypa
     assert lines[-1].startswith("robotteamsim: trial 3 of cell 0 (seed ")
     assert lines[-1].endswith(") killed its workers; not stored")
     assert "1 + 1 failed" in captured.out
+
+
+def test_long_error_of_a_trial_is_printed_with_its_place_in_the_code(capsys, tmp_path, monkeypatch, failed_outcome_of):
+    long = f"SensorError: robot 0, sensor others (kind neighbours): {300 * 'x'}\x1b (neighbours.py:30)"
+
+    def run(design, trials, keep):
+        keep(dataclasses.replace(failed_outcome_of(trials[0]), error=long))
+        return ()
+
+    workers = SimpleNamespace(run=run)
+    monkeypatch.setattr(campaign_command, "local_workers", lambda count, most: contextlib.nullcontext(workers))
+    assert main(["campaign", "tutorial_arena", "--trials", "1", "--out", str(tmp_path)]) == 1
+    line = capsys.readouterr().err.splitlines()[-1]
+    assert "failed: SensorError: robot 0, sensor others (kind neighbours): xx" in line
+    assert line.endswith("x\\x1b (neighbours.py:30)")
+    assert len(line) < 300
 
 
 @pytest.mark.parametrize(
