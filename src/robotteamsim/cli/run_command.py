@@ -38,7 +38,7 @@ EPILOG = """\
 trajectories/robot_<id>.tum. --bag writes the same topics as a ROS run; play it back
 with `roslaunch robotteamsim replay.launch bag:=...`. --mcap writes them as ROS 2 messages,
 which Foxglove, Lichtblick and Rerun show (`robotteamsim new layout`), and leads from the map to
-each robot's true place in /tf.
+each robot's true place in /tf. All replace what an earlier run has written under that name.
 
 examples:
   robotteamsim run garage_sar --seed 7 --noise 20 --out results --bag mission.bag

@@ -116,10 +116,21 @@ def test_imported_world_overwrites_no_plan_and_no_scenario(refusal, name):
 
 
 @pytest.mark.usefixtures("_in_copy")
-def test_file_of_an_earlier_command_is_replaced():
-    Path("o.html").write_text("old")
-    assert main(["view", "m.bag", "--html", "o.html"]) == 0
-    assert Path("o.html").read_text() != "old"
+@pytest.mark.parametrize(
+    ("command", "name"),
+    [
+        ("view m.bag --html o.html", "o.html"),
+        ("run s.yaml --quiet --html o.html", "o.html"),
+        ("run s.yaml --quiet --bag m.bag", "m.bag"),
+        ("run s.yaml --quiet --mcap m.mcap", "m.mcap"),
+        ("run s.yaml --quiet --out out", "out/mission.json"),
+        ("run s.yaml --quiet --out out", "out/trajectories/robot_0.tum"),
+    ],
+)
+def test_file_of_an_earlier_command_is_replaced(command, name):
+    Path(name).write_text("old")
+    assert main(command.split()) == 0
+    assert Path(name).read_bytes() != b"old"
 
 
 def test_output_that_is_a_link_is_refused_and_stays_one(tmp_path, refusal):
