@@ -18,7 +18,7 @@ PACKAGE = ROOT / "src" / "robotteamsim"
 FLOORS = (
     # base is C++
     ("base", "ending", "errors", "extras", "geometry", "message_parts", "palette", "rng", "user_files", "wording"),
-    ("cache", "map_import"),
+    ("cache", "map_import", "own_parts"),
     ("scenario", "plan"),  # C++ calls it plan
     ("world", "propagation", "hazards"),
     ("setup", "state"),

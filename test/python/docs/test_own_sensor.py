@@ -108,7 +108,7 @@ def test_type_of_a_sensors_own_is_read_from_the_bag(tmp_path):
         ("neighbours = nowhere:Neighbours", "sensor neighbours of nowhere:Neighbours: ModuleNotFoundError: "),
         ("neighbours = neighbours:np", "sensor neighbours of neighbours:np: TypeError: expected a class below "),
         ("radio = neighbours:Neighbours", "its key kind has the default 'neighbours'; expected 'radio'"),
-        ("sonar = neighbours:Neighbours", "there is another sensor of this kind"),
+        ("sonar = neighbours:Neighbours", "there is another sensor of this name"),
     ],
 )
 def test_package_that_cannot_be_used_is_named_and_all_else_goes_on(tmp_path, entry, line):

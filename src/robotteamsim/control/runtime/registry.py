@@ -1,23 +1,21 @@
 """Controllers by the name in `control.algorithm`: ours, those of packages, any `module:Class`, files of policies."""
 
-import importlib
 import inspect
 from collections.abc import Callable, Collection
 from functools import partial
-from importlib.metadata import EntryPoint, entry_points
+from importlib.metadata import EntryPoint
 
 from robotteamsim.control.people.dispatch import DispatchController
 from robotteamsim.control.people.firefighter import FirefighterController
 from robotteamsim.control.runtime.area_planner import AreaPlanner
 from robotteamsim.control.runtime.base_station import StandingBase, controls_base, with_base
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
-from robotteamsim.extras import missing_extra
 from robotteamsim.interface import Controller
+from robotteamsim.own_parts import PartError, load_part, own_parts
 from robotteamsim.scenario.controllers import ALGORITHMS, is_policy_file
 from robotteamsim.scenario.problems import suggestion
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import Setup
-from robotteamsim.wording import described
 
 MakeController = Callable[..., Controller]
 """A controller class, or another callable that makes the controller of one robot from its id and the scenario.
@@ -78,7 +76,7 @@ def _make_for(robot_id: int, scenario: Scenario) -> MakeController:
 
 def algorithm_names() -> list[str]:
     """Return the known names: this package's, then those of installed packages, sorted."""
-    return [*ALGORITHMS, *sorted({point.name for point in entry_points(group=ENTRY_POINTS)} - set(ALGORITHMS))]
+    return [*dict.fromkeys([*ALGORITHMS, *own_parts(ENTRY_POINTS)])]
 
 
 def _parameters(make: MakeController) -> Collection[str]:
@@ -95,9 +93,8 @@ class _NotFoundError(RobotTeamSimError):
 def _find(name: str) -> MakeController:
     if name in ALGORITHMS:
         return _loaded(name, EntryPoint(name, ALGORITHMS[name].controller, ENTRY_POINTS))
-    for point in entry_points(group=ENTRY_POINTS):
-        if point.name == name:
-            return _loaded(name, point)
+    if point := own_parts(ENTRY_POINTS).get(name):
+        return _loaded(name, point)
     if is_policy_file(name):
         return partial(_loaded(name, EntryPoint(name, _OF_FILE, ENTRY_POINTS)), name)
     module, colon, attribute = name.partition(":")
@@ -110,16 +107,9 @@ def _find(name: str) -> MakeController:
 
 def _loaded(name: str, point: EntryPoint) -> MakeController:
     try:
-        # Otherwise files that were added after the last import are not found.
-        importlib.invalidate_caches()
-        found = point.load()
-    except ModuleNotFoundError as error:
-        reason = missing_extra(error) or f"ModuleNotFoundError: {error}; is its folder in PYTHONPATH?"
-        raise _NotFoundError(f"'{name}': {reason}") from None
-    except KeyboardInterrupt:
-        raise
-    except BaseException as error:  # Any error in the user's module is reported in one line.
-        raise _NotFoundError(f"'{name}': {described(error)}") from None
+        found = load_part(point)
+    except PartError as error:
+        raise _NotFoundError(f"'{name}': {error}") from None
     if not callable(found):
         raise _NotFoundError(f"'{name}' is {found!r:.40}; expected a class")
     made: MakeController = found

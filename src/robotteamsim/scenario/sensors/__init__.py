@@ -1,17 +1,14 @@
 """The sensors that robots can carry besides `base_scan`: each kind of ours is a file, others are in users' packages."""
 
-import contextlib
-import logging
 import re
-import sys
 from collections.abc import Mapping
 from functools import reduce
-from importlib.metadata import entry_points
 from operator import or_
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Tag
 
+from robotteamsim.own_parts import load_parts
 from robotteamsim.scenario.base import by_kind
 from robotteamsim.scenario.sensors.base import Sensor, is_free_name
 from robotteamsim.scenario.sensors.camera import Camera
@@ -20,7 +17,6 @@ from robotteamsim.scenario.sensors.heat import HeatReading, HeatSensor
 from robotteamsim.scenario.sensors.laser import Laser, MountedLaser
 from robotteamsim.scenario.sensors.light import LightSensor
 from robotteamsim.scenario.sensors.sonar import Sonar
-from robotteamsim.wording import described
 
 __all__ = [
     "KINDS",
@@ -42,34 +38,10 @@ ENTRY_POINTS = "robotteamsim.sensors"
 """The group of entry points with which other packages register kinds: `thermometer = my_package:Thermometer`."""
 
 
-def _kinds() -> dict[str, type[Sensor]]:
-    """Return the kinds, ours first. One that cannot be used is left out, with a warning."""
-    kinds: dict[str, type[Sensor]] = {
-        "laser": MountedLaser,
-        "sonar": Sonar,
-        "camera": Camera,
-        "light": LightSensor,
-        "gps": Gps,
-        "heat": HeatSensor,
-    }
-    for point in sorted(entry_points(group=ENTRY_POINTS)):
-        try:
-            with contextlib.redirect_stdout(sys.stderr):  # what a module prints is no output of a command
-                found = point.load()
-            kinds |= {point.name: _checked(point.name, found, kinds)}
-        except KeyboardInterrupt:
-            raise
-        except BaseException as error:  # Any error in the user's module is reported in one line.
-            logging.getLogger(__name__).warning("sensor %s of %s: %s", point.name, point.value, described(error))
-    return kinds
-
-
-def _checked(name: str, found: Any, known: dict[str, type[Sensor]]) -> type[Sensor]:
+def _checked(name: str, found: Any) -> type[Sensor]:
     """Raises: TypeError, ValueError: it is not the class of another kind of sensor."""
     if not (isinstance(found, type) and issubclass(found, Sensor)):
         raise TypeError(f"expected a class below robotteamsim.scenario.sensors.base.Sensor, not {found!r:.40}")
-    if name in known:
-        raise ValueError("there is another sensor of this kind")
     if (kind := found.model_fields["kind"].default) != name:
         raise ValueError(f"its key kind has the default {kind!r:.40}; expected '{name}'")
     if not isinstance(found.definitions, Mapping):
@@ -80,7 +52,16 @@ def _checked(name: str, found: Any, known: dict[str, type[Sensor]]) -> type[Sens
     return found
 
 
-KINDS = _kinds()
+_OURS: dict[str, type[Sensor]] = {
+    "laser": MountedLaser,
+    "sonar": Sonar,
+    "camera": Camera,
+    "light": LightSensor,
+    "gps": Gps,
+    "heat": HeatSensor,
+}
+KINDS = _OURS | load_parts(ENTRY_POINTS, _OURS, _checked)
+"""The kinds of sensors by name, ours first."""
 
 if TYPE_CHECKING:
     AnySensor = Sensor
