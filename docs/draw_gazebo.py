@@ -56,7 +56,7 @@ def scenario_after(seconds: float) -> Scenario:
 
 def world_with_camera(scenario: Scenario, folder: Path) -> str:
     """Return the exported world with a camera and without our plugins, which need ROS."""
-    root = ET.fromstring(export_world(resolve(scenario)).world)
+    root = ET.fromstring(export_world(resolve(scenario)).text)
     for parent in list(root.iter()):
         for plugin in parent.findall("plugin"):
             parent.remove(plugin)

@@ -12,8 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import torch
 
+from robotteamsim.arguments import positive_number, positive_whole_number
 from robotteamsim.campaign.protocol import SearchProtocol, search_design
-from robotteamsim.cli.parser import folder_of, positive_number, positive_whole_number
+from robotteamsim.cli.parser import folder_of
 from robotteamsim.control.driving.known_map import UNREACHABLE_M, known_map
 from robotteamsim.learning import Act, BatchEnv, Observe, Percepts, Reward, Steps, export_policy, seen_from
 from robotteamsim.scenario import Scenario

@@ -44,7 +44,7 @@ def load_parts(group: str, ours: Container[str], checked: Callable[[str, Any], P
     """Return the parts that packages register in a group, by name. One that cannot be used is a warning.
 
     Args: ours:    names that are taken.
-          checked: returns a part of that name; raises TypeError or ValueError with one line if it is none.
+          checked: returns a part of that name; raises an error with one line if it is none.
     """
     kind, found = group.rpartition(".")[2].removesuffix("s"), {}
     for name, point in own_parts(group).items():
@@ -52,7 +52,19 @@ def load_parts(group: str, ours: Container[str], checked: Callable[[str, Any], P
             if name in ours:
                 raise ValueError(f"there is another {kind} of this name")
             found[name] = checked(name, load_part(point))
-        except (PartError, TypeError, ValueError) as error:
+        except KeyboardInterrupt:
+            raise
+        except BaseException as error:  # as above
             problem = error if isinstance(error, PartError) else described(error)
             logging.getLogger(__name__).warning("%s %s of %s: %s", kind, name, point.value, problem)
+    return found
+
+
+def class_below(base: type, found: Any, *attributes: str) -> Any:
+    """Return a class of users. Raises: TypeError: it is not one below `base`, or lacks an attribute."""
+    if not (isinstance(found, type) and issubclass(found, base)):
+        raise TypeError(f"expected a class below {base.__module__}.{base.__qualname__}, not {found!r:.40}")
+    for attribute in attributes:
+        if not hasattr(found, attribute):
+            raise TypeError(f"has no {attribute}; see {base.__module__}.{base.__qualname__}")
     return found

@@ -53,7 +53,7 @@ def world_of(master: Program, gzserver: tuple[str, ...], tmp_path: Path) -> Iter
         def make(*robots: object, **keys: object) -> RosWorld:
             scenario = scenario_of("box2d", *robots, **keys)
             path = tmp_path / "test.world"
-            path.write_text(export_world(resolve(scenario)).world)
+            path.write_text(export_world(resolve(scenario)).text)
             rospy.set_param("/gazebo", {"follow_clock": True, "speed": 0.0})
             clock = rospy.Publisher("/clock", Clock, queue_size=10, tcp_nodelay=True, latch=True)
             stack.callback(clock.unregister)

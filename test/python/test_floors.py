@@ -18,12 +18,12 @@ PACKAGE = ROOT / "src" / "robotteamsim"
 FLOORS = (
     # base is C++
     ("base", "ending", "errors", "extras", "geometry", "message_parts", "palette", "rng", "user_files", "wording"),
-    ("cache", "map_import", "own_parts"),
+    ("arguments", "cache", "map_import", "own_parts"),
     ("scenario", "plan"),  # C++ calls it plan
     ("world", "propagation", "hazards"),
     ("setup", "state"),
-    ("sensing", "network", "stage", "gazebo"),
-    ("swarm",),
+    ("sensing", "network", "formats"),
+    ("swarm", "stage", "gazebo"),
     ("interface",),
     ("control",),
     ("mission",),

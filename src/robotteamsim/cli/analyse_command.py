@@ -15,8 +15,9 @@ from rich.console import Console
 from rich.progress import track
 
 from robotteamsim import scenario
+from robotteamsim.arguments import positive_number
 from robotteamsim.cli.output import OutputConsole, add_png_option, check_outputs
-from robotteamsim.cli.parser import Parser, UsageError, path_of, positive_number
+from robotteamsim.cli.parser import Parser, UsageError, path_of
 from robotteamsim.recording.bag_paths import files_of
 from robotteamsim.recording.files import write_atomically
 from robotteamsim.wording import counted, printable

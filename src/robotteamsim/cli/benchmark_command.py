@@ -15,20 +15,12 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 from rich.progress import track
 
+from robotteamsim.arguments import number, positive_number, positive_whole_number, whole_number
 from robotteamsim.campaign import Design, Outcome
 from robotteamsim.campaign import protocol as protocols
 from robotteamsim.campaign.summary import UNLIMITED, aligned
 from robotteamsim.cli.campaign_command import add_worker_options, command_line, run_stored
-from robotteamsim.cli.parser import (
-    Parser,
-    UsageError,
-    folder_of,
-    number,
-    path_of,
-    positive_number,
-    positive_whole_number,
-    whole_number,
-)
+from robotteamsim.cli.parser import Parser, UsageError, folder_of, path_of
 from robotteamsim.cli.run_command import SCENARIO_HELP
 from robotteamsim.scenario.controllers import is_policy_file
 from robotteamsim.wording import printable

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from rich.console import Console
 
+from robotteamsim.arguments import number, positive_whole_number, whole_number
 from robotteamsim.campaign import Design, Outcome, Store, check_folder, make_design, open_store
 from robotteamsim.campaign.cluster import scheduler_at
 from robotteamsim.campaign.design import NOISE_KEY, Trial
@@ -26,7 +27,7 @@ from robotteamsim.campaign.summary import (
     summary_table,
 )
 from robotteamsim.campaign.workers import Workers, local_workers
-from robotteamsim.cli.parser import Parser, address, number, path_of, positive_whole_number, whole_number
+from robotteamsim.cli.parser import Parser, address, path_of
 from robotteamsim.cli.progress import CampaignProgress
 from robotteamsim.cli.run_command import SCENARIO_HELP, add_code_option, add_set_option
 from robotteamsim.wording import printable

@@ -61,7 +61,7 @@ examples:
   robotteamsim field voice garage_sar --png voice.png
   robotteamsim new scenario my_house                 files to start from
   robotteamsim plan import map.yaml --out plan.yaml  a map_server image as walls
-  robotteamsim plan import-stage office.world        a Stage world as a scenario
+  robotteamsim plan import office.world              a Stage world as a scenario
 
 `robotteamsim help COMMAND` describes a command in detail."""
 

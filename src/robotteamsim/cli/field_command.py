@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 
 from robotteamsim import scenario
+from robotteamsim.arguments import number, point
 from robotteamsim.cli.output import add_png_option, check_outputs, save
-from robotteamsim.cli.parser import Parser, UsageError, number, path_of, point
+from robotteamsim.cli.parser import Parser, UsageError, path_of
 from robotteamsim.cli.run_command import SCENARIO_HELP, add_set_option
 from robotteamsim.errors import ScenarioError
 from robotteamsim.recording.files import atomically

@@ -5,20 +5,16 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from robotteamsim.errors import ScenarioError
+from robotteamsim.formats import importers
 from robotteamsim.scenario.yaml_text import is_file, read_text
-
-_STAGE = "a world of Stage: use plan import-stage"
 
 _SIGNS = (
     (r"\A\s*(?=<).*?<sdf[\s>]", "a world of Gazebo (SDF)"),
     (r"\A\s*(?=<).*?<mvsim_world[\s>]", "a world of MVSim"),
     (r"\A(?=.*^world:)(?=.*^(robot|obstacle):)", "a world of IR-SIM"),
     (r"\A(?=.*^levels:)(?=.*^(building_name|coordinate_system|crowd_sim|graphs|name):)", "a building of Open-RMF"),
-    (r'^\s*(define\s+[\w.-]+\s+[\w.-]+\s*\(|include\s+"|(model|position|window|floorplan)\s*\()', _STAGE),
 )
-"""What only such a file has: an element (SDF 1.6, mvsim 0.10), keys (ir-sim 2.11, rmf_traffic_editor 1.9), or models
-(Stage 4.3).
-"""
+"""What only such a file has: an element (SDF 1.6, mvsim 0.10), or keys (ir-sim 2.11, rmf_traffic_editor 1.9)."""
 
 
 def foreign_file(words: Iterable[str]) -> str | None:
@@ -32,8 +28,8 @@ def foreign_file(words: Iterable[str]) -> str | None:
         except ScenarioError:
             continue
         what = next((what for sign, what in _SIGNS if re.search(sign, text, re.MULTILINE | re.DOTALL)), None)
-        if what is _STAGE:
-            return None if "import-stage" in words else f"{name} is {what}"
         if what is not None:
             return f"{name} is {what}, which no command reads; docs/own_building.md shows how to draw its floor plan"
+        if noun := next((importer.noun for importer in importers().values() if importer.recognises(text)), None):
+            return None if "import" in words else f"{name} is {noun}: use plan import"
     return None

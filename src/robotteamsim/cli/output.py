@@ -13,7 +13,7 @@ from rich.console import Console
 
 from robotteamsim.cli.parser import PICTURES, UsageError, picture_of
 from robotteamsim.errors import RobotTeamSimError
-from robotteamsim.recording.files import check_replaceable, prepare_folder, write_atomically
+from robotteamsim.recording.files import check_replaceable
 from robotteamsim.wording import printable
 
 if TYPE_CHECKING:
@@ -73,30 +73,6 @@ def warn(notes: Iterable[str]) -> None:
     """Print the notes of a conversion."""
     for note in notes:
         print(f"robotteamsim: warning: {note}", file=sys.stderr)
-
-
-def write_world(
-    options: argparse.Namespace,
-    suffix: str,
-    inputs: Iterable[str | Path],
-    text: str,
-    said: str,
-    notes: Sequence[str] = (),
-    *,
-    force: bool = True,
-) -> None:
-    """Write an exported scenario into --out, and print its notes, its path and what is said of it.
-
-    Args: force: replace a file that is there.
-    """
-    # The scenario's own name may not be a valid file name.
-    path = options.out / f"{Path(options.scenario).stem}.{suffix}"
-    expect_new([path], force)
-    check_outputs({}, inputs, folders={"--out": [path]})
-    warn(notes)
-    prepare_folder(options.out)
-    write_atomically(path, text)
-    print(f"{path}: {said}")
 
 
 def mistakes_of(error: RobotTeamSimError) -> list[str]:

@@ -10,9 +10,10 @@ from rich.console import Console
 
 from robotteamsim import recording, scenario
 from robotteamsim.analysis.runs.tables import print_result, print_timings
+from robotteamsim.arguments import number, whole_number
 from robotteamsim.cli.interrupt import InterruptBetweenSteps
 from robotteamsim.cli.output import OutputConsole, check_outputs
-from robotteamsim.cli.parser import Parser, UsageError, number, path_of, whole_number
+from robotteamsim.cli.parser import Parser, UsageError, path_of
 from robotteamsim.cli.progress import ProgressBar, working
 from robotteamsim.control import foreign_code
 from robotteamsim.errors import ScenarioError

@@ -8,8 +8,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from robotteamsim import scenario
+from robotteamsim.arguments import positive_number, whole_number
 from robotteamsim.cli.output import check_outputs
-from robotteamsim.cli.parser import Parser, UsageError, path_of, positive_number, whole_number
+from robotteamsim.cli.parser import Parser, UsageError, path_of
 from robotteamsim.cli.run_command import SCENARIO_HELP, TRAJECTORIES, add_scenario_options, check_code, load_scenario
 from robotteamsim.recording.bag_paths import files_of, is_bag
 from robotteamsim.recording.files import write_atomically

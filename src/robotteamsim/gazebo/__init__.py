@@ -1,5 +1,5 @@
 """Exporter of scenarios to worlds of the Gazebo simulator, in SDF."""
 
-from robotteamsim.gazebo.exporting import GazeboExport, export_world
+from robotteamsim.gazebo.exporting import export_world
 
-__all__ = ["GazeboExport", "export_world"]
+__all__ = ["export_world"]

@@ -1,10 +1,10 @@
 """Exports a scenario as a world of Gazebo: one file in SDF, with all models in it."""
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 
 from robotteamsim import palette
+from robotteamsim.formats import Exported
 from robotteamsim.gazebo.doors import BUILDING_BITS, door_model, door_setting
 from robotteamsim.gazebo.elements import (
     Element,
@@ -27,6 +27,7 @@ from robotteamsim.scenario.plan import Corners, counter_clockwise
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.setup import Setup
+from robotteamsim.wording import counted
 
 VERSION = "1.6"
 """Of SDF; Gazebo 9 to 11 read it."""
@@ -38,17 +39,8 @@ _FLOOR_FRICTION = 100.0
 """As of Gazebo's own floor: that of the bodies on it acts."""
 
 
-@dataclass(frozen=True, slots=True)
-class GazeboExport:
-    """The text of a world; models of the robots that are absent at its start, by name; notes, one line each."""
-
-    world: str
-    absent: Mapping[str, str]
-    notes: tuple[str, ...]
-
-
-def export_world(setup: Setup, drive: DriveKind = "velocity") -> GazeboExport:
-    """Return a scenario as a world of Gazebo 11, with the plugins of this package.
+def export_world(setup: Setup, drive: DriveKind = "velocity") -> Exported:
+    """Return a scenario as a world of Gazebo 11, with the plugins of this package, and files of the absent robots.
 
     The floor, the walls, blocks and pillars are four static models. Doors, objects and robots are a model each:
     door_<name>, object_<name> and robot_<id>.
@@ -76,8 +68,9 @@ def export_world(setup: Setup, drive: DriveKind = "velocity") -> GazeboExport:
         element("plugin", *settings, name="robotteamsim_world", filename=WORLD_PLUGIN),
         name=Names().unused(scenario.name),
     )
-    absent = {name: _file(models[name]) for name in models if name not in present}
-    return GazeboExport(_file(world), absent, _notes(scenario, robots, drive))
+    absent = {f"{name}.sdf": _file(models[name]) for name in models if name not in present}
+    summary = f"{counted(scenario.num_robots - len(absent), 'robot')}, {counted(len(doors), 'door')}"
+    return Exported(_file(world), summary, _notes(scenario, robots, drive), absent)
 
 
 def _file(content: Element) -> str:

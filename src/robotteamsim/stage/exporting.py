@@ -2,17 +2,18 @@
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
+from robotteamsim.formats import Exported
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import Corners
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.sensors import Laser, MountedLaser, Sonar
+from robotteamsim.wording import counted
 
 _DISC_CORNERS = 16
 
@@ -33,15 +34,7 @@ _LOST = {
 """Keys of plans and robots that a world file cannot contain."""
 
 
-@dataclass(frozen=True, slots=True)
-class StageExport:
-    """The text of a world file, and notes on what Stage lacks, one line each."""
-
-    world: str
-    notes: tuple[str, ...]
-
-
-def export_world(plan: FloorPlan, scenario: Scenario | None = None, robots: Sequence[PlacedRobot] = ()) -> StageExport:
+def export_world(plan: FloorPlan, scenario: Scenario | None = None, robots: Sequence[PlacedRobot] = ()) -> Exported:
     """Return a floor plan, or a scenario on it, as a world of Stage 4; `import_world` returns an equal one.
 
     Walls, blocks and doors are models of their shape; nothing hits or sees an open door. Equal robots share a
@@ -63,7 +56,8 @@ def export_world(plan: FloorPlan, scenario: Scenario | None = None, robots: Sequ
     for i, (robot, kind) in enumerate(zip(robots, kinds, strict=True)):
         x, y, yaw = robot.start_pose
         lines.append(f'{names[kind]}( name "robot_{i}" pose {_tuple(x, y, 0.0, yaw)} )')
-    return StageExport("\n".join(lines) + "\n", tuple(_notes(plan, scenario, robots)))
+    summary = counted(len(robots), "robot") if scenario else "no robot"
+    return Exported("\n".join(lines) + "\n", summary, tuple(_notes(plan, scenario, robots)))
 
 
 def _notes(plan: FloorPlan, scenario: Scenario | None, robots: Sequence[PlacedRobot]) -> Iterator[str]:

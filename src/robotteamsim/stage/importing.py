@@ -5,7 +5,6 @@ import math
 import os
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +13,7 @@ import shapely
 from pydantic import ValidationError
 
 from robotteamsim.errors import PlacementError, ScenarioError
+from robotteamsim.formats import Imported
 from robotteamsim.scenario.building import building_of
 from robotteamsim.scenario.door_places import misplaced_doors
 from robotteamsim.scenario.floor_plan import Block, FloorPlan
@@ -53,23 +53,7 @@ _PARENTS = {
 _MODELS = (*BODIES, *RANGERS, "position", *DEVICES, *_PARENTS, "window")
 
 
-@dataclass(frozen=True, slots=True)
-class StageImport:
-    """The contents of a world file.
-
-    plan:     the floor plan.
-    keys:     the scenario's keys as in YAML, without `plan`; none without a robot.
-    scenario: the same, checked; None without a robot.
-    notes:    one line each: what is interpreted differently, and per file what has no effect.
-    """
-
-    plan: FloorPlan
-    keys: dict[str, Any]
-    scenario: Scenario | None
-    notes: tuple[str, ...]
-
-
-def import_world(world: str | os.PathLike[str], *, grey_as_stage: bool = False) -> StageImport:
+def import_world(world: str | os.PathLike[str], *, grey_as_stage: bool = False) -> Imported:
     """Return the scenario of a Stage world file, interpreted as by Stage 4 and stage_ros.
 
     Args:   grey_as_stage: whether a pixel of a bitmap is solid if its first channel is below 128, as in Stage, and not
@@ -104,11 +88,11 @@ def import_world(world: str | os.PathLike[str], *, grey_as_stage: bool = False) 
     _note_unread(root, values)
     if not robots:
         notes.say(root.place, "no robot (a model of kind position): only the floor plan is imported")
-        return StageImport(plan, {}, None, tuple(notes.lines()))
+        return Imported(plan, tuple(notes.lines()))
     keys["robots"] = _team_or_list(robots)
     scenario = notes.checked(Scenario, {**keys, "plan": plan}, {"name": (root, "name")})
     _check_poses(scenario, robots, placed, notes)
-    return StageImport(plan, keys, scenario, tuple(notes.lines()))
+    return Imported(plan, tuple(notes.lines()), keys, scenario)
 
 
 def _check_kinds(parent: Entity, notes: Notes, *, on_robot: bool) -> None:

@@ -24,9 +24,7 @@ def _in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.mark.parametrize(
-    "command", ["run", "plan import", "plan import-stage", "plan render --png p.png", "analyse", "view"]
-)
+@pytest.mark.parametrize("command", ["run", "plan import", "plan render --png p.png", "analyse", "view"])
 @pytest.mark.parametrize(
     ("text", "what"),
     [
@@ -41,15 +39,15 @@ def test_file_that_no_command_reads_is_named(refusal, command, text, what):
     assert refusal(*command.split(), "a.world") == f"a.world is {what}, {NO_COMMAND}"
 
 
-@pytest.mark.parametrize("command", ["run", "plan import", "plan export-stage --out o", "analyse", "scenario check"])
+@pytest.mark.parametrize("command", ["run", "plan export-stage --out o", "analyse", "scenario check"])
 def test_stage_world_is_named_with_the_command_that_reads_it(refusal, command):
     Path("a.world").write_text(STAGE)
-    assert refusal(*command.split(), "a.world") == "a.world is a world of Stage: use plan import-stage"
+    assert refusal(*command.split(), "a.world") == "a.world is a world of Stage: use plan import"
 
 
-def test_stage_world_that_import_stage_rejects_is_rejected_as_before(refusal):
+def test_stage_world_that_import_rejects_is_rejected_as_before(refusal):
     Path("a.world").write_text(STAGE + "puck()")
-    assert refusal("plan", "import-stage", "a.world") == "a.world:7: puck: unknown model 'puck'"
+    assert refusal("plan", "import", "a.world") == "a.world:7: puck: unknown model 'puck'"
 
 
 def test_mistake_in_a_file_of_ours_is_reported_as_before(refusal):

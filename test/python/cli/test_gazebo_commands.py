@@ -22,6 +22,18 @@ def test_exported_garage_is_a_world_and_a_file_for_each_robot_that_comes_later(c
     assert sorted(path.name for path in Path("out").iterdir()) == ["garage_sar.world", "robot_2.sdf"]
 
 
+@pytest.mark.parametrize("name", ["garage_sar.world", "robot_2.sdf"])
+def test_no_file_is_replaced_without_force(refusal, name):
+    Path("out").mkdir()
+    Path("out", name).write_text("mine")
+    command = ["plan", "export-gazebo", "garage_sar", "--out", "out", "--set", "robots.reserve=1"]
+    line = refusal(*command)
+    assert line == f"out/{name} already exists; choose another name with --out, or --force replaces it"
+    assert [path.read_text() for path in Path("out").iterdir()] == ["mine"]
+    assert main([*command, "--force"]) == 0
+    assert Path("out", name).read_text() != "mine"
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -111,7 +111,7 @@ def test_markup_in_a_name_is_plain_text(capsys):
     assert "[/red]: 3 robots" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize("command", ["run", "analyse", "plan import", "plan import-stage"])
+@pytest.mark.parametrize("command", ["run", "analyse", "plan import"])
 def test_symlink_loop_is_rejected_in_one_line(tmp_path, refusal, command):
     loop = tmp_path / "loop.yaml"
     loop.symlink_to(loop)
@@ -126,7 +126,7 @@ def test_symlink_loop_is_rejected_in_one_line(tmp_path, refusal, command):
         ("run tutorial_arena --set mission.patrol.graph={}", "a.graph"),
         ("campaign tutorial_arena --out c --design {}", "design.yaml"),
         ("plan import map.yaml", "map.png"),
-        ("plan import-stage {}", "a.world"),
+        ("plan import {}", "a.world"),
         ("analyse {}", "a.bag"),
         ("analyse {}", "a.mcap"),
         ("view .", "mission.json"),

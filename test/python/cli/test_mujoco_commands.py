@@ -49,6 +49,15 @@ def test_mujoco_reads_the_exported_garage(capsys):
         np.testing.assert_allclose(model.body(f"robot_{i}").pos[:2], robot.start_pose[:2])
 
 
+def test_model_is_not_replaced_without_force(refusal, capsys):
+    _exported("tutorial_arena")
+    capsys.readouterr()
+    command = ["plan", "export-mujoco", "tutorial_arena", "--out", "out"]
+    line = refusal(*command)
+    assert line == "out/tutorial_arena.xml already exists; choose another name with --out, or --force replaces it"
+    assert main([*command, "--force"]) == 0
+
+
 def test_body_that_mujoco_refuses_is_one_line(capsys):
     light = ["--set", "robots.height_m=1e-9", "--set", "robots.mass_kg=1e-9"]
     assert main(["plan", "export-mujoco", "tutorial_arena", "--out", "out", *light]) == 2

@@ -110,7 +110,7 @@ def test_imported_world_overwrites_no_plan_and_no_scenario(refusal, name):
     Path("plan.yaml").unlink()
     Path(name).write_text("mine")
     before = contents()
-    line = refusal("plan", "import-stage", WORLD, "--out", ".")
+    line = refusal("plan", "import", WORLD, "--out", ".")
     assert line == f"{name} already exists; choose another name with --out, or --force replaces it"
     assert contents() == before
 

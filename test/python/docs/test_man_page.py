@@ -16,7 +16,7 @@ DOCS = Path(__file__).parents[3] / "docs"
 def test_man_page_has_the_commands_and_options_of_the_command_line(monkeypatch):
     monkeypatch.setenv("COLUMNS", "100")
     page = runpy.run_path(str(DOCS / "make_man_page.py"))["man_page"]()
-    for word in ("campaign", "import\\-stage", "\\-\\-scheduler", "\\-\\-debug"):
+    for word in ("campaign", "export\\-stage", "\\-\\-scheduler", "\\-\\-debug"):
         assert word in page
     assert "\nrobotteamsim \\- simulate teams" in page
     assert "\n.nf\nrobotteamsim run [\\-h]" in page

@@ -29,7 +29,7 @@ def _numbers(element: ET.Element, path: str) -> list[float]:
 
 def test_robots_are_models_with_the_laser_of_the_scenario_at_their_start_poses():
     scenario = load("garage_sar", ["robots.laser={beams: 91, range_max_m: 8.0, noise_m: 0.02, no_return: inf}"])
-    world = _world(export_world(resolve(scenario)).world)
+    world = _world(export_world(resolve(scenario)).text)
     for i, robot in enumerate(resolve(scenario).robots):
         model = _model(world, f"robot_{i}")
         x, y, yaw = robot.start_pose
@@ -55,7 +55,7 @@ def test_robots_are_models_with_the_laser_of_the_scenario_at_their_start_poses()
     ],
 )
 def test_plugin_has_the_limits_of_the_drive(drive: str, own: dict[str, str]) -> None:
-    plugin = _model(_world(export_world(resolve(load("garage_sar", [f"robots.drive={drive}"]))).world), "robot_0").find(
+    plugin = _model(_world(export_world(resolve(load("garage_sar", [f"robots.drive={drive}"]))).text), "robot_0").find(
         "plugin"
     )
     limits = {
@@ -66,7 +66,7 @@ def test_plugin_has_the_limits_of_the_drive(drive: str, own: dict[str, str]) -> 
 
 
 def test_wheels_are_as_far_apart_as_the_body_allows_and_touch_the_floor():
-    world = _world(export_world(resolve(load("garage_sar")), "wheels").world)
+    world = _world(export_world(resolve(load("garage_sar")), "wheels").text)
     robot = _model(world, "robot_0")
     assert robot.findtext("plugin/drive") == "wheels"
     wheels = [link for link in robot.findall("link") if link.get("name").endswith("_wheel")]
@@ -81,7 +81,7 @@ def test_wheels_are_as_far_apart_as_the_body_allows_and_touch_the_floor():
 
 def test_wheels_have_the_radius_and_friction_of_the_scenario():
     scenario = load("garage_sar", ["robots.wheels={radius_m: 0.08, friction: 0.6}"])
-    robot = _model(_world(export_world(resolve(scenario), "wheels").world), "robot_0")
+    robot = _model(_world(export_world(resolve(scenario), "wheels").text), "robot_0")
     wheel = next(link for link in robot.findall("link") if link.get("name") == "left_wheel")
     assert _numbers(wheel, "collision/geometry/cylinder/radius") == [0.08]
     assert _numbers(wheel, "collision/surface/friction/ode/mu") == [0.6]
@@ -89,7 +89,7 @@ def test_wheels_have_the_radius_and_friction_of_the_scenario():
 
 def test_only_differential_drives_have_wheels():
     export = export_world(resolve(load("garage_sar", ["robots.drive={kind: omni}"])), "wheels")
-    assert _model(_world(export.world), "robot_0").findtext("plugin/drive") == "velocity"
+    assert _model(_world(export.text), "robot_0").findtext("plugin/drive") == "velocity"
     assert export.notes == (
         "robots.drive: only differential drives have wheels in Gazebo; the others move by their velocity",
     )
@@ -97,10 +97,10 @@ def test_only_differential_drives_have_wheels():
 
 def test_robots_that_arrive_later_have_a_file_each():
     export = export_world(resolve(load("garage_sar", ["robots.reserve=1"])))
-    names = [model.get("name") for model in _world(export.world).findall("model")]
+    names = [model.get("name") for model in _world(export.text).findall("model")]
     assert [name for name in names if name.startswith("robot_")] == ["robot_0", "robot_1"]
-    assert list(export.absent) == ["robot_2"]
-    assert ET.fromstring(export.absent["robot_2"]).find("model").get("name") == "robot_2"
+    assert list(export.others) == ["robot_2.sdf"]
+    assert ET.fromstring(export.others["robot_2.sdf"]).find("model").get("name") == "robot_2"
     assert any("arrive later" in note for note in export.notes)
 
 
@@ -129,7 +129,7 @@ def test_walls_blocks_and_closed_doors_have_the_outlines_and_heights_of_the_plan
     scenario = load(name)
     doors = tuple(door.model_copy(update={"closed": True}) for door in scenario.plan.doors)
     plan = scenario.plan.model_copy(update={"doors": doors})
-    world = _world(export_world(resolve(scenario.model_copy(update={"plan": plan}))).world)
+    world = _world(export_world(resolve(scenario.model_copy(update={"plan": plan}))).text)
     found = {
         link.get("name"): _outline(link)
         for model in world.findall("model")
@@ -165,7 +165,7 @@ def test_joint_of_a_door_moves_the_leaf_between_closed_and_open(motion, kind, op
     garage = load("garage_sar")
     door = garage.plan.doors[0].model_copy(update={**motion, "closed": closed})
     plan = garage.plan.model_copy(update={"doors": (door,)})
-    world = _world(export_world(resolve(garage.model_copy(update={"plan": plan}))).world)
+    world = _world(export_world(resolve(garage.model_copy(update={"plan": plan}))).text)
     joint = _model(world, "door_plant_door").find("joint")
     assert (joint.get("type"), joint.findtext("parent")) == (kind, "world")
     axis = _numbers(joint, "axis/xyz")
@@ -182,7 +182,7 @@ def test_open_leaf_is_at_its_open_place():
     swing = garage.plan.doors[0].model_copy(update={"motion": "swing"})
     slide = garage.plan.doors[1].model_copy(update={"motion": "slide", "closed": False})
     plan = garage.plan.model_copy(update={"doors": (swing, slide)})
-    world = _world(export_world(resolve(garage.model_copy(update={"plan": plan}))).world)
+    world = _world(export_world(resolve(garage.model_copy(update={"plan": plan}))).text)
     assert _numbers(_model(world, "door_plant_door"), "pose") == pytest.approx([11.9, 36.2, 0, 0, 0, math.pi])
     assert _numbers(_model(world, "door_stair_door"), "pose") == pytest.approx([54.375, 35.8, 0, 0, 0, math.pi / 2])
 
@@ -192,7 +192,7 @@ def test_objects_keep_mass_friction_and_shape():
         "[{name: crate, size_m: [0.6, 0.4], pose: [2.0, 2.0, 0.5], mass_kg: 3.0, friction: 0.4},"
         " {name: drum, kind: barrel, radius_m: 0.3, height_m: 0.9, pose: [4.0, 4.0, 0.0]}]"
     )
-    world = _world(export_world(resolve(load("tutorial_arena", [f"objects={objects}"]))).world)
+    world = _world(export_world(resolve(load("tutorial_arena", [f"objects={objects}"]))).text)
     crate, drum = (_model(world, f"object_{name}").find("link") for name in ("crate", "drum"))
     assert _numbers(crate, "collision/geometry/box/size") == [0.6, 0.4, 0.5]
     assert _numbers(crate, "collision/surface/friction/ode/mu") == [0.4]
@@ -220,7 +220,7 @@ def test_features_that_gazebo_lacks_are_named_in_one_line_each():
 
 
 def test_steps_of_the_physics_divide_a_step_of_the_scenario():
-    world = _world(export_world(resolve(load("garage_sar", ["run.step_s=0.033"]))).world)
+    world = _world(export_world(resolve(load("garage_sar", ["run.step_s=0.033"]))).text)
     (part_s,) = _numbers(world, "physics/max_step_size")
     assert part_s <= 0.005
     assert 0.033 / part_s == pytest.approx(7.0)

@@ -51,7 +51,7 @@ HEXAGON = "[[0.3, 0.0], [0.15, 0.25], [-0.15, 0.25], [-0.3, 0.0], [-0.15, -0.25]
     ],
 )
 def test_exported_world_is_valid(checker, tmp_path, name, overrides, drive):
-    done = _check(checker, export_world(resolve(load(name, overrides)), drive).world, tmp_path)
+    done = _check(checker, export_world(resolve(load(name, overrides)), drive).text, tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
 
 
@@ -62,13 +62,13 @@ def test_exported_doors_and_absent_robots_are_valid(checker, tmp_path):
     export = export_world(
         resolve(garage.model_copy(update={"plan": garage.plan.model_copy(update={"doors": tuple(doors)})}))
     )
-    for text in (export.world, export.absent["robot_2"]):
+    for text in (export.text, export.others["robot_2.sdf"]):
         done = _check(checker, text, tmp_path)
         assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_checker_rejects_a_world_with_a_wrong_element(checker, tmp_path):
-    world = export_world(resolve(load("tutorial_arena"))).world
+    world = export_world(resolve(load("tutorial_arena"))).text
     for wrong in (
         world.replace("<mass>", "<weight>").replace("</mass>", "</weight>"),
         world.replace("<size>", "<size>x"),

@@ -342,10 +342,16 @@ def test_curve_of_any_size_becomes_few_lines_or_is_rejected(drawing, capsys):
         ),
         (["nested.dxf", "--layer", "WALLS"], "nested.dxf: more than 200000 lines and other parts"),
         (["surveyors.dxf", "--layer", "WALLS"], "has a unit that cannot be converted ($INSUNITS 21)"),
-        (["room.dxf", "--layer", "WALLS", "--metres-per-pixel", "0.1"], "--metres-per-pixel: only for images"),
+        (
+            ["room.dxf", "--layer", "WALLS", "--metres-per-pixel", "0.1"],
+            "a DXF file, for which there is no --metres",
+        ),
         (["room.dxf", "--layer", "WALLS", "--wall-thickness", "2"], "thickness_m: 2.0 is above 0.8"),
         (["room.dxf", "--layer", "WALLS", "--metres-per-unit", "1e6"], "room.dxf: bounds.max: "),
-        (["room.png", "--metres-per-pixel", "0.1", "--layer", "WALLS"], "--layer: only for DXF files"),
+        (
+            ["room.png", "--metres-per-pixel", "0.1", "--layer", "WALLS"],
+            "of one, for which there is no --layer",
+        ),
     ],
 )
 def test_what_cannot_be_imported_is_one_line(drawing, capsys, arguments, message):

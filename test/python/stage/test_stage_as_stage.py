@@ -11,11 +11,12 @@ import pytest
 import shapely
 
 from robotteamsim.errors import PlacementError, ScenarioError
+from robotteamsim.formats import Imported
 from robotteamsim.scenario import FloorPlan, solids
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation
-from robotteamsim.stage import StageImport, import_world
+from robotteamsim.stage import import_world
 
 ROOM = "model( size [ 10 8 1 ] pose [ 5 4 0 0 ] noblocks 1 boundary 1 )\n"
 LASER = "ranger( sensor( range [ 0 5 ] fov 180 samples 181 ) )"
@@ -28,14 +29,14 @@ def world_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Return what a world given as a text is imported as."""
     monkeypatch.chdir(tmp_path)
 
-    def imported(text: str, *, grey_as_stage: bool = False) -> StageImport:
+    def imported(text: str, *, grey_as_stage: bool = False) -> Imported:
         Path("a.world").write_text(text, encoding="utf-8")
         return import_world("a.world", grey_as_stage=grey_as_stage)
 
     return imported
 
 
-def _robot(found: StageImport, index: int = 0) -> PlacedRobot:
+def _robot(found: Imported, index: int = 0) -> PlacedRobot:
     assert found.scenario is not None
     return resolve(found.scenario).robots[index]
 

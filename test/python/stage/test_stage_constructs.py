@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.stage import StageImport, import_world
+from robotteamsim.formats import Imported
+from robotteamsim.stage import import_world
 
 DOCS = Path(__file__).parents[3] / "docs" / "stage.md"
 
@@ -98,7 +99,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def _imported(folder: Path, text: str) -> StageImport | str:
+def _imported(folder: Path, text: str) -> Imported | str:
     path = folder / "w.world"
     path.write_text(text, encoding="utf-8")
     try:

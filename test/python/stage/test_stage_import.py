@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from robotteamsim.errors import PlacementError, ScenarioError
+from robotteamsim.formats import Imported
 from robotteamsim.scenario import load_floor_plan, occupancy_grid, solids
 from robotteamsim.setup import resolve
-from robotteamsim.stage import StageImport, import_world
+from robotteamsim.stage import import_world
 
 DATA = Path(__file__).parents[2] / "data" / "stage"
 
@@ -25,7 +26,7 @@ def world_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Return what a world given as a text is imported as."""
     monkeypatch.chdir(tmp_path)
 
-    def imported(text: str) -> StageImport:
+    def imported(text: str) -> Imported:
         Path("a.world").write_text(text, encoding="utf-8")
         return import_world("a.world")
 

@@ -79,7 +79,7 @@ def _imported(tmp_path: Path, text: str):
 @pytest.mark.parametrize("name", scenarios.map_names())
 def test_shipped_plan_comes_back(tmp_path, name):
     plan = scenarios.load_floor_plan(name)
-    found = _imported(tmp_path, export_world(plan).world)
+    found = _imported(tmp_path, export_world(plan).text)
     assert list(_differences(_plan(plan), _plan(found.plan))) == []
 
 
@@ -88,7 +88,7 @@ def test_shipped_scenario_comes_back(tmp_path, name):
     setup = resolve(scenarios.load(name))
     robots = setup.robots[: setup.scenario.num_robots]
     export = export_world(setup.plan, setup.scenario, robots)
-    found = _imported(tmp_path, export.world)
+    found = _imported(tmp_path, export.text)
     assert list(_differences(_plan(setup.plan), _plan(found.plan))) == []
     present = [_robot(robot) for robot in robots if robot.present]
     if found.scenario is None:
@@ -104,14 +104,14 @@ def test_plan_with_each_element_comes_back_exactly(tmp_path):
     (tmp_path / "plan.yaml").write_text(PLAN)
     plan = scenarios.load_floor_plan(tmp_path / "plan.yaml")
     export = export_world(plan)
-    assert _imported(tmp_path, export.world).plan == plan
+    assert _imported(tmp_path, export.text).plan == plan
     assert export.notes == ()
 
 
 def test_open_door_comes_back_and_one_without_a_gap_is_a_block(tmp_path):
     (tmp_path / "plan.yaml").write_text(PLAN.replace("closed: true", "closed: false"))
     plan = scenarios.load_floor_plan(tmp_path / "plan.yaml")
-    assert _imported(tmp_path, export_world(plan).world).plan == plan
+    assert _imported(tmp_path, export_world(plan).text).plan == plan
     lone = 'define door model( )\nmodel( size [9 9 1] boundary 1 noblocks 1 ) door( name "x" size [1 0.1 2] )'
     found = _imported(tmp_path, lone)
     assert ([block.name for block in found.plan.blocks], found.plan.doors) == (["x"], ())

@@ -96,7 +96,7 @@ def _write_world(settings: Settings, drive: DriveKind) -> Path:
     folder = Path(rospkg.get_ros_home())
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"robotteamsim_{settings.scenario.name}.world"
-    path.write_text(export.world, encoding="utf-8")
+    path.write_text(export.text, encoding="utf-8")
     logger.info("Gazebo's world is %s", path)
     return path
 

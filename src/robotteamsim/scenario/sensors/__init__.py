@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Tag
 
-from robotteamsim.own_parts import load_parts
+from robotteamsim.own_parts import class_below, load_parts
 from robotteamsim.scenario.base import by_kind
 from robotteamsim.scenario.sensors.base import Sensor, is_free_name
 from robotteamsim.scenario.sensors.camera import Camera
@@ -40,16 +40,15 @@ ENTRY_POINTS = "robotteamsim.sensors"
 
 def _checked(name: str, found: Any) -> type[Sensor]:
     """Raises: TypeError, ValueError: it is not the class of another kind of sensor."""
-    if not (isinstance(found, type) and issubclass(found, Sensor)):
-        raise TypeError(f"expected a class below robotteamsim.scenario.sensors.base.Sensor, not {found!r:.40}")
-    if (kind := found.model_fields["kind"].default) != name:
+    sensor: type[Sensor] = class_below(Sensor, found)
+    if (kind := sensor.model_fields["kind"].default) != name:
         raise ValueError(f"its key kind has the default {kind!r:.40}; expected '{name}'")
-    if not isinstance(found.definitions, Mapping):
-        raise TypeError(f"definitions {found.definitions!r:.40}; expected texts by the names of types")
-    for type_name in (getattr(found, "type_name", None), *found.definitions):
+    if not isinstance(sensor.definitions, Mapping):
+        raise TypeError(f"definitions {sensor.definitions!r:.40}; expected texts by the names of types")
+    for type_name in (getattr(sensor, "type_name", None), *sensor.definitions):
         if not (isinstance(type_name, str) and re.fullmatch(r"\w+/\w+", type_name)):
             raise ValueError(f"type {type_name!r:.40}; expected a name such as 'sensor_msgs/Temperature'")
-    return found
+    return sensor
 
 
 _OURS: dict[str, type[Sensor]] = {
