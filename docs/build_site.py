@@ -41,6 +41,7 @@ SECTIONS = {
     "How-to guides": (
         "own_building",
         "own_sensor",
+        "own_parts",
         "python",
         "viewer",
         "experiments",

@@ -16,13 +16,17 @@ from contract_over_ros import RELAXED, master, readings_of  # noqa: F401 - fixtu
 from ros_world import RosWorld
 from rosgraph_msgs.msg import Clock
 from running import Program, running
-from test_contract_of_doors_and_objects import (  # noqa: F401 - tests
+
+from robotteamsim.gazebo import export_world
+from robotteamsim.geometry import Twist
+from robotteamsim.setup import resolve
+from robotteamsim.testing.contract.doors_and_objects import (  # noqa: F401 - tests
     test_instant_door_stops_robots_only_while_it_is_closed,
     test_leaf_moves_at_constant_speed_and_the_door_is_closed_when_it_has_arrived,
     test_robot_does_not_push_a_leaf,
     test_unknown_door_is_named,
 )
-from test_contract_of_motion import (  # noqa: F401 - tests
+from robotteamsim.testing.contract.motion import (  # noqa: F401 - tests
     test_car_does_not_turn_on_the_spot,
     test_differential_drive_ignores_a_command_to_the_side,
     test_drives_follow_their_commands,
@@ -32,15 +36,11 @@ from test_contract_of_motion import (  # noqa: F401 - tests
     test_speeds_and_accelerations_stay_within_the_drive,
     test_walls_and_blocks_stop_a_robot,
 )
-from test_contract_of_team import (  # noqa: F401 - tests
+from robotteamsim.testing.contract.team import (  # noqa: F401 - tests
     test_lasers_see_a_closed_door_and_not_an_open_one,
     test_lasers_see_walls_objects_and_robots,
 )
-from two_rooms import scenario_of
-
-from robotteamsim.gazebo import export_world
-from robotteamsim.geometry import Twist
-from robotteamsim.setup import resolve
+from robotteamsim.testing.contract.two_rooms import scenario_of
 
 pytestmark = RELAXED
 

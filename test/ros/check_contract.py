@@ -16,26 +16,26 @@ from contract_over_ros import RELAXED, master, readings_of, write_scenario  # no
 from robotteamsim.srv import Step
 from ros_world import RosWorld
 from running import Program, running
-from test_contract_of_doors_and_objects import (  # noqa: F401 - tests
+
+from robotteamsim.geometry import Twist
+from robotteamsim.testing.contract.doors_and_objects import (  # noqa: F401 - tests
     test_instant_door_stops_robots_only_while_it_is_closed,
     test_leaf_waits_for_a_robot_and_does_not_push_it,
     test_unknown_door_is_named,
 )
-from test_contract_of_motion import (  # noqa: F401 - tests
+from robotteamsim.testing.contract.motion import (  # noqa: F401 - tests
     test_robot_that_meets_a_wall_at_an_angle_touches_it_there,
     test_robots_do_not_pass_through_each_other,
     test_speeds_and_accelerations_stay_within_the_drive,
     test_time_is_counted_in_whole_steps,
 )
-from test_contract_of_team import (  # noqa: F401 - tests
+from robotteamsim.testing.contract.team import (  # noqa: F401 - tests
     test_absent_robot_has_no_body_and_no_pose,
     test_lasers_see_a_closed_door_and_not_an_open_one,
     test_removed_robot_blocks_nobody_and_can_return,
     test_schedule_moves_robots_and_doors,
 )
-from two_rooms import scenario_of
-
-from robotteamsim.geometry import Twist
+from robotteamsim.testing.contract.two_rooms import scenario_of
 
 pytestmark = RELAXED
 

@@ -1,4 +1,4 @@
-"""Runs tests of the contract of worlds (test/python/world/conformance) against worlds behind ROS."""
+"""Runs tests of the contract of worlds (robotteamsim.testing.contract) against worlds behind ROS."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from running import ROSCORE, Program, environment, running, wait_for_port
 
 from robotteamsim.scenario.scenario import Scenario
 
-for suite in ("motion", "doors_and_objects", "team"):
-    pytest.register_assert_rewrite(f"test_contract_of_{suite}")
+pytest.register_assert_rewrite("robotteamsim.testing.contract")
 
 RELAXED = [
     pytest.mark.filterwarnings(f"ignore::{name}")

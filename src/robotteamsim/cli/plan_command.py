@@ -155,13 +155,13 @@ def _write_scenario(found: Imported, options: argparse.Namespace) -> str:
 
 def export_scenario(exporter: Exporter, options: argparse.Namespace) -> None:
     """Export a scenario or a floor plan."""
-    name = options.scenario
+    name, given = options.scenario, _given(options, exporter.options)
     if isinstance(exporter, PlanExporter) and is_floor_plan(name) and not options.overrides:
         plan, inputs = floor_plan_and_files(name)
-        export = exporter.export_plan(plan)
+        export = exporter.export_plan(plan, **given)
     else:
         loaded = scenario.load(name, options.overrides)
-        inputs, export = loaded.origin.files, exporter.export(resolve(loaded), **_given(options, exporter.options))
+        inputs, export = loaded.origin.files, exporter.export(resolve(loaded), **given)
     # The scenario's own name may not be a valid file name.
     path = options.out / f"{Path(name).stem}.{exporter.suffix}"
     texts = {path: export.text} | {options.out / other: text for other, text in export.others.items()}

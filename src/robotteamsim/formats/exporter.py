@@ -37,7 +37,7 @@ class Exporter(ABC):
     help:        what the command does, in one line.
     description: the same in its help, and `examples` below its options.
     suffix:      of the file.
-    options:     become keywords of `export`, if they are given.
+    options:     become keywords of `export` and `export_plan`, if they are given.
     """
 
     help: ClassVar[str]
@@ -55,7 +55,7 @@ class PlanExporter(Exporter):
     """Also writes a floor plan without a scenario."""
 
     @abstractmethod
-    def export_plan(self, plan: FloorPlan) -> Exported:
+    def export_plan(self, plan: FloorPlan, **options: Any) -> Exported:
         """Return the file of a floor plan."""
 
 

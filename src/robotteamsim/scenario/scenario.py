@@ -123,20 +123,17 @@ class Scenario(Model):
     def _check_third_dimension(self) -> None:
         """Raise the error of what does not exist in the selected world, or has no place there."""
         robots = (self.robots,) if isinstance(self.robots, Team) else self.robots
-        if self.run.world != "mujoco":
+        if self.run.world == "box2d":
             for key, robot in zip(self._robot_keys, robots, strict=True):
                 for index, sensor in enumerate(robot.sensors):
                     if sensor.needs_mujoco:
-                        text = f"{sensor.kind} '{sensor.name}' needs run.world mujoco, not {self.run.world}"
+                        text = f"{sensor.kind} '{sensor.name}' needs run.world mujoco, not box2d"
                         raise wrong(f"{key}.sensors.{index}", text)
-            only = {
-                "robots.gripper": any(robot.gripper for robot in robots),
-                "run.mujoco.ramps": self.run.mujoco.ramps,
-                "run.mujoco.lights": self.run.mujoco.lights,
-            }
-            for key, used in only.items():
-                if used:
-                    raise wrong(key, f"need run.world mujoco, not {self.run.world}")
+            if any(robot.gripper for robot in robots):
+                raise wrong("robots.gripper", "need run.world mujoco, not box2d")
+        for key, used in (("ramps", self.run.mujoco.ramps), ("lights", self.run.mujoco.lights)):
+            if used and self.run.world != "mujoco":
+                raise wrong(f"run.mujoco.{key}", f"need run.world mujoco, not {self.run.world}")
         places = [(f"ramps.{i}.from", ramp.start) for i, ramp in enumerate(self.run.mujoco.ramps)]
         places += [(f"ramps.{i}.to", ramp.end) for i, ramp in enumerate(self.run.mujoco.ramps)]
         places += [(f"lights.{i}.position", light.position) for i, light in enumerate(self.run.mujoco.lights)]

@@ -32,6 +32,7 @@ from robotteamsim.scenario.rescue import Exit, Rescue
 from robotteamsim.scenario.sensors import AnySensor
 from robotteamsim.scenario.sensors import Laser as Laser
 from robotteamsim.scenario.victims import Victim as Victim
+from robotteamsim.scenario.worlds import WorldName
 
 LARGEST_AREA_M = 100.0
 """Radius of the largest area [m]."""
@@ -329,9 +330,10 @@ class Run(Model):
     map_resolution_m: float = Field(
         default=0.05, ge=0.01, le=2.0, description="cell of /map, unless the plan is a map of map_server [m]"
     )
-    world: Literal["box2d", "mujoco"] = Field(
+    world: WorldName = Field(
         default="box2d",
-        description="what moves the robots: box2d, in the plane; mujoco, in three dimensions, with wheels that slip",
+        description="what moves the robots: box2d, in the plane; mujoco, in three dimensions, with wheels that slip; "
+        "or a world of a package",
     )
     mujoco: Mujoco = Mujoco()
 

@@ -51,6 +51,6 @@ drive the same robots in Stage. `plan import` converts it back to an equal scena
         """See `Exporter.export`."""
         return export_world(setup.plan, setup.scenario, setup.robots[: setup.scenario.num_robots])
 
-    def export_plan(self, plan: FloorPlan) -> Exported:
+    def export_plan(self, plan: FloorPlan, **options: Any) -> Exported:
         """See `PlanExporter.export_plan`."""
         return export_world(plan)

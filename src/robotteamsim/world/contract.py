@@ -1,6 +1,6 @@
 """The contract of worlds: what everybody who uses a world relies on, whichever engine computes its physics.
 
-`test/python/world/conformance` tests each world against it. Simulations, sensors, the ROS nodes and the viewer use
+`robotteamsim.testing.contract` tests each world against it. Simulations, sensors, the ROS nodes and the viewer use
 only these members.
 """
 

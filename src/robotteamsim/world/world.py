@@ -4,15 +4,21 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable, Sequence
+from importlib.metadata import EntryPoint
+from pkgutil import resolve_name
 
 import numpy as np
 
 from robotteamsim import _core
+from robotteamsim.errors import PlacementError, ScenarioError
+from robotteamsim.own_parts import PartError, class_below, load_part
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot, Run
 from robotteamsim.scenario.sensors.base import Fan
+from robotteamsim.scenario.worlds import ENTRY_POINTS, OURS, WORLDS
+from robotteamsim.wording import described, place_of
 from robotteamsim.world.contract import AnyWorld
 from robotteamsim.world.core_parts import core_fan, core_object, core_robot, core_solids
 
@@ -57,11 +63,19 @@ def make_world(scenario: Scenario, robots: Sequence[PlacedRobot]) -> AnyWorld:
 
     Raises: PlacementError: a robot or object has no room.
             ModuleNotFoundError: the package that computes this world is not installed; see `robotteamsim.extras`.
+            ScenarioError: the world of a user's package cannot be made.
     """
-    plan, run, objects = scenario.plan, scenario.run, scenario.objects
-    if run.world == "box2d":
-        return World(plan, robots, run, objects=objects)
-    # MuJoCo is an extra, and its import takes a while.
-    from robotteamsim.world.mujoco.world import MujocoWorld
+    name, place = scenario.run.world, WORLDS[scenario.run.world]
+    if name in OURS:
+        return _made(resolve_name(place), scenario, robots)
+    try:
+        return _made(class_below(AnyWorld, load_part(EntryPoint(name, place, ENTRY_POINTS))), scenario, robots)
+    except (KeyboardInterrupt, PlacementError):
+        raise
+    except BaseException as error:  # Any error in the user's module is reported in one line.
+        problem = error if isinstance(error, PartError) else f"{described(error)} ({place_of(error)[1]})"
+        raise ScenarioError(f"{scenario.name}: run.world: {name} of {place}: {problem}") from None
 
-    return MujocoWorld(plan, robots, run, objects=objects)
+
+def _made(world: Callable[..., AnyWorld], scenario: Scenario, robots: Sequence[PlacedRobot]) -> AnyWorld:
+    return world(scenario.plan, robots, scenario.run, objects=scenario.objects)

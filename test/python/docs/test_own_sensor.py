@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-from own_package import SENSORS, TYPE, block, install
+from own_package import SENSORS, TYPE, block, install, python
 
 from robotteamsim.geometry import Pose
 from robotteamsim.recording.bag_reader import BagReader
@@ -27,9 +26,7 @@ class Installed:
         self.folder, self.environment = folder, install(folder, *args)
 
     def python(self, *words: str) -> subprocess.CompletedProcess[str]:
-        words = (sys.executable, *words)
-        kept = {"cwd": self.folder, "env": self.environment, "capture_output": True, "text": True}
-        return subprocess.run(words, timeout=600, check=False, **kept)
+        return python(self.folder, self.environment, *words)
 
     def run(self, *words: str) -> subprocess.CompletedProcess[str]:
         return self.python("-m", "robotteamsim", "run", "garage_sar", "--set", "mission.time_limit_s=3", *words)

@@ -28,6 +28,7 @@ SHOWN = {
 
 ELSEWHERE = {
     "docs/learning.md": "python/docs/test_learning_snippets.py",
+    "docs/own_parts.md": "python/docs/test_own_parts.py",
     "docs/own_sensor.md": "python/docs/test_own_sensor.py",
     "docs/ros2.md": "ros2/test_templates.py",
     "docs/tutorial_controller.md": "python/docs/test_tutorial_controller.py",

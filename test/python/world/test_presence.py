@@ -1,7 +1,6 @@
 """Robots that leave and come while the world runs."""
 
 import numpy as np
-from two_rooms import two_rooms
 
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario import load
@@ -11,6 +10,7 @@ from robotteamsim.scenario.sensors import Laser as LaserModel
 from robotteamsim.sensing.beams import Beams
 from robotteamsim.setup import resolve
 from robotteamsim.simulation.stages import ScheduleStage
+from robotteamsim.testing.contract.two_rooms import two_rooms
 from robotteamsim.world import World
 
 PLAN = two_rooms(motion="slide", time_s=1.0)

@@ -7,11 +7,11 @@ import math
 
 import pytest
 import shapely
-from two_rooms import two_rooms
 
 from robotteamsim.scenario.plan import solids
 from robotteamsim.scenario.sections import Mission, Run, Victim
 from robotteamsim.scenario.victims import Region
+from robotteamsim.testing.contract.two_rooms import two_rooms
 from robotteamsim.world.walking import Walk, Walkers
 
 PLAN = two_rooms(closed=True)

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
-from two_rooms import two_rooms
 
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.sections import PlacedRobot, Run
+from robotteamsim.testing.contract.two_rooms import two_rooms
 from robotteamsim.world import World
 
 RUN = Run()

@@ -169,7 +169,6 @@ def course(world, robots):
     return rows
 
 
-@pytest.mark.slow
 def test_equal_calls_give_equal_worlds_also_after_a_reset(world_of):
     robots = tuple(PlacedRobot(start_pose=pose) for pose in ((2.0, 2.0, 0.0), (4.5, 2.2, 0.0), (9.0, 4.5, 0.0)))
     robots += (PlacedRobot(start_pose=(2.0, 5.0, 0.0), present=False),)

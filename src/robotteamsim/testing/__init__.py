@@ -1,4 +1,4 @@
-"""Checks of a user's own controllers, sensors and environments, for tests: see `docs/testing.md`."""
+"""Checks of a user's own controllers, sensors, worlds and environments, for tests: see `docs/testing.md`."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ from robotteamsim.mission import Sensed
 from robotteamsim.recording.bag_types import ROS1, ROS2, message_type
 from robotteamsim.rng import stream
 from robotteamsim.scenario import Scenario, load
+from robotteamsim.scenario.problems import suggestion
 from robotteamsim.scenario.sensors.base import messages_of, naming
+from robotteamsim.scenario.worlds import WORLDS
 from robotteamsim.setup import Setup, resolve
 from robotteamsim.simulation import Simulation
 from robotteamsim.simulation.controllers import TeamControllers
@@ -263,3 +265,22 @@ def _check_equal(expected: _Numbers, found: _Numbers, where: str) -> None:
             )
             same = np.float32(reward) == np.float32(now[agent][1])
             assert same, f"{agent}, step {step}: reward {now[agent][1]:g} {where}, {reward:g} before; see Reward.begin"
+
+
+def check_world(world: str) -> None:
+    """Check that a world keeps the contract of `AnyWorld`: motion, contacts, doors, objects, team and sensors.
+
+    It runs the tests of `testing.contract` with pytest, in this process, for some seconds.
+
+    Args:   world: a name as of `run.world`.
+    Raises: AssertionError: a line for each fact that does not hold.
+            ScenarioError: there is no such world.
+    """
+    # Late, because only this check needs pytest.
+    from robotteamsim.testing.worlds import failures_of
+
+    if world not in WORLDS:
+        known = f"known: {', '.join(WORLDS)}{suggestion(world, [*WORLDS])}"
+        raise ScenarioError(f"check_world: no world '{world}'; {known}")
+    failures = [f"{world}: {failure}" for failure in failures_of(world)]
+    assert not failures, "\n".join(failures)
