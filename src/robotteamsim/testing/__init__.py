@@ -21,7 +21,7 @@ from robotteamsim.recording.bag_types import ROS1, ROS2, message_type
 from robotteamsim.rng import stream
 from robotteamsim.scenario import Scenario, load
 from robotteamsim.scenario.problems import suggestion
-from robotteamsim.scenario.sensors.base import messages_of, naming
+from robotteamsim.scenario.sensors.base import messages_of, naming, text_of
 from robotteamsim.scenario.worlds import WORLDS
 from robotteamsim.setup import Setup, resolve
 from robotteamsim.simulation import Simulation
@@ -178,6 +178,7 @@ def _messages(sensor: Sensor, time_ns: int, reading: Any) -> dict[tuple[str, Sto
     """Return the messages of a reading, by topic and version of ROS; {} if it did not measure."""
     if reading is None:
         return {}
+    text_of(sensor, 0, reading)
     messages = messages_of(sensor, time_ns, 0, reading)
     with naming(sensor, 0):
         return {

@@ -105,7 +105,7 @@ def _document(recording: Recording) -> dict[str, Any]:
 def _frames(frames: Sequence[Frame]) -> list[dict[str, Any]]:
     """Return frames without what is as in the frame before, without links, and rounded.
 
-    A frame without scans keeps those before it.
+    A frame without scans or readings of sensors keeps those before it.
     """
     found: list[dict[str, Any]] = []
     known: dict[str, Any] = {}
@@ -113,8 +113,9 @@ def _frames(frames: Sequence[Frame]) -> list[dict[str, Any]]:
         now = _rounded(msgspec.to_builtins(msgspec.structs.replace(frame, links=())), 2)
         del now["links"]
         now |= _rounded({"fiedler_value": frame.fiedler_value, "doors": frame.doors}, 3)
-        if not now["scans_m"]:
-            del now["scans_m"]
+        for name in ("scans_m", "sensors"):
+            if not now[name]:
+                del now[name]
         changed = {key: value for key, value in now.items() if key not in known or value != known[key]}
         found.append(changed | {"time_s": frame.time_s})
         known |= changed

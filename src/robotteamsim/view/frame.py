@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
-from typing import Literal
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import Any, Literal
 
 import msgspec
 import numpy as np
@@ -12,6 +12,9 @@ from robotteamsim.interface import OUTSIDE
 from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.events import AnyEvent
 from robotteamsim.scenario.sections import Victim
+from robotteamsim.scenario.sensors import Sensor
+from robotteamsim.scenario.sensors.base import text_of
+from robotteamsim.setup import Setup
 from robotteamsim.simulation import StepRecord
 from robotteamsim.world.contract import ObjectStates
 from robotteamsim.world.people import PersonState
@@ -77,6 +80,7 @@ class Frame(msgspec.Struct, frozen=True):
     endangered: how often a link became endangered so far.
     scans_m: ranges of each robot's laser; empty in frames without scans.
     egress:  None without fire and without exits.
+    sensors: the last readings of each robot's `robots.sensors` in words, by their names; () as for `scans_m`.
     """
 
     time_s: float
@@ -94,19 +98,27 @@ class Frame(msgspec.Struct, frozen=True):
     endangered: int = 0
     scans_m: tuple[list[float], ...] = ()
     egress: ShownEgress | None = None
+    sensors: tuple[dict[str, str], ...] = ()
 
 
 def frame_of(
-    record: StepRecord, objects: Iterable[str], *, with_scans: bool, fallen: Collection[str] = frozenset()
+    record: StepRecord,
+    setup: Setup,
+    *,
+    with_scans: bool,
+    fallen: Collection[str] = frozenset(),
+    sensed: Sequence[Mapping[str, Any]] = (),
 ) -> Frame:
     """Return the frame of a step.
 
-    Args: objects: names of those in the scene.  fallen: names of the victims who have collapsed.
+    Args: fallen: names of the victims who have collapsed.  sensed: the last readings of each robot's `robots.sensors`,
+          by their names; (): they are not shown.
     """
     scans = [finite_ranges(reading.ranges_m, FAR_M) for reading in record.readings] if with_scans else []
     team = zip(record.readings, record.present, strict=True)
     poses = [reading.true_pose if is_there else None for reading, is_there in team]
     status, enclosed = record.mission, enclosed_of(record.people)
+    sensors = tuple(sensor_texts(i, setup.robots[i].sensors, readings) for i, readings in enumerate(sensed))
     return Frame(
         time_s=status.time_s,
         poses=tuple(None if pose is None else (pose.x_m, pose.y_m, pose.yaw_rad) for pose in poses),
@@ -114,7 +126,7 @@ def frame_of(
         links=links_of(record.network.adjacency, record.network.rssi_dbm),
         fiedler_value=record.network.fiedler_value,
         doors=tuple(state.opening for state in record.doors.values()),
-        objects=shown_objects(objects, record.objects),
+        objects=shown_objects((obj.name for obj in setup.scenario.objects), record.objects),
         victims=tuple(
             victim_shape(victim.name, victim.position, state, gait_of(victim), fallen, enclosed)
             for victim, state in zip(record.victims, status.victims, strict=True)
@@ -126,7 +138,15 @@ def frame_of(
         endangered=status.endangered_links,
         scans_m=tuple(scans),
         egress=shown_egress(record.egress),
+        sensors=sensors if any(sensors) else (),
     )
+
+
+def sensor_texts(robot_id: int, sensors: Iterable[Sensor], readings: Mapping[str, Any]) -> dict[str, str]:
+    """Return the readings of a robot's sensors in words, by the sensors' names. Raises: SensorError."""
+    known = (sensor for sensor in sensors if sensor.name in readings)
+    texts = ((sensor.name, text_of(sensor, robot_id, readings[sensor.name])) for sensor in known)
+    return {name: text for name, text in texts if text}
 
 
 def shown_objects(names: Iterable[str], now: ObjectStates) -> tuple[Pose | None, ...]:

@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import msgspec
 import numpy as np
 
 from robotteamsim.errors import RecordingError
 from robotteamsim.interface import OUTSIDE
 from robotteamsim.recording.replay.recorded_run import RecordedRobot, RecordedRun, Timeline
-from robotteamsim.recording.replay.scans import Scan, read_scans
+from robotteamsim.recording.replay.sparse import Scan, SparseTopic, read_scan, read_sparsely
 from robotteamsim.recording.topics import Topic
 from robotteamsim.recording.topics.mission import EGRESS, PublishedStatus
 from robotteamsim.recording.topics.radio import VOICE_MAP
+from robotteamsim.recording.topics.robots import SCAN
 from robotteamsim.recording.topics.world import DOORS, FIRE, OBJECTS, PEOPLE, SMOKE, TEMPERATURE
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.setup import resolve
+from robotteamsim.scenario.sensors import Sensor
+from robotteamsim.setup import Setup, resolve
 from robotteamsim.view.frame import (
     Frame,
     Link,
@@ -25,6 +30,7 @@ from robotteamsim.view.frame import (
     finite_ranges,
     gait_of,
     links_of,
+    sensor_texts,
     shown_egress,
     shown_events,
     shown_objects,
@@ -36,7 +42,8 @@ from robotteamsim.view.scene import Scene, object_shape, scene_of_run
 from robotteamsim.world.contract import NO_OBJECTS
 from robotteamsim.world.doors import DoorStates
 
-Scans = dict[str, Timeline[Scan]]
+Scanned = Mapping[str, Timeline[Any]]
+"""Scans and readings of sensors by topic, where they are shown."""
 
 MOST_FRAMES = 18_000
 """An hour of the viewer's frames; those of longer runs are farther apart."""
@@ -59,10 +66,12 @@ def recording_of(run: RecordedRun, scenario: Scenario | None = None) -> Recordin
         )
     num_scanned = len(run.robots) if scenario is None else scenario.num_robots
     stamps_ns, per_scan = _frame_stamps(run)
-    scans = read_scans(run, run.robots if num_scanned <= MOST_SCANNED else (), stamps_ns[::per_scan])
+    setup = None if scenario is None else resolve(scenario)
+    topics = _scanned(run, setup) if num_scanned <= MOST_SCANNED else []
+    scanned = read_sparsely(run, topics, stamps_ns[::per_scan])
     _check_floor(run)
-    scene = _with_objects(_with_lasers(scene_of_run(run, scenario), scans), run)
-    found = Recording(scene, run.name, _frames(run, scans, scenario, scene))
+    scene = _with_objects(_with_lasers(scene_of_run(run, setup), run, scanned), run)
+    found = Recording(scene, run.name, _frames(run, scanned, setup, scene))
     for stamp_ns, event in run.events:
         found.events += shown_events([event], (stamp_ns - run.start_ns) / 1e9)
     for stamp_ns, levels in run.layers[VOICE_MAP]:
@@ -96,13 +105,35 @@ def _frame_stamps(run: RecordedRun) -> tuple[list[int], int]:
     return stamps_ns, max(round(SCAN_S / frame_s), 1)
 
 
-def _frames(run: RecordedRun, scans: Scans, scenario: Scenario | None, scene: Scene) -> list[Frame]:
+def _scanned(run: RecordedRun, setup: Setup | None) -> list[SparseTopic]:
+    """Return the topics of the scans, and those of the sensors that a scenario knows."""
+    topics = [SparseTopic(f"{robot.namespace}/{SCAN.name}", SCAN.type_name, read_scan) for robot in run.robots]
+    of_sensors = [(robot, sensor) for robot in run.robots for sensor in _sensors(robot, setup)]
+    return topics + [
+        SparseTopic(_topic(robot, sensor), next(iter(sensor.topics.values())), sensor.reading)
+        for robot, sensor in of_sensors
+    ]
+
+
+def _sensors(robot: RecordedRobot, setup: Setup | None) -> Sequence[Sensor]:
+    """Return the `robots.sensors` of a robot."""
+    if setup is None or robot.robot_id is None or robot.robot_id >= len(setup.robots):
+        return ()
+    return [sensor for sensor in setup.robots[robot.robot_id].sensors if sensor.topics]
+
+
+def _topic(robot: RecordedRobot, sensor: Sensor) -> str:
+    """Return the topic from which a sensor's readings are made, its first one."""
+    return f"{robot.namespace}/{next(iter(sensor.topics))}"
+
+
+def _frames(run: RecordedRun, scanned: Scanned, setup: Setup | None, scene: Scene) -> list[Frame]:
     """Return a frame each `FRAME_S`, or fewer of a long run, and one at the end, of the last values up to each."""
     layers = run.layers
-    known = resolve(scenario).scenario.mission.victims if scenario else ()
+    known = setup.scenario.mission.victims if setup else ()
     gaits = {victim.name: gait_of(victim) for victim in known}
     fallen_ns = _fallen_ns(run)
-    at_start = DoorStates.at_start(scenario.plan) if scenario else DoorStates()
+    at_start = DoorStates.at_start(setup.plan) if setup else DoorStates()
     places = {robot.robot_id: place for place, robot in enumerate(run.robots) if robot.robot_id is not None}
     stamps_ns, frames_per_scan = _frame_stamps(run)
     frames = []
@@ -112,7 +143,9 @@ def _frames(run: RecordedRun, scans: Scans, scenario: Scenario | None, scene: Sc
         enclosed = enclosed_of(layers[PEOPLE].at(stamp_ns, ()))
         fallen = {name for name, since_ns in fallen_ns.items() if since_ns <= stamp_ns}
         links, fiedler_value = _network(run, stamp_ns)
-        lasers = [line.at(stamp_ns, None) for line in scans.values()] if index % frames_per_scan == 0 else []
+        shown = run.robots if scanned and index % frames_per_scan == 0 else ()
+        scans = [scanned[f"{robot.namespace}/{SCAN.name}"].at(stamp_ns, None) for robot in shown]
+        sensors = tuple(_sensed(robot, _sensors(robot, setup), scanned, stamp_ns) for robot in shown)
         frames.append(
             Frame(
                 time_s=(stamp_ns - run.start_ns) / 1e9,
@@ -131,14 +164,22 @@ def _frames(run: RecordedRun, scans: Scans, scenario: Scenario | None, scene: Sc
                 state=status.state,
                 noise_db=status.noise_db,
                 endangered=status.endangered_links,
-                scans_m=tuple(map(_shown_scan, lasers)) if any(lasers) else (),
+                scans_m=tuple(map(_shown_scan, scans)) if any(scans) else (),
                 egress=shown_egress(layers[EGRESS].at(stamp_ns, None)),
+                sensors=sensors if any(sensors) else (),
             )
         )
     return frames
 
 
 _BEFORE_MISSION = PublishedStatus()
+
+
+def _sensed(robot: RecordedRobot, sensors: Sequence[Sensor], scanned: Scanned, stamp_ns: int) -> dict[str, str]:
+    """Return the last readings of a robot's sensors in words."""
+    lines = {sensor.name: scanned[_topic(robot, sensor)] for sensor in sensors}
+    readings = {name: line.at(stamp_ns, None) for name, line in lines.items() if line and line[0][0] <= stamp_ns}
+    return sensor_texts(robot.robot_id or 0, sensors, readings)
 
 
 def _shown_scan(scan: Scan | None) -> list[float]:
@@ -163,12 +204,12 @@ def _add_hazards(found: Recording, run: RecordedRun, block_c: float) -> None:
         keep_map(found.smoke, smoke_layer(time_s, grid.origin_m, grid.resolution_m, grid.cells), SMOKE_S)
 
 
-def _with_lasers(scene: Scene, scans: Scans) -> Scene:
+def _with_lasers(scene: Scene, run: RecordedRun, scanned: Scanned) -> Scene:
     """Return the scene with the lasers of the bag; their places on the robots are known only from a scenario."""
     robots = []
-    for robot in scene.robots:
-        if scans.get(robot.name):
-            _, scan = scans[robot.name][0]
+    for robot, recorded in zip(scene.robots, run.robots, strict=True):
+        if scans := scanned.get(f"{recorded.namespace}/{SCAN.name}"):
+            _, scan = scans[0]
             robot = msgspec.structs.replace(
                 robot,
                 beams=len(scan.ranges_m),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from robotteamsim.errors import RecordingError
 from robotteamsim.propagation import RadioField
@@ -48,7 +49,9 @@ class FrameRecorder(Observer):
     def __init__(self, setup: Setup) -> None:
         scenario = setup.scenario
         self.coverage = RadioCoverage(scenario)
-        self._objects = [obj.name for obj in scenario.objects]
+        self._setup = setup
+        self.sensed: list[dict[str, Any]] = [{} for _ in setup.robots]
+        """The last readings of each robot's `robots.sensors`, by their names."""
         self._every = max(round(FRAME_S / scenario.run.step_s), 1)
         self._every_scan = max(round(SCAN_S / scenario.run.step_s / self._every), 1) * self._every
         self._every_radio = max(round(RADIO_S / scenario.run.step_s / self._every), 1) * self._every
@@ -68,10 +71,13 @@ class FrameRecorder(Observer):
             keep_map(found.fire, maps["fire"])
             keep_map(found.smoke, maps["smoke"], SMOKE_S)
         self._fallen |= fallen_of(record.events)
+        for robot_id, readings in record.state.sensors.items():
+            self.sensed[robot_id] |= readings
         if index % self._every and record.mission.state != "ended":
             return
         with_scans = self._has_scans and index % self._every_scan == 0
-        frame = frame_of(record, self._objects, with_scans=with_scans, fallen=self._fallen)
+        sensed = self.sensed if with_scans else ()
+        frame = frame_of(record, self._setup, with_scans=with_scans, fallen=self._fallen, sensed=sensed)
         found.frames.append(frame)
         if index % self._every_radio == 0:
             found.radio += self.coverage.at(frame)

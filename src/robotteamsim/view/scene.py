@@ -14,7 +14,7 @@ from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.plan import OCCUPIED, Corners, OccupancyGrid, bay_lines, door_corners, solids
 from robotteamsim.scenario.scenario import Role, Scenario
 from robotteamsim.scenario.sections import PlacedRobot
-from robotteamsim.setup import Setup, resolve
+from robotteamsim.setup import Setup
 
 _GRID_WALL_HEIGHT_M = 1.0
 """Height of walls that are known only from an occupancy grid."""
@@ -135,15 +135,15 @@ def _victim_states(scenario: Scenario) -> tuple[str, ...]:
     return tuple(states)
 
 
-def scene_of_run(run: RecordedRun, scenario: Scenario | None) -> Scene:
+def scene_of_run(run: RecordedRun, setup: Setup | None) -> Scene:
     """Return the scene of a recorded run: its areas and robots, in the building of a scenario or of the bag's map."""
-    if scenario is not None:
-        known = scene_of(resolve(scenario))
+    if setup is not None:
+        known = scene_of(setup)
         bounds, walls, doors, bays = known.bounds, known.solids, known.doors, known.bays
     else:
         bounds, walls, doors, bays = _bounds(run), _grid_solids(run.grid), (), ()
-    shapes = {} if scenario is None else dict(enumerate(known.robots))
-    exits = () if scenario is None else known.exits
+    shapes = {} if setup is None else dict(enumerate(known.robots))
+    exits = () if setup is None else known.exits
     numbers = [index if robot.robot_id is None else robot.robot_id for index, robot in enumerate(run.robots)]
     robots = (
         msgspec.structs.replace(
@@ -160,7 +160,7 @@ def scene_of_run(run: RecordedRun, scenario: Scenario | None) -> Scene:
         areas=tuple(AreaShape(area.name, area.center_m, area.radius_m) for area in run.areas),
         robots=tuple(robots),
         objects=(),
-        victim_states=_states_of_run(run) if scenario is None else known.victim_states,
+        victim_states=_states_of_run(run) if setup is None else known.victim_states,
         exits=exits,
     )
 

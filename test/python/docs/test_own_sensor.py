@@ -18,6 +18,25 @@ from robotteamsim.testing import check_sensor
 check_sensor({"kind": "neighbours", "name": "others"})
 """
 
+SHOWN = """
+import sys
+from pathlib import Path
+from robotteamsim.recording import BagWriter
+from robotteamsim.recording.mcap_writer import McapWriter
+from robotteamsim.recording.replay.reading import read_run
+from robotteamsim.scenario import load
+from robotteamsim.simulation import Simulation
+from robotteamsim.view.from_bag import recording_of
+from robotteamsim.view.recorder import FrameRecorder
+path, scenario = Path(sys.argv[1]), load("garage_sar", [sys.argv[2], "mission.time_limit_s=4"])
+simulation = Simulation(scenario)
+live = FrameRecorder(simulation.setup)
+simulation.run([live, (McapWriter if path.suffix == ".mcap" else BagWriter)(path)])
+for recording in (live.recording, recording_of(read_run([path]), scenario)):
+    shown = [frame.sensors for frame in recording.frames if frame.sensors]
+    print(len(shown), list(shown[-1]))
+"""
+
 
 class Installed:
     """A folder with the package."""
@@ -55,6 +74,14 @@ def test_sensor_of_a_package_is_in_bags_and_files_where_the_robots_are(tmp_path,
         others = [poses[i, stamp_ns] for i in range(3) if i != robot_id]
         expected = [[own.inverse() @ Pose(other.x_m, other.y_m, 0.0)] for other in others]
         np.testing.assert_allclose(places, [(at.x_m, at.y_m) for (at,) in expected], atol=1e-9)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["mission.bag", "mission.mcap"])
+def test_sensor_of_a_package_is_in_the_viewer_live_and_from_files(tmp_path, name):
+    done = Installed(tmp_path).python("-c", SHOWN, name, SENSORS)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout.splitlines() == 2 * [f"5 {3 * [{'others': '2 robots within 100 m'}]}"]
 
 
 @pytest.mark.slow

@@ -99,10 +99,13 @@ def test_compared_missions_are_shown_at_the_same_time(browser: Browser, recordin
         assert times == ["10.1", "10.1"]
 
 
-def test_clicks_on_a_robot_and_on_an_event_show_its_name_and_its_time(
+def test_clicks_on_a_robot_and_on_an_event_show_its_name_readings_and_its_time(
     browser: Browser, recording: Recording, tmp_path: Path
 ) -> None:
-    with shown(browser, tmp_path, [recording]) as page:
+    begin_frame, *later = recording.frames
+    sensed = tuple({"sonar": f"{i + 0.25:.2f} m"} for i in range(len(begin_frame.poses)))
+    frames = [msgspec.structs.replace(begin_frame, sensors=sensed), *later]
+    with shown(browser, tmp_path, [replace(recording, frames=frames)]) as page:
         seek(page, recording.frames[len(recording.frames) // 2].time_s)
         label = page.locator(".label.robot:not([hidden])").first.bounding_box()
         assert label is not None
@@ -111,6 +114,7 @@ def test_clicks_on_a_robot_and_on_an_event_show_its_name_and_its_time(
             if page.is_visible("#robot h2"):
                 break
         assert page.inner_text("#robot h2") == recording.scene.robots[0].name
+        assert page.inner_text("#robot").split()[-3:] == ["sonar", "0.25", "m"]
         assert page.is_visible("#curves canvas")
         page.locator("#events li").first.click()
         begin = f"{recording.events[0].time_s:.1f}"

@@ -19,6 +19,8 @@ from robotteamsim.simulation import Result, Simulation
 from robotteamsim.view.from_bag import recording_of
 from robotteamsim.view.recorder import FrameRecorder
 
+GPS = "{kind: gps, name: gps, datum_lat_deg: 40.2, datum_lon_deg: -8.4}"
+SENSORS = f"[{{kind: sonar, name: front}}, {GPS}, {{kind: laser, name: rear}}]"
 CASES = {
     "warehouse_push": ["mission.time_limit_s=25"],  # objects
     "office_fire": ["mission.time_limit_s=30"],  # people who flee, doors, smoke
@@ -26,6 +28,7 @@ CASES = {
     "office_manet": ["mission.time_limit_s=15"],  # links by distance
     "office_egress": ["mission.time_limit_s=20"],  # no robots
     "garage_sar": ["mission.time_limit_s=60", "robots.count=6", "control.algorithm=dpso"],  # several swarms
+    "tutorial_arena": [f"robots.sensors={SENSORS}", "mission.time_limit_s=10"],
 }
 """Scenarios, and what is different."""
 

@@ -195,6 +195,10 @@ class Sensor(Model):
         """Return the reading of a message; the inverse of `message`. Raises: ValueError: numbers out of range."""
         raise NotImplementedError
 
+    def text(self, reading: Any) -> str:
+        """Return a reading in a few words, for the panel of the viewer; "" is not shown."""
+        return f"{reading:.4g}" if isinstance(reading, float) else ""
+
     def frames(self) -> tuple[Frame, ...]:
         """Return its frames; without any it measures at base_link."""
         return ()
@@ -220,6 +224,15 @@ def naming(sensor: Sensor, robot_id: int) -> Iterator[None]:
         _, place = place_of(error)
         what = f"robot {robot_id}, sensor {sensor.name} (kind {sensor.kind})"
         raise SensorError(f"{what}: {described(error)} ({place})") from error
+
+
+def text_of(sensor: Sensor, robot_id: int, reading: Any) -> str:
+    """Return a reading in words. Raises: SensorError: as `naming`."""
+    with naming(sensor, robot_id):
+        text = sensor.text(reading)
+        if not isinstance(text, str):
+            raise TypeError(f"text returns {text!r:.40}; expected a str")
+    return text
 
 
 def messages_of(

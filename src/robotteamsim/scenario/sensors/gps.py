@@ -78,6 +78,10 @@ class Gps(Sensor):
             "position_covariance_type": _COVARIANCE_TYPE_DIAGONAL_KNOWN,
         }
 
+    def text(self, reading: Fix) -> str:
+        """See `Sensor`."""
+        return f"{reading.latitude_deg:.6f}, {reading.longitude_deg:.6f} deg"
+
     def reading(self, message: Any) -> Fix:
         """See `Sensor`."""
         return Fix(

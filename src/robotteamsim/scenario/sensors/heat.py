@@ -11,6 +11,7 @@ from pydantic import Field
 from robotteamsim.message_parts import MAP_FRAME, RosMessage, header, point
 from robotteamsim.scenario.base import SMALLEST
 from robotteamsim.scenario.sensors.base import Carrier, Moment, Sensor, SensorName, expect_within
+from robotteamsim.wording import counted
 
 _FARTHEST_M = 1e6
 _HOTTEST_C = 1e6
@@ -56,6 +57,10 @@ class HeatSensor(Sensor):
             "hot": [point(place) for place in reading.hot_m],
             "hot_c": reading.hot_c,
         }
+
+    def text(self, reading: HeatReading) -> str:
+        """See `Sensor`."""
+        return f"{reading.temperature_c:.0f} degC, {counted(len(reading.hot_m), 'hot place')}"
 
     def reading(self, message: Any) -> HeatReading:
         """See `Sensor`."""

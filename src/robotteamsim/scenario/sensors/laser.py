@@ -107,6 +107,10 @@ class MountedLaser(Laser, MountedSensor):
         """See `Sensor`."""
         return {self.name: self.message(time_ns, robot_id, reading, step_s)}
 
+    def text(self, reading: np.ndarray) -> str:
+        """See `Sensor`."""
+        return f"nearest {np.fmin.reduce(reading):.2f} m"
+
     def reading(self, message: Any) -> np.ndarray:
         """See `Sensor`."""
         return self.ranges_m(message)

@@ -43,6 +43,10 @@ class LightSensor(MountedSensor):
             "variance": 0.0,
         }
 
+    def text(self, reading: float) -> str:
+        """See `Sensor`."""
+        return f"{reading:.4g} lx"
+
     def reading(self, message: Any) -> float:
         """See `Sensor`."""
         return expect_within("illuminance", message.illuminance, 0.0, _BRIGHTEST_LX)

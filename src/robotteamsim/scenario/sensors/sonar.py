@@ -65,6 +65,10 @@ class Sonar(MountedSensor):
             "range": reading,
         }
 
+    def text(self, reading: float) -> str:
+        """See `Sensor`."""
+        return f"{reading:.2f} m"
+
     def reading(self, message: Any) -> float:
         """See `Sensor`."""
         if math.isnan(message.range):  # infinity is a valid range (REP-117)

@@ -165,6 +165,7 @@ export class Panel {
       ["heading", pose ? `${Math.round(((pose[2] * 180 / Math.PI) % 360 + 360) % 360)}°` : "–"],
       ["swarm", swarm === undefined ? "–" : swarm < 0 ? "excluded" : String(swarm)],
       ["links", links.join(", ") || "none"],
+      ...Object.entries(frame.sensors?.[selected] ?? {}),
     ];
     section.replaceChildren(make("h2", robots[selected].name), table(rows));
   }
