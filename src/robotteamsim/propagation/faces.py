@@ -10,6 +10,7 @@ import shapely
 from robotteamsim import _core
 from robotteamsim.errors import ScenarioError
 from robotteamsim.propagation.crossings import round_outwards
+from robotteamsim.propagation.slab import wall_loss_db
 from robotteamsim.scenario.floor_plan import Block, Door, FloorPlan, Wall
 from robotteamsim.scenario.plan import Solid, solids
 from robotteamsim.scenario.sections import Radio
@@ -59,9 +60,10 @@ def radio_faces(plan: FloorPlan, radio: Radio) -> Faces:
     A ray loses the loss of each wall, block and pillar that it crosses, at any angle, half where it enters and half
     where it leaves; walls that touch or overlap are one wall with the highest of their losses, see `_faces`. The class
     follows from the thickness of a wall, or from the least width (over all directions) of a block or pillar without a
-    thickness, in whole mm; over 80 cm it is ]60,80]. A material replaces the class.
+    thickness, in whole mm; over 80 cm it is ]60,80]. A loss in `radio.materials` replaces the class, and with
+    `walls: material` the loss of the layers of a material of the plan does.
 
-    Raises: ScenarioError: a material is not in `radio.materials`.
+    Raises: ScenarioError: a material is unknown.
     """
     half_losses = tuple(
         _wall_units(plan, radio, solid.element) // 2 if radio.pillars or solid.kind != "pillar" else 0
@@ -167,13 +169,17 @@ def _edges(geometry: shapely.Geometry | np.ndarray) -> tuple[np.ndarray, np.ndar
 
 def _wall_units(plan: FloorPlan, radio: Radio, element: Wall | Block | Door) -> int:
     assert not isinstance(element, Door)
-    if element.material is not None:
-        if element.material not in radio.materials:
-            known = ", ".join(radio.materials) or "none"
-            raise ScenarioError(
-                f"{plan.name}: {element.name}.material: '{element.material}' is not in radio.materials ({known})"
-            )
-        return _units(radio.materials[element.material])
+    name = element.material
+    if name is not None:
+        if name in radio.materials:
+            return _units(radio.materials[name])
+        layers = {material.name: material.layers for material in plan.materials}
+        if name not in layers:
+            known = ", ".join([*radio.materials, *layers]) or "none"
+            place = f"{plan.name}: {element.name}.material: '{name}'"
+            raise ScenarioError(f"{place} is neither in radio.materials nor in the plan's materials ({known})")
+        if radio.walls == "material":
+            return _units(wall_loss_db(layers[name], radio.frequency_mhz))
     return _units(radio.wall_loss_db[_loss_class(element)])
 
 

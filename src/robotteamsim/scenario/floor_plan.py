@@ -9,6 +9,7 @@ import shapely
 from pydantic import Field, model_validator
 
 from robotteamsim.scenario.base import SMALLEST, Many, Model, Name, Point, by_index, check_names, wrong
+from robotteamsim.scenario.materials import Material
 
 MIN_SIDE_M = 0.01
 MAX_SIDE_M = 1000.0
@@ -62,7 +63,7 @@ class Wall(Model):
     end: Point = Field(validation_alias="to", serialization_alias="to", description="other end of the centre line [m]")
     thickness_m: float = Field(default=0.2, ge=SMALLEST, le=0.8, description="determines the loss class (Table 3) [m]")
     height_m: float = Field(default=2.6, ge=SMALLEST, le=20.0, description="for 3D views [m]")
-    material: str | None = Field(default=None, description="key in radio.materials; default: loss by thickness")
+    material: str | None = Field(default=None, description="in materials or radio.materials; default: by thickness")
 
     @model_validator(mode="after")
     def _check(self) -> Wall:
@@ -85,7 +86,9 @@ class Block(Model):
         description="determines the loss class (Table 3); default: the least width [m]",
     )
     height_m: float = Field(default=2.6, ge=SMALLEST, le=20.0, description="for 3D views [m]")
-    material: str | None = Field(default=None, description="key in radio.materials; default: loss by the least width")
+    material: str | None = Field(
+        default=None, description="in materials or radio.materials; default: by the least width"
+    )
 
     @model_validator(mode="after")
     def _check(self) -> Block:
@@ -185,6 +188,7 @@ class FloorPlan(Model):
     blocks: Many[Block] = Field(default=(), description="solid polygons and pillars")
     doors: Many[Door] = Field(default=(), description="door leaves in gaps between walls")
     bays: Many[BayRow] = Field(default=(), description="rows of parking bays, for pictures and 3D views")
+    materials: Many[Material] = Field(default=(), description="what walls and blocks can be built of")
     drawing_offset_m: Point | None = Field(
         default=None, description="coordinates in the drawing that the plan was imported from, of [0, 0] [m]"
     )
@@ -197,6 +201,7 @@ class FloorPlan(Model):
             **by_index("doors", self.doors),
         }
         check_names(elements, "element")
+        check_names(by_index("materials", self.materials))
         for place, element in elements.items():
             points = element.polygon if isinstance(element, Block) else (element.start, element.end)
             for point in points:

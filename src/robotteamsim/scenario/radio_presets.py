@@ -23,7 +23,7 @@ PRESETS: Mapping[str, Mapping[str, Mapping[str, float]]] = {
         "network": {"endangered_below_dbm": -74.0, "lost_below_dbm": -82.0},
     },
     "wifi_5_ghz": {
-        "radio": {"tx_power_dbm": 23.0, "constant_loss_db": constant_loss_db(5250.0)},
+        "radio": {"tx_power_dbm": 23.0, "constant_loss_db": constant_loss_db(5250.0), "frequency_mhz": 5250.0},
         "network": {"endangered_below_dbm": -74.0, "lost_below_dbm": -82.0},
     },
     "zigbee": {
@@ -31,7 +31,7 @@ PRESETS: Mapping[str, Mapping[str, Mapping[str, float]]] = {
         "network": {"endangered_below_dbm": -85.0, "lost_below_dbm": -95.0},
     },
     "lora_868_mhz": {
-        "radio": {"tx_power_dbm": 16.0, "constant_loss_db": constant_loss_db(868.0)},
+        "radio": {"tx_power_dbm": 16.0, "constant_loss_db": constant_loss_db(868.0), "frequency_mhz": 868.0},
         "network": {"endangered_below_dbm": -124.0, "lost_below_dbm": -137.0},
     },
 }

@@ -92,10 +92,11 @@ class Scenario(Model):
 
     @model_validator(mode="after")
     def _check(self) -> Scenario:
-        known = ", ".join(self.radio.materials) or "none"
+        materials = {*self.radio.materials, *(material.name for material in self.plan.materials)}
+        known = ", ".join(sorted(materials)) or "none"
         elements: tuple[Wall | Block, ...] = (*self.plan.walls, *self.plan.blocks)
         for element in elements:
-            if element.material is not None and element.material not in self.radio.materials:
+            if element.material is not None and element.material not in materials:
                 text = f"has no '{element.material}', the material of '{element.name}' in the plan; known: {known}"
                 raise wrong("radio.materials", text)
         if problem := too_many_cells(self.plan, self.voice.map_resolution_m):

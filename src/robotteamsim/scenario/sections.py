@@ -59,7 +59,14 @@ class Radio(Model):
     )
     door_loss_db: LossDb = Field(default=1.4, description="closed normal door [dB]")
     fireproof_door_loss_db: LossDb = Field(default=10.2, description="closed fireproof door [dB]")
-    materials: dict[str, LossDb] = Field(default={}, description="loss of a whole wall by material name [dB]")
+    walls: Literal["published", "material"] = Field(
+        default="published",
+        description="loss of walls of the plan's materials: by thickness (Table 3), or of their layers [itu_p2040]",
+    )
+    frequency_mhz: float = Field(default=2450.0, ge=400.0, le=40_000.0, description="for `walls: material` [MHz]")
+    materials: dict[str, LossDb] = Field(
+        default={}, description="loss of walls by material name, before all others [dB]"
+    )
     pillars: bool = Field(default=True, description="whether pillars attenuate radio")
     min_distance_m: float = Field(default=0.1, ge=SMALLEST, le=1.0, description="shorter distances count as this [m]")
     floor_loss_db: float = Field(default=18.3, ge=0.0, le=120.0, description="L_f: the first floor crossed [dB]")

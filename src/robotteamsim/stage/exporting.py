@@ -28,8 +28,8 @@ define fireproof_door model( color "red" gui_move 0 )
 define sonar ranger( )"""
 
 _LOST = {
-    *("bays", "material", "motion", "time_s", "angle_rad", "no_return", "max_steering_rate_radps", "gripper", "wheels"),
-    *("cmd_vel_hold_s", "alpha2", "alpha4"),
+    *("bays", "material", "materials", "motion", "time_s", "angle_rad", "no_return", "max_steering_rate_radps"),
+    *("gripper", "wheels", "cmd_vel_hold_s", "alpha2", "alpha4"),
 }
 """Keys of plans and robots that a world file cannot contain."""
 

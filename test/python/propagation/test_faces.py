@@ -246,7 +246,7 @@ def test_material_takes_the_place_of_the_class(make_plan):
 
 def test_unknown_material_is_named_with_its_wall(make_plan):
     plan = make_plan(walls=(Wall(name="a", start=(1.0, 2.0), end=(5.0, 2.0), material="glas"),))
-    message = r"^floor: a.material: 'glas' is not in radio.materials \(glass, brick\)$"
+    message = r"^floor: a.material: 'glas' is neither in radio.materials nor in the plan's materials \(glass, brick\)$"
     with pytest.raises(ScenarioError, match=message):
         radio_faces(plan, Radio(materials={"glass": 2.0, "brick": 5.0}))
 
