@@ -55,7 +55,7 @@ def frame() -> Image.Image:
     with tempfile.TemporaryDirectory() as folder:
         bag = Path(folder) / "garage.bag"
         Simulation(scenario).run([BagWriter(bag)])
-        run = read_run([bag])
+        run = read_run([bag], layers=False)
         film = RunFilm(run, run_totals(run), scenario.plan, WIDTH_PX, RobotView(run, scenario, 0))
         return Image.fromarray(film.frame(run.start_ns + FRAME_S * 10**9))
 

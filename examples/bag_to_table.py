@@ -14,7 +14,7 @@ if len(sys.argv) == 1:
     rts.Simulation(rts.load("garage_sar", ["mission.time_limit_s=30"])).run([BagWriter(bag)])
 
 try:
-    run = read_run([bag])
+    run = read_run([bag], layers=False)
 except RecordingError as error:
     print(error, file=sys.stderr)
     sys.exit(2)

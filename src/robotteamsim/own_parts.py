@@ -60,6 +60,13 @@ def load_parts(group: str, ours: Container[str], checked: Callable[[str, Any], P
     return found
 
 
+def check_texts(part: Any, *attributes: str) -> None:
+    """Raises: TypeError: an attribute of a user's part is no text."""
+    for attribute in attributes:
+        if not isinstance(value := getattr(part, attribute), str):
+            raise TypeError(f"{attribute} {value!r:.40}; expected a text")
+
+
 def class_below(base: type, found: Any, *attributes: str) -> Any:
     """Return a class of users. Raises: TypeError: it is not one below `base`, or lacks an attribute."""
     if not (isinstance(found, type) and issubclass(found, base)):

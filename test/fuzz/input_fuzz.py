@@ -143,35 +143,10 @@ class MessageTarget:
 
     def __init__(self, _: Path) -> None:
         from geometry_msgs.msg import TwistStamped
-        from nav_msgs.msg import MapMetaData, OccupancyGrid, Odometry
-        from robotteamsim.msg import (
-            Area,
-            Areas,
-            Contact,
-            ControllerStatus,
-            Discovery,
-            Door,
-            Doors,
-            Egress,
-            ExitEgress,
-            FloatMap,
-            Heat,
-            MissionEvent,
-            MissionStatus,
-            NetworkLinks,
-            NetworkMessage,
-            NetworkMessages,
-            NetworkState,
-            People,
-            Person,
-            PersonEgress,
-            Robots,
-            Victim,
-            Victims,
-            Voice,
-        )
+        from nav_msgs.msg import Odometry
         from sensor_msgs.msg import LaserScan, NavSatFix, Range
 
+        from robotteamsim import msg
         from robotteamsim.recording.bag_types import message_type
         from robotteamsim.scenario.sensors import Gps, HeatSensor, Sonar
 
@@ -182,39 +157,22 @@ class MessageTarget:
             (TwistStamped(), lambda message: base.read_twist(message.twist)),
             (Range(), Sonar(name="s").reading),
             (NavSatFix(), Gps(datum_lat_deg=0.0, datum_lon_deg=0.0).reading),
-            (Voice(), radio.read_voice),
-            (Contact(angles_rad=[1.0]), robots.read_contact),
-            (Heat(), HeatSensor().reading),
-            (Robots(present=bytes([1, 1]), arrivals=[1, 1]), partial(world.read_robots, num_robots=2)),
-            (ControllerStatus(has_goal=True, fault="x"), decisions.read_decision),
+            (msg.Voice(), radio.read_voice),
+            (msg.Contact(angles_rad=[1.0]), robots.read_contact),
+            (msg.Heat(), HeatSensor().reading),
+            (msg.Robots(present=bytes([1, 1]), arrivals=[1, 1]), partial(world.read_robots, num_robots=2)),
+            (msg.ControllerStatus(has_goal=True, fault="x"), decisions.read_decision),
             (
-                NetworkMessages(messages=[NetworkMessage(payload="{}")]),
+                msg.NetworkMessages(messages=[msg.NetworkMessage(payload="{}")]),
                 partial(radio.read_outbox, robot_id=0, num_robots=2),
             ),
             (
-                MissionStatus(explored=bytes(3), victims=["saved"], undelivered=[Discovery(name="a")], has_area=True),
+                msg.MissionStatus(
+                    explored=bytes(3), victims=["saved"], undelivered=[msg.Discovery(name="a")], has_area=True
+                ),
                 partial(mission.read_task, num_robots=2),
             ),
-            (MissionStatus(explored=bytes(3), victims=["saved"]), mission.read_status),
-            (MissionEvent(detail="x"), mission.read_event),
-            (Victims(victims=[Victim(name="a")]), mission.read_victims),
-            (Areas(areas=[Area(name="a", radius_m=1.0)]), mission.read_areas),
-            (Egress(people=[PersonEgress(name="a")], exits=[ExitEgress(name="b")]), mission.read_egress),
-            (Doors(doors=[Door(name="a", opening=0.5)]), world.read_doors),
-            (People(people=[Person(name="a", motion="walks")]), world.read_people),
-            (FloatMap(width=2, height=1, resolution_m=0.5, data=[1.0, 2.0]), base.read_field_map),
-            (
-                OccupancyGrid(info=MapMetaData(width=2, height=1, resolution=0.5), data=[0, 100]),
-                base.read_occupancy_grid,
-            ),
-            (
-                NetworkLinks(num_robots=2, present=bytes([1, 1]), adjacency=bytes(2), endangered=bytes(2)),
-                radio.read_network_links,
-            ),
-            (
-                NetworkState(num_robots=1, adjacency=bytes(1), endangered=bytes(1), hop_count=[0], rssi_dbm=[-50.0]),
-                radio.read_network_state,
-            ),
+            *_published(),
         )
         self._valid = [self._bytes(message) for message, _ in self._targets]
 
@@ -232,6 +190,36 @@ class MessageTarget:
         message, decode = self._targets[data[0] % len(self._targets)]
         with contextlib.suppress(ValueError):
             decode(self._type_of(message._type).decode(data[1:]))
+
+
+def _published() -> tuple[tuple[Any, Callable[[Any], Any]], ...]:
+    """Return messages of what a simulation publishes for everybody, and their readers."""
+    from nav_msgs.msg import MapMetaData, OccupancyGrid
+
+    from robotteamsim import msg
+
+    return (
+        (msg.MissionStatus(explored=bytes(3), victims=["saved"]), mission.read_status),
+        (msg.MissionEvent(detail="x"), mission.read_event),
+        (msg.Victims(victims=[msg.Victim(name="a")]), mission.read_victims),
+        (msg.Areas(areas=[msg.Area(name="a", radius_m=1.0)]), mission.read_areas),
+        (msg.Egress(people=[msg.PersonEgress(name="a")], exits=[msg.ExitEgress(name="b")]), mission.read_egress),
+        (msg.Doors(doors=[msg.Door(name="a", opening=0.5)]), world.read_doors),
+        (msg.People(people=[msg.Person(name="a", motion="walks")]), world.read_people),
+        (msg.FloatMap(width=2, height=1, resolution_m=0.5, data=[1.0, 2.0]), base.read_field_map),
+        (
+            OccupancyGrid(info=MapMetaData(width=2, height=1, resolution=0.5), data=[0, 100]),
+            base.read_occupancy_grid,
+        ),
+        (
+            msg.NetworkLinks(num_robots=2, present=bytes([1, 1]), adjacency=bytes(2), endangered=bytes(2)),
+            radio.read_network_links,
+        ),
+        (
+            msg.NetworkState(num_robots=1, adjacency=bytes(1), endangered=bytes(1), hop_count=[0], rssi_dbm=[-50.0]),
+            radio.read_network_state,
+        ),
+    )
 
 
 class MissionTarget:

@@ -60,6 +60,7 @@ _READERS = {
     "recording/bag_reader.py": "bag (ROS 1, MCAP, SQLite",
     "recording/bag_writer.py": "bag (ROS 1, MCAP, SQLite",  # what an earlier program has left
     "recording/ros_recorder.py": "bag (ROS 1, MCAP, SQLite",
+    "formats/importer.py": "drawing (DXF)",  # and others, to find out what it is
     "recording/results.py": "`mission.json`",
     "scenario/dxf_content.py": "drawing (DXF)",
     "scenario/patrol.py": "patrol graph",

@@ -27,9 +27,9 @@ def foreign_file(words: Iterable[str]) -> str | None:
             text = read_text(Path(name), name, errors="replace")
         except ScenarioError:
             continue
+        if noun := next((importer.noun for importer in importers().values() if importer.recognises(text)), None):
+            return None if "import" in words else f"{name} is {noun}: use plan import"
         what = next((what for sign, what in _SIGNS if re.search(sign, text, re.MULTILINE | re.DOTALL)), None)
         if what is not None:
             return f"{name} is {what}, which no command reads; docs/own_building.md shows how to draw its floor plan"
-        if noun := next((importer.noun for importer in importers().values() if importer.recognises(text)), None):
-            return None if "import" in words else f"{name} is {noun}: use plan import"
     return None

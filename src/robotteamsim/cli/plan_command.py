@@ -1,7 +1,7 @@
 """`robotteamsim plan`: import files of other programs, export to simulators, draw floor plans."""
 
 import argparse
-from collections.abc import Iterable
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -19,8 +19,17 @@ from robotteamsim.cli.output import (
 from robotteamsim.cli.parser import Parser, UsageError, path_of
 from robotteamsim.cli.run_command import SCENARIO_HELP, add_set_option
 from robotteamsim.errors import ScenarioError
-from robotteamsim.formats import Exporter, Imported, Importer, PlanExporter, exporters, importer_of, importers
-from robotteamsim.formats.options import Options
+from robotteamsim.formats import (
+    Exporter,
+    Imported,
+    Importer,
+    PlanExporter,
+    exporters,
+    importer_of,
+    importers,
+    read_with,
+)
+from robotteamsim.formats.options import add_options, given
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
 from robotteamsim.scenario.loading import floor_plan_and_files, is_floor_plan
 from robotteamsim.scenario.map_image import left_out
@@ -48,10 +57,7 @@ def add_to(parser: Parser) -> None:
     )
     nouns = ", ".join(importer.noun for importer in known.values())
     found.add_argument("file", type=path_of, metavar="FILE", help=nouns)
-    all_options: dict[str, Any] = {}
-    for importer in known.values():
-        all_options |= {name: importer.options[name] for name in importer.options if name not in all_options}
-    _add_options(found, all_options)
+    add_options(found, {name: settings for importer in known.values() for name, settings in importer.options.items()})
     add_png_option(found, "draw what was taken for what", required=False)
     found.add_argument(
         "--out",
@@ -59,11 +65,9 @@ def add_to(parser: Parser) -> None:
         metavar="FILE",
         help="the floor plan to write, default plan.yaml; of a world, the folder, default one named after the world",
     )
-    found.set_defaults(command=partial(import_file, known.values()))
-    written = [found]
-    for name, exporter in exporters().items():
-        written.append(_add_exporter(actions, name, exporter))
-    for one in written:
+    found.set_defaults(command=partial(import_file, known))
+    with_force = [found, *(_add_exporter(actions, name, exporter) for name, exporter in exporters().items())]
+    for one in with_force:
         one.add_argument("--force", action="store_true", help="replace files that exist")
 
     render = actions.add_parser("render", help="draw a floor plan")
@@ -81,35 +85,20 @@ def _add_exporter(actions: Any, name: str, exporter: Exporter) -> Parser:
     more = "; or a floor plan" if isinstance(exporter, PlanExporter) else ""
     parser.add_argument("scenario", metavar="SCENARIO", help=SCENARIO_HELP + more)
     add_set_option(parser)
-    _add_options(parser, exporter.options)
+    add_options(parser, exporter.options)
     parser.add_argument("--out", type=path_of, required=True, metavar="DIR", help="where to write")
     parser.set_defaults(command=partial(export_scenario, exporter))
     return parser
 
 
-def _add_options(parser: Parser, options: Options) -> None:
-    for name, settings in options.items():
-        parser.add_argument(name, dest=_keyword(name), **settings)
-
-
-def _keyword(option: str) -> str:
-    return option.lstrip("-").replace("-", "_")
-
-
-def _given(options: argparse.Namespace, known: Iterable[str]) -> dict[str, Any]:
-    """Return the options that were given, of those that parts have, by their keywords."""
-    values = {keyword: getattr(options, keyword) for keyword in map(_keyword, known)}
-    return {keyword: value for keyword, value in values.items() if value is not None}
-
-
-def import_file(known: Iterable[Importer], options: argparse.Namespace) -> None:
+def import_file(known: Mapping[str, Importer], options: argparse.Namespace) -> None:
     """Import a file."""
-    importer = importer_of(options.file, known)
-    for name in (name for other in known for name in other.options):
-        if name not in importer.options and _given(options, [name]):
+    importer = importer_of(options.file, known.values())
+    for name in (name for other in known.values() for name in other.options):
+        if name not in importer.options and given(options, [name]):
             raise UsageError(f"{options.file} is {importer.noun}, for which there is no {name}")
     try:
-        found = importer.read(options.file, **_given(options, importer.options))
+        found = read_with(importer, options.file, **given(options, importer.options))
     except ScenarioError as error:
         report_mistakes(mistakes_of(error))
         raise
@@ -155,15 +144,18 @@ def _write_scenario(found: Imported, options: argparse.Namespace) -> str:
 
 def export_scenario(exporter: Exporter, options: argparse.Namespace) -> None:
     """Export a scenario or a floor plan."""
-    name, given = options.scenario, _given(options, exporter.options)
+    name, keywords = options.scenario, given(options, exporter.options)
     if isinstance(exporter, PlanExporter) and is_floor_plan(name) and not options.overrides:
         plan, inputs = floor_plan_and_files(name)
-        export = exporter.export_plan(plan, **given)
+        export = exporter.export_plan(plan, **keywords)
     else:
         loaded = scenario.load(name, options.overrides)
-        inputs, export = loaded.origin.files, exporter.export(resolve(loaded), **given)
+        inputs, export = loaded.origin.files, exporter.export(resolve(loaded), **keywords)
     # The scenario's own name may not be a valid file name.
     path = options.out / f"{Path(name).stem}.{exporter.suffix}"
+    for other in export.others:
+        if Path(other).name != other:
+            raise ScenarioError(f"{type(exporter).__qualname__}: file '{other}'; expected a name without a folder")
     texts = {path: export.text} | {options.out / other: text for other, text in export.others.items()}
     expect_new(texts, options.force)
     check_outputs({}, inputs, folders={"--out": [*texts]})

@@ -1,5 +1,6 @@
 """Exporters: what writes scenarios as files of other programs."""
 
+import functools
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -7,7 +8,7 @@ from pkgutil import resolve_name
 from typing import Any, ClassVar
 
 from robotteamsim.formats.options import Options, check_options
-from robotteamsim.own_parts import class_below, load_parts
+from robotteamsim.own_parts import check_texts, class_below, load_parts
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.setup import Setup
 
@@ -22,7 +23,7 @@ class Exported:
     text:    of the file.
     summary: what it has, such as "3 robots".
     notes:   what the format lacks, one line each.
-    others:  texts of further files in the same folder, by name.
+    others:  texts of further files in the same folder, by their names without a folder.
     """
 
     text: str
@@ -67,7 +68,8 @@ _OURS = {
 """Our exporters, by the places of their classes."""
 
 
-def exporters() -> dict[str, Exporter]:
+@functools.cache
+def exporters() -> Mapping[str, Exporter]:
     """Return all exporters by name, ours first. One that cannot be used is left out, with a warning."""
     ours: dict[str, Exporter] = {name: resolve_name(place)() for name, place in _OURS.items()}
     return ours | load_parts(ENTRY_POINTS, ours, _checked)
@@ -76,5 +78,6 @@ def exporters() -> dict[str, Exporter]:
 def _checked(name: str, found: Any) -> Exporter:
     """Raises: TypeError, ValueError: it is not the class of an exporter."""
     exporter: Exporter = class_below(Exporter, found, "help", "suffix")()
+    check_texts(exporter, "help", "suffix", "description", "examples")
     check_options(exporter.options)
     return exporter

@@ -29,7 +29,8 @@ class ImageImporter(Importer):
 
     noun = "an image or the yaml of one"
     suffixes = (
-        *(".bmp", ".gif", ".jpeg", ".jpg", ".pbm", ".pgm", ".png", ".pnm", ".ppm", ".tif", ".tiff", ".webp"),
+        *(".bmp", ".dib", ".gif", ".jpe", ".jpeg", ".jpg", ".pbm", ".pgm", ".png", ".pnm", ".ppm", ".tif", ".tiff"),
+        ".webp",
         *_YAML,
     )
     options: ClassVar[Options] = {

@@ -1,5 +1,6 @@
 """Importers: what reads the files of other programs as floor plans and scenarios, chosen by suffix and content."""
 
+import functools
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
@@ -8,14 +9,14 @@ from pathlib import Path
 from pkgutil import resolve_name
 from typing import Any, ClassVar
 
-from robotteamsim.errors import ScenarioError
+from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.formats.options import Options, check_options
-from robotteamsim.own_parts import class_below, load_parts
+from robotteamsim.own_parts import check_texts, class_below, load_parts
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.map_image import DrawingRules, MapImage
 from robotteamsim.scenario.scenario import Scenario
-from robotteamsim.scenario.yaml_text import read_text
-from robotteamsim.wording import counted
+from robotteamsim.user_files import open_regular
+from robotteamsim.wording import counted, described, place_of
 from robotteamsim.world.floor_parts import FloorPart
 
 ENTRY_POINTS = "robotteamsim.importers"
@@ -88,19 +89,39 @@ _OURS = {
 """Our importers, by the places of their classes."""
 
 
-def importers() -> dict[str, Importer]:
+@functools.cache
+def importers() -> Mapping[str, Importer]:
     """Return all importers by name, ours first. One that cannot be used is left out, with a warning."""
     ours: dict[str, Importer] = {name: resolve_name(place)() for name, place in _OURS.items()}
-    return ours | load_parts(ENTRY_POINTS, ours, _checked)
+    taken = {option: settings for importer in ours.values() for option, settings in importer.options.items()}
+
+    def checked(name: str, found: Any) -> Importer:
+        importer: Importer = class_below(Importer, found, "noun", "suffixes")()
+        if isinstance(importer.suffixes, str):
+            raise TypeError(f"suffixes {importer.suffixes!r:.40}; expected a tuple")
+        check_texts(importer, "noun", "examples")
+        importer.recognises("")
+        check_options(importer.options)
+        for option, settings in importer.options.items():
+            if taken.setdefault(option, settings) != settings:
+                raise ValueError(f"option {option} is that of another importer, with other settings")
+        return importer
+
+    return ours | load_parts(ENTRY_POINTS, ours, checked)
 
 
-def _checked(name: str, found: Any) -> Importer:
-    """Raises: TypeError, ValueError: it is not the class of an importer."""
-    importer: Importer = class_below(Importer, found, "noun", "suffixes")()
-    if isinstance(importer.suffixes, str):
-        raise TypeError(f"suffixes {importer.suffixes!r:.40}; expected a tuple")
-    check_options(importer.options)
-    return importer
+def read_with(importer: Importer, path: Path, **options: Any) -> Imported:
+    """Return the contents of a file. Raises: ScenarioError: as `Importer.read`; any other error as one line."""
+    what = f"{path}: {type(importer).__qualname__}"
+    try:
+        found = importer.read(path, **options)
+    except (RobotTeamSimError, KeyboardInterrupt):
+        raise
+    except BaseException as error:  # of a user's class
+        raise ScenarioError(f"{what}: {described(error)} ({place_of(error)[1]})") from error
+    if not isinstance(found, Imported) or isinstance(found.notes, str):
+        raise ScenarioError(f"{what}: returns {found!r:.60}; expected an Imported whose notes are a tuple")
+    return found
 
 
 def importer_of(path: Path, known: Iterable[Importer]) -> Importer:
@@ -112,9 +133,22 @@ def importer_of(path: Path, known: Iterable[Importer]) -> Importer:
     of_suffix = [importer for importer in known if path.suffix.lower() in importer.suffixes]
     if len(of_suffix) == 1:
         return of_suffix[0]
-    text = read_text(path, str(path), errors="replace")
+    text = _begin(path)
     recognised = [importer for importer in of_suffix or known if importer.recognises(text)]
     if found := [*recognised, *of_suffix]:
         return found[0]
     suffixes = ", ".join(sorted({suffix for importer in known for suffix in importer.suffixes}))
     raise ScenarioError(f"{path}: no importer reads this file; expected one of {suffixes}")
+
+
+def _begin(path: Path) -> str:
+    """Return the begin of a file as text. Raises: ScenarioError: it cannot be read."""
+    try:
+        with open_regular(path) as file:
+            return file.read(_BEGIN_BYTES).decode(errors="replace")
+    except OSError as error:
+        raise ScenarioError(f"{path}: cannot be read: {error.strerror or error}") from None
+
+
+_BEGIN_BYTES = 2**20
+"""Of a file, in which the sign of its format is looked for."""

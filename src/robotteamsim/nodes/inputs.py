@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from robotteamsim.errors import SensorError
 from robotteamsim.geometry import PoseReading
 from robotteamsim.message_parts import robot_name
 from robotteamsim.nodes.node import Node
@@ -18,7 +19,7 @@ from robotteamsim.recording.topics import Topic
 from robotteamsim.recording.topics.robots import BODY_TOPICS, CONTACT, ODOM, SCAN, TRUTH, ContactReading
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.sensors import Sensor
-from robotteamsim.scenario.sensors.base import Moment
+from robotteamsim.scenario.sensors.base import Moment, reading_of
 from robotteamsim.sensing.readings import OdometryReading, RobotReading
 
 QUEUED = 100
@@ -72,7 +73,7 @@ class Input:
             try:
                 stamp_ns, message = self.node.read(self.type_name, data)
                 value = self.decode(message)
-            except ValueError as error:
+            except (ValueError, SensorError) as error:
                 if not is_warned:
                     is_warned = True
                     logger.warning("%s: ignoring messages that cannot be read: %s", self.topic, error)
@@ -96,7 +97,7 @@ class RobotInputs:
                 node,
                 f"/{robot_name(robot_id)}/{topic}",
                 type_name,
-                sensor.reading,
+                partial(reading_of, sensor, robot_id),
                 partial(_is_due, sensor, settings.step_ns, fire),
                 latched=settings.lockstep,
                 lossy=robot_id in settings.elsewhere,

@@ -172,7 +172,8 @@ class Simulation:
         if world.team_version != record.team_version:
             state = _core.state.State(*record.state.ranges_m.shape)
             for robot_id, pose in enumerate(world.poses()):
-                if world.present[robot_id] and record.is_there(robot_id):
+                has_stayed = record.is_there(robot_id) and world.arrivals[robot_id] == record.arrivals[robot_id]
+                if world.present[robot_id] and has_stayed:
                     state.put_reading(robot_id, record.readings[robot_id])
                 elif world.present[robot_id]:
                     state.place(robot_id, pose)

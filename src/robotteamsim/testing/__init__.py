@@ -21,7 +21,7 @@ from robotteamsim.recording.bag_types import ROS1, ROS2, message_type
 from robotteamsim.rng import stream
 from robotteamsim.scenario import Scenario, load
 from robotteamsim.scenario.problems import suggestion
-from robotteamsim.scenario.sensors.base import messages_of, naming, text_of
+from robotteamsim.scenario.sensors.base import messages_of, naming, reading_of, text_of
 from robotteamsim.scenario.worlds import WORLDS
 from robotteamsim.setup import Setup, resolve
 from robotteamsim.simulation import Simulation
@@ -165,12 +165,12 @@ def check_sensor(
         moved = record.state.true_pose.tobytes() != without.step().state.true_pose.tobytes()
         assert not moved, f"{what}: the robots are elsewhere than without it; expected a sensor that changes nothing"
         for robot_id in np.flatnonzero(record.present).tolist():
-            # Messages are compared, because readings are of any class.
-            found = [_messages(carried, time_ns, one.readings[robot_id].sensors.get(name)) for one in (record, other)]
+            readings = [one.readings[robot_id].sensors.get(name) for one in (record, other)]
+            found = [_messages(carried, time_ns, reading) for reading in readings]
             assert found[0] == found[1], f"{what}: another reading with the same seed; expected noise of the generator"
             if found[0]:
                 measured += 1
-                _check_reading(carried, what, time_ns, found[0])
+                _check_reading(carried, what, readings[0], found[0])
     assert measured, f"{name}: measured nothing in {steps} steps"
 
 
@@ -188,15 +188,27 @@ def _messages(sensor: Sensor, time_ns: int, reading: Any) -> dict[tuple[str, Sto
         }
 
 
-def _check_reading(sensor: Sensor, what: str, time_ns: int, messages: dict[tuple[str, Stores], bytes]) -> None:
-    """Raises: AssertionError: the reading of a message has other messages."""
+def _check_reading(sensor: Sensor, what: str, measured: Any, messages: dict[tuple[str, Stores], bytes]) -> None:
+    """Raises: AssertionError: the reading of a message is another one than was measured."""
     topic, type_name = next(iter(sensor.topics.items()))
     for ros in (ROS1, ROS2):
-        with naming(sensor, 0):
-            reading = sensor.reading(message_type(type_name, ros).decode(messages[topic, ros]))
-        assert _messages(sensor, time_ns, reading) == messages, (
-            f"{what}: reading(message) is another reading than that of the message, to the last bit: {reading!r:.60}"
+        reading = reading_of(sensor, 0, message_type(type_name, ros).decode(messages[topic, ros]))
+        assert _is_same(measured, reading), (
+            f"{what}: reading(message) is another reading than that of the message, to the last bit and in its type: "
+            f"{reading!r:.60} instead of {measured!r:.60}"
         )
+
+
+def _is_same(one: Any, other: Any) -> bool:
+    """Return whether two readings have equal bits; NaN is equal to NaN."""
+    if isinstance(one, np.ndarray):
+        is_array = isinstance(other, np.ndarray) and one.dtype == other.dtype
+        return is_array and np.array_equal(one, other, equal_nan=one.dtype.kind == "f")
+    if isinstance(one, float):
+        return isinstance(other, float) and (one == other or (one != one and other != other))
+    if isinstance(one, (tuple, list)):
+        return type(one) is type(other) and len(one) == len(other) and all(map(_is_same, one, other))
+    return type(one) is type(other) and bool(one == other)
 
 
 def check_env(scenario: str | Scenario, steps: int = 60, **rules: Any) -> None:

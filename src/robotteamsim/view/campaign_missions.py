@@ -13,6 +13,9 @@ from robotteamsim.campaign.design import cell_name
 from robotteamsim.control import foreign_code
 from robotteamsim.errors import RecordingError, RobotTeamSimError
 from robotteamsim.scenario import Scenario
+from robotteamsim.scenario.controllers import ALGORITHMS
+from robotteamsim.scenario.sections import Team
+from robotteamsim.scenario.worlds import OURS
 from robotteamsim.view import document
 from robotteamsim.view.html import player_frame
 from robotteamsim.view.recorder import Recording, repeat_mission
@@ -36,7 +39,7 @@ class _Mission:
 def shown_missions(stored: Sequence[StoredCampaign], places: Sequence[str], *, allow_code: bool) -> ShownMissions:
     """Return the player of three missions of all campaigns, or the reason why there is none.
 
-    They are simulated again, and kept in the user's cache folder for the next report.
+    They are simulated again, and kept in the user's cache folder for the next report if no code but ours runs in them.
 
     Args: places: the stores' folders, for messages. allow_code: whether a controller that a store names as
           module:Class may run.
@@ -46,10 +49,22 @@ def shown_missions(stored: Sequence[StoredCampaign], places: Sequence[str], *, a
         if not missions:
             return ShownMissions(RULE, "", "")
         content = [f"{one.title} {one.trajectory_hash} {one.scenario.model_dump_json()}".encode() for one in missions]
-        packed = cached(content, lambda: document.packed(list(map(_recording, missions))).encode())
+
+        def packed() -> bytes:
+            return document.packed(list(map(_recording, missions))).encode()
+
+        shown = cached(content, packed) if all(_is_ours(mission.scenario) for mission in missions) else packed()
     except RobotTeamSimError as error:
         return ShownMissions(RULE, "", f"No mission can be played: {error}.")
-    return ShownMissions(RULE, player_frame(packed.decode(), "Best, median and worst mission"), "")
+    return ShownMissions(RULE, player_frame(shown.decode(), "Best, median and worst mission"), "")
+
+
+def _is_ours(scenario: Scenario) -> bool:
+    """Return whether a mission depends on no code of users, which may change."""
+    robots = (scenario.robots,) if isinstance(scenario.robots, Team) else scenario.robots
+    classes = {type(sensor).__module__ for robot in robots for sensor in robot.sensors}
+    is_ours = scenario.control.algorithm in ALGORITHMS and scenario.run.world in OURS
+    return is_ours and all(name.startswith("robotteamsim.") for name in classes)
 
 
 def _chosen(stored: Sequence[StoredCampaign], places: Sequence[str], *, allow_code: bool) -> list[_Mission]:

@@ -107,18 +107,13 @@ def frame_of(
     *,
     with_scans: bool,
     fallen: Collection[str] = frozenset(),
-    sensed: Sequence[Mapping[str, Any]] = (),
+    sensors: tuple[dict[str, str], ...] = (),
 ) -> Frame:
-    """Return the frame of a step.
-
-    Args: fallen: names of the victims who have collapsed.  sensed: the last readings of each robot's `robots.sensors`,
-          by their names; (): they are not shown.
-    """
+    """Return the frame of a step. Args: fallen: names of the victims who have collapsed.  sensors: as in `Frame`."""
     scans = [finite_ranges(reading.ranges_m, FAR_M) for reading in record.readings] if with_scans else []
     team = zip(record.readings, record.present, strict=True)
     poses = [reading.true_pose if is_there else None for reading, is_there in team]
     status, enclosed = record.mission, enclosed_of(record.people)
-    sensors = tuple(sensor_texts(i, setup.robots[i].sensors, readings) for i, readings in enumerate(sensed))
     return Frame(
         time_s=status.time_s,
         poses=tuple(None if pose is None else (pose.x_m, pose.y_m, pose.yaw_rad) for pose in poses),
@@ -136,9 +131,9 @@ def frame_of(
         state=status.state,
         noise_db=record.noise_db,
         endangered=status.endangered_links,
-        scans_m=tuple(scans),
+        scans_m=tuple(scans) if any(scans) else (),
         egress=shown_egress(record.egress),
-        sensors=sensors if any(sensors) else (),
+        sensors=sensors,
     )
 
 

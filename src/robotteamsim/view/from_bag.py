@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import msgspec
@@ -20,6 +21,7 @@ from robotteamsim.recording.topics.world import DOORS, FIRE, OBJECTS, PEOPLE, SM
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sensors import Sensor
+from robotteamsim.scenario.sensors.base import reading_of
 from robotteamsim.setup import Setup, resolve
 from robotteamsim.view.frame import (
     Frame,
@@ -74,7 +76,7 @@ def recording_of(run: RecordedRun, scenario: Scenario | None = None) -> Recordin
     found = Recording(scene, run.name, _frames(run, scanned, setup, scene))
     for stamp_ns, event in run.events:
         found.events += shown_events([event], (stamp_ns - run.start_ns) / 1e9)
-    for stamp_ns, levels in run.layers[VOICE_MAP]:
+    for stamp_ns, levels in run.layer(VOICE_MAP):
         found.voice.append(field_layer((stamp_ns - run.start_ns) / 1e9, levels, 0.0))
     if scenario is not None:
         coverage = RadioCoverage(scenario)
@@ -90,7 +92,7 @@ def _check_floor(run: RecordedRun) -> None:
     """Raises: RecordingError: maps of one topic have different sizes or places."""
     cells: tuple[tuple[Topic, str], ...] = (VOICE_MAP, "values"), (FIRE, "cells"), (SMOKE, "cells")
     for topic, name in cells:
-        maps = [one for _, one in run.layers[topic]]
+        maps = [one for _, one in run.layer(topic)]
         if len({(getattr(one, name).shape, one.origin_m, one.resolution_m) for one in maps}) > 1:
             files = ", ".join(map(str, run.paths))
             raise RecordingError(f"{files}: {topic.name}: maps of different sizes or places; expected one floor")
@@ -108,18 +110,27 @@ def _frame_stamps(run: RecordedRun) -> tuple[list[int], int]:
 def _scanned(run: RecordedRun, setup: Setup | None) -> list[SparseTopic]:
     """Return the topics of the scans, and those of the sensors that a scenario knows."""
     topics = [SparseTopic(f"{robot.namespace}/{SCAN.name}", SCAN.type_name, read_scan) for robot in run.robots]
-    of_sensors = [(robot, sensor) for robot in run.robots for sensor in _sensors(robot, setup)]
-    return topics + [
-        SparseTopic(_topic(robot, sensor), next(iter(sensor.topics.values())), sensor.reading)
-        for robot, sensor in of_sensors
-    ]
+    for robot in run.robots:
+        for sensor in _sensors(robot, setup):
+            type_name = next(iter(sensor.topics.values()))
+            topics.append(SparseTopic(_topic(robot, sensor), type_name, partial(_possible_reading, robot, sensor)))
+    return topics
+
+
+def _possible_reading(robot: RecordedRobot, sensor: Sensor, message: Any) -> Any:
+    """Return the reading of a message; None: it is impossible, or of another version. Raises: SensorError."""
+    try:
+        return reading_of(sensor, robot.robot_id or 0, message)
+    except ValueError:
+        return None
 
 
 def _sensors(robot: RecordedRobot, setup: Setup | None) -> Sequence[Sensor]:
-    """Return the `robots.sensors` of a robot."""
+    """Return the `robots.sensors` of a robot whose readings are shown."""
     if setup is None or robot.robot_id is None or robot.robot_id >= len(setup.robots):
         return ()
-    return [sensor for sensor in setup.robots[robot.robot_id].sensors if sensor.topics]
+    sensors = setup.robots[robot.robot_id].sensors
+    return [sensor for sensor in sensors if sensor.topics and type(sensor).text is not Sensor.text]
 
 
 def _topic(robot: RecordedRobot, sensor: Sensor) -> str:
@@ -129,7 +140,6 @@ def _topic(robot: RecordedRobot, sensor: Sensor) -> str:
 
 def _frames(run: RecordedRun, scanned: Scanned, setup: Setup | None, scene: Scene) -> list[Frame]:
     """Return a frame each `FRAME_S`, or fewer of a long run, and one at the end, of the last values up to each."""
-    layers = run.layers
     known = setup.scenario.mission.victims if setup else ()
     gaits = {victim.name: gait_of(victim) for victim in known}
     fallen_ns = _fallen_ns(run)
@@ -139,8 +149,8 @@ def _frames(run: RecordedRun, scanned: Scanned, setup: Setup | None, scene: Scen
     frames = []
     for index, stamp_ns in enumerate(stamps_ns):
         status = run.statuses.at(stamp_ns, _BEFORE_MISSION)
-        doors: DoorStates = layers[DOORS].at(stamp_ns, at_start)
-        enclosed = enclosed_of(layers[PEOPLE].at(stamp_ns, ()))
+        doors: DoorStates = run.layer(DOORS).at(stamp_ns, at_start)
+        enclosed = enclosed_of(run.layer(PEOPLE).at(stamp_ns, ()))
         fallen = {name for name, since_ns in fallen_ns.items() if since_ns <= stamp_ns}
         links, fiedler_value = _network(run, stamp_ns)
         shown = run.robots if scanned and index % frames_per_scan == 0 else ()
@@ -154,7 +164,7 @@ def _frames(run: RecordedRun, scanned: Scanned, setup: Setup | None, scene: Scen
                 links=_among(places, links),
                 fiedler_value=fiedler_value,
                 doors=tuple(doors.get(name, state).opening for name, state in at_start.items()),
-                objects=shown_objects((obj.name for obj in scene.objects), layers[OBJECTS].at(stamp_ns, NO_OBJECTS)),
+                objects=shown_objects((obj.name for obj in scene.objects), run.layer(OBJECTS).at(stamp_ns, NO_OBJECTS)),
                 victims=tuple(
                     victim_shape(v.name, v.position_m, v.state, gaits.get(v.name, "lies"), fallen, enclosed)
                     for v in run.victims.at(stamp_ns, ())
@@ -165,7 +175,7 @@ def _frames(run: RecordedRun, scanned: Scanned, setup: Setup | None, scene: Scen
                 noise_db=status.noise_db,
                 endangered=status.endangered_links,
                 scans_m=tuple(map(_shown_scan, scans)) if any(scans) else (),
-                egress=shown_egress(layers[EGRESS].at(stamp_ns, None)),
+                egress=shown_egress(run.layer(EGRESS).at(stamp_ns, None)),
                 sensors=sensors if any(sensors) else (),
             )
         )
@@ -176,10 +186,12 @@ _BEFORE_MISSION = PublishedStatus()
 
 
 def _sensed(robot: RecordedRobot, sensors: Sequence[Sensor], scanned: Scanned, stamp_ns: int) -> dict[str, str]:
-    """Return the last readings of a robot's sensors in words."""
-    lines = {sensor.name: scanned[_topic(robot, sensor)] for sensor in sensors}
-    readings = {name: line.at(stamp_ns, None) for name, line in lines.items() if line and line[0][0] <= stamp_ns}
-    return sensor_texts(robot.robot_id or 0, sensors, readings)
+    """Return the last readings of a robot's sensors in words; none of an absent robot. Raises: SensorError."""
+    if _pose(robot, stamp_ns) is None:
+        return {}
+    readings = {sensor.name: scanned[_topic(robot, sensor)].at(stamp_ns, None) for sensor in sensors}
+    known = {name: reading for name, reading in readings.items() if reading is not None}
+    return sensor_texts(robot.robot_id or 0, sensors, known)
 
 
 def _shown_scan(scan: Scan | None) -> list[float]:
@@ -191,15 +203,15 @@ def _shown_scan(scan: Scan | None) -> list[float]:
 
 def _add_hazards(found: Recording, run: RecordedRun, block_c: float) -> None:
     """Add the maps of fire and smoke. Args: block_c: from this temperature on, cells are hot [degC]."""
-    temperatures = dict(run.layers[TEMPERATURE])
-    for stamp_ns, grid in run.layers[FIRE]:
+    temperatures = dict(run.layer(TEMPERATURE))
+    for stamp_ns, grid in run.layer(FIRE):
         heat = temperatures.get(stamp_ns)
         is_hot = np.zeros(grid.cells.shape, dtype=bool)
         if heat is not None and heat.values.shape == is_hot.shape:
             is_hot = heat.values >= block_c
         time_s = (stamp_ns - run.start_ns) / 1e9
         keep_map(found.fire, fire_layer(time_s, grid.origin_m, grid.resolution_m, grid.cells, is_hot))
-    for stamp_ns, grid in run.layers[SMOKE]:
+    for stamp_ns, grid in run.layer(SMOKE):
         time_s = (stamp_ns - run.start_ns) / 1e9
         keep_map(found.smoke, smoke_layer(time_s, grid.origin_m, grid.resolution_m, grid.cells), SMOKE_S)
 
@@ -223,7 +235,7 @@ def _with_lasers(scene: Scene, run: RecordedRun, scanned: Scanned) -> Scene:
 
 def _with_objects(scene: Scene, run: RecordedRun) -> Scene:
     """Return the scene with all objects that the bag has at some time."""
-    shapes = {obj.name: object_shape(obj) for _, states in run.layers[OBJECTS] for obj in states.models}
+    shapes = {obj.name: object_shape(obj) for _, states in run.layer(OBJECTS) for obj in states.models}
     return msgspec.structs.replace(scene, objects=tuple(shapes.values()))
 
 

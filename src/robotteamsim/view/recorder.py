@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+import msgspec
+
 from robotteamsim.errors import RecordingError
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Observer, Result, Simulation, StepRecord
-from robotteamsim.view.frame import Frame, ShownEvent, fallen_of, frame_of, shown_events
+from robotteamsim.view.frame import Frame, ShownEvent, fallen_of, frame_of, sensor_texts, shown_events
 from robotteamsim.view.layers import LOWEST_DBM, MAX_CELLS, SMOKE_S, LayerMap, field_layer, hazard_layers, keep_map
 from robotteamsim.view.scene import Scene, scene_of
 
@@ -50,8 +52,9 @@ class FrameRecorder(Observer):
         scenario = setup.scenario
         self.coverage = RadioCoverage(scenario)
         self._setup = setup
-        self.sensed: list[dict[str, Any]] = [{} for _ in setup.robots]
-        """The last readings of each robot's `robots.sensors`, by their names."""
+        self._sensed: list[dict[str, Any]] = [{} for _ in setup.robots]
+        self.sensors: tuple[dict[str, str], ...] = ()
+        """As in the last frame that has them."""
         self._every = max(round(FRAME_S / scenario.run.step_s), 1)
         self._every_scan = max(round(SCAN_S / scenario.run.step_s / self._every), 1) * self._every
         self._every_radio = max(round(RADIO_S / scenario.run.step_s / self._every), 1) * self._every
@@ -72,15 +75,26 @@ class FrameRecorder(Observer):
             keep_map(found.smoke, maps["smoke"], SMOKE_S)
         self._fallen |= fallen_of(record.events)
         for robot_id, readings in record.state.sensors.items():
-            self.sensed[robot_id] |= readings
+            self._sensed[robot_id] |= readings
         if index % self._every and record.mission.state != "ended":
             return
         with_scans = self._has_scans and index % self._every_scan == 0
-        sensed = self.sensed if with_scans else ()
-        frame = frame_of(record, self._setup, with_scans=with_scans, fallen=self._fallen, sensed=sensed)
+        frame = frame_of(record, self._setup, with_scans=with_scans, fallen=self._fallen)
+        if with_scans:
+            self.sensors = self._texts(record)
+            frame = msgspec.structs.replace(frame, sensors=self.sensors)
         found.frames.append(frame)
         if index % self._every_radio == 0:
             found.radio += self.coverage.at(frame)
+
+    def _texts(self, record: StepRecord) -> tuple[dict[str, str], ...]:
+        """Return the last readings of each robot's sensors in words. Raises: SensorError."""
+        for robot_id, is_there in enumerate(record.present.tolist()):
+            if not is_there:
+                self._sensed[robot_id].clear()
+        team = enumerate(zip(self._setup.robots, self._sensed, strict=True))
+        texts = tuple(sensor_texts(robot_id, robot.sensors, readings) for robot_id, (robot, readings) in team)
+        return texts if any(texts) else ()
 
 
 class RadioCoverage:

@@ -171,9 +171,9 @@ class ShownMission:
     def _publish(self) -> None:
         """Let all viewers take the latest frame, and the events and maps that are new."""
         shown = frozenset[str]().union(*(viewer.layers for viewer in self._viewers))
-        record, sensed = self._simulation.look(self._record), self._recorder.sensed
-        setup = self._simulation.setup
-        frame = frame_of(record, setup, with_scans="laser" in shown, fallen=self._fallen, sensed=sensed)
+        record, setup = self._simulation.look(self._record), self._simulation.setup
+        sensors = self._recorder.sensors
+        frame = frame_of(record, setup, with_scans="laser" in shown, fallen=self._fallen, sensors=sensors)
         if self._frames:
             last = self._frames.pop()
             self._frames += [] if last.time_s == frame.time_s else [msgspec.structs.replace(last, scans_m=())]

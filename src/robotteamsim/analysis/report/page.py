@@ -94,13 +94,19 @@ class Report:
         return files | {PAGE_NAME: self.page.encode()}
 
     def write(self, folder: Path) -> Path:
-        """Write all files and return the page's path. Raises: RecordingError."""
+        """Write all files, delete figures of further formats of an earlier report; return the page's path.
+
+        Raises: RecordingError.
+        """
         prepare_folder(folder)
         for parent in sorted({(folder / name).parent for name in self.files}):
             prepare_folder(parent)
         for name, data in self.files.items():
             with atomically(folder / name) as part:
                 part.write_bytes(data)
+        for one in self.pictures:
+            for kind in {"pdf", "svg"} - set(self.formats):  # of an earlier report, with other data
+                (folder / "figures" / f"{one.name}.{kind}").unlink(missing_ok=True)
         return folder / PAGE_NAME
 
 

@@ -197,12 +197,7 @@ def _run(
     stamps += [] if network is None else [network.stamps_ns[[0, -1]]]
     stamps += [np.array([statuses[0][0], statuses[-1][0]])] if statuses else []
     if not stamps:
-        more = ", .." if len(topics) > 6 else ""
-        shown = [f"{topic} of type {kind}" for topic, kind in list(topics.items())[:6]]
-        found = f"found {', '.join(shown)}{more}" if topics else "the bag is empty"
-        raise ContentError(
-            f"expected odometry, poses or tf of a robot, /mission/status or {NETWORK_STATE.name}; {found}"
-        )
+        raise _no_run(topics)
     first_ns, end_ns = int(min(np.min(pair) for pair in stamps)), int(max(np.max(pair) for pair in stamps))
     started_ns = (stamp_ns - round(status.time_s * 1e9) for stamp_ns, status in statuses if status.state == "running")
     return RecordedRun(
@@ -225,6 +220,15 @@ def _run(
         notes=notes,
         layers={topic: Timeline(samples.get(topic.name, ())) for topic in layers},
     )
+
+
+def _no_run(topics: Mapping[str, str]) -> ContentError:
+    """Return the error of a bag without a run. Args: topics: their types."""
+    more = ", .." if len(topics) > 6 else ""
+    shown = [f"{topic} of type {kind}" for topic, kind in list(topics.items())[:6]]
+    found = f"found {', '.join(shown)}{more}" if topics else "the bag is empty"
+    expected = f"odometry, poses or tf of a robot, {MISSION_STATUS.name} or {NETWORK_STATE.name}"
+    return ContentError(f"expected {expected}; {found}")
 
 
 def _gaps(

@@ -33,11 +33,6 @@ class Timeline(tuple[tuple[int, Value], ...]):
         index = bisect_right(self, stamp_ns, key=itemgetter(0))
         return self[index - 1][1] if index else before
 
-    @property
-    def last(self) -> Value | None:
-        """The last value; None if there is none."""
-        return self[-1][1] if self else None
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Series:
@@ -132,6 +127,10 @@ class RecordedRun:
     gaps: tuple[Gap, ...] = ()
     notes: tuple[str, ...] = ()
     layers: Mapping[Topic, Timeline[Any]] = field(default_factory=dict)
+
+    def layer(self, topic: Topic) -> Timeline[Any]:
+        """Return a layer; an empty one if it was not read."""
+        return self.layers.get(topic, Timeline())
 
     def time_s(self, stamps_ns: np.ndarray) -> np.ndarray:
         """Return the times of stamps, counted from the start [s]."""

@@ -119,10 +119,10 @@ def _discovery(discovery: Discovery) -> RosMessage:
     }
 
 
-def read_task(message: Any, num_robots: int) -> Task:
+def read_task(message: Any, num_robots: int | None) -> Task:
     """Return the task of the team in a MissionStatus. Raises: ValueError: unknown ids, or impossible places."""
     for one in message.assistance:
-        if not 0 <= one.robot_id < num_robots:
+        if num_robots is not None and not 0 <= one.robot_id < num_robots:
             raise ValueError(f"assistance: robot {one.robot_id}; expected the id of a firefighter")
     if not 0.0 <= message.area_radius_m <= LARGEST_AREA_M:
         raise ValueError(f"area_radius_m: {message.area_radius_m:g}; expected 0 to {LARGEST_AREA_M:g} m")
@@ -310,7 +310,7 @@ MISSION_STATUS = Topic(
     lambda source, record: (source.setup.scenario.name, record.mission, record.noise_db),
     mission_status,
     latched=True,
-    read=lambda message, setup, _: read_task(message, setup.scenario.team_size),
+    read=lambda message, setup, _: read_task(message, setup and setup.scenario.team_size),
 )
 EGRESS = Topic(
     "/mission/egress",

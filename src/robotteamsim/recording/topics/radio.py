@@ -28,7 +28,7 @@ from robotteamsim.simulation import StepRecord
 
 LOUDEST_DB = 1e6
 LARGEST_DBM = 1e3
-"""Larger signals are not measurements, but damage."""
+"""Larger signals are not measurements; they are shown as such."""
 
 
 class PublishedNetwork(msgspec.Struct, frozen=True, eq=False):
@@ -114,19 +114,15 @@ def network_state(time_ns: int, network: NetworkState) -> RosMessage:
 
 
 def read_network_state(message: Any) -> PublishedNetwork:
-    """Return the network of a NetworkState. Raises: ValueError: matrices of another size, or impossible signals."""
+    """Return the network of a NetworkState. Raises: ValueError: matrices of another size."""
     n = message.num_robots
-    rssi_dbm = np.asarray(message.rssi_dbm)
-    if not n * n == len(message.adjacency) == len(message.endangered) == len(message.hop_count) == len(rssi_dbm):
-        raise ValueError(f"matrices of {len(message.adjacency)} values; expected {n * n}")
-    largest_dbm = float(np.abs(rssi_dbm).max(initial=0.0, where=np.isfinite(rssi_dbm)))
-    if largest_dbm > LARGEST_DBM:
-        raise ValueError(f"signals up to {largest_dbm:g}; expected at most {LARGEST_DBM:g}")
-    adjacency, endangered, hop_count, rssi_dbm = (
-        np.reshape(matrix, (n, n)) for matrix in (message.adjacency, message.endangered, message.hop_count, rssi_dbm)
-    )
+    matrices = message.adjacency, message.endangered, message.hop_count, message.rssi_dbm
+    if wrong := [len(matrix) for matrix in matrices if len(matrix) != n * n]:
+        raise ValueError(f"a matrix of {wrong[0]} values; expected {n * n}")
+    adjacency, endangered, hop_count, rssi_dbm = (np.reshape(matrix, (n, n)) for matrix in matrices)
     links = adjacency.astype(bool)
-    signals_dbm = np.rint(np.where(links & np.isfinite(rssi_dbm), rssi_dbm, 0.0)).astype(np.int16)
+    known_dbm = np.clip(np.where(links & np.isfinite(rssi_dbm), rssi_dbm, 0.0), -LARGEST_DBM, LARGEST_DBM)
+    signals_dbm = np.rint(known_dbm).astype(np.int16)
     return PublishedNetwork(links, endangered.astype(bool), hop_count, message.fiedler_value, signals_dbm)
 
 

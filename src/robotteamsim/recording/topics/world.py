@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
@@ -71,14 +72,12 @@ def doors(time_ns: int, states: DoorStates) -> RosMessage:
 
 
 def read_doors(message: Any) -> DoorStates:
-    """Return the state of each door; leaves that other worlds push may overshoot. Raises: ValueError: NaN."""
-    check_finite("opening", *(door.opening for door in message.doors))
-    return DoorStates(
-        {
-            door.name: DoorState(bool(door.closed), min(max(door.opening, 0.0), 1.0), door.motion)
-            for door in message.doors
-        }
-    )
+    """Return the state of each door. Leaves of other worlds may overshoot; without a number, they are at rest."""
+    states = {}
+    for door in message.doors:
+        opening = min(max(door.opening, 0.0), 1.0) if math.isfinite(door.opening) else float(not door.closed)
+        states[door.name] = DoorState(bool(door.closed), opening, door.motion)
+    return DoorStates(states)
 
 
 def people(time_ns: int, states: Sequence[PersonState]) -> RosMessage:

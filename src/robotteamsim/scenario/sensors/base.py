@@ -196,8 +196,8 @@ class Sensor(Model):
         raise NotImplementedError
 
     def text(self, reading: Any) -> str:
-        """Return a reading in a few words, for the panel of the viewer; "" is not shown."""
-        return f"{reading:.4g}" if isinstance(reading, float) else ""
+        """Return a reading in a few words, for the panel of the viewer; "" is not shown, as by default."""
+        return ""
 
     def frames(self) -> tuple[Frame, ...]:
         """Return its frames; without any it measures at base_link."""
@@ -224,6 +224,17 @@ def naming(sensor: Sensor, robot_id: int) -> Iterator[None]:
         _, place = place_of(error)
         what = f"robot {robot_id}, sensor {sensor.name} (kind {sensor.kind})"
         raise SensorError(f"{what}: {described(error)} ({place})") from error
+
+
+def reading_of(sensor: Sensor, robot_id: int, message: Any) -> Any:
+    """Return the reading of a message. Raises: ValueError: numbers out of range. SensorError: as `naming`."""
+    try:
+        return sensor.reading(message)
+    except ValueError:
+        raise
+    except BaseException:
+        with naming(sensor, robot_id):
+            raise
 
 
 def text_of(sensor: Sensor, robot_id: int, reading: Any) -> str:

@@ -109,7 +109,8 @@ class MountedLaser(Laser, MountedSensor):
 
     def text(self, reading: np.ndarray) -> str:
         """See `Sensor`."""
-        return f"nearest {np.fmin.reduce(reading):.2f} m"
+        returned_m = reading[np.isfinite(reading)]
+        return f"nearest {returned_m.min():.2f} m" if len(returned_m) else "nothing"
 
     def reading(self, message: Any) -> np.ndarray:
         """See `Sensor`."""

@@ -67,7 +67,7 @@ class Sonar(MountedSensor):
 
     def text(self, reading: float) -> str:
         """See `Sensor`."""
-        return f"{reading:.2f} m"
+        return f"{reading:.2f} m" if math.isfinite(reading) else "nothing"
 
     def reading(self, message: Any) -> float:
         """See `Sensor`."""
