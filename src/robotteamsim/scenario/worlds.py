@@ -10,8 +10,8 @@ ENTRY_POINTS = "robotteamsim.worlds"
 OURS = {"box2d": "robotteamsim.world.world:World", "mujoco": "robotteamsim.world.mujoco.world:MujocoWorld"}
 """Our worlds, by the places of their classes."""
 
-WORLDS = {**{name: point.value for name, point in own_parts(ENTRY_POINTS).items()}, **OURS}
-"""The places of all worlds; no package takes a name of ours."""
+WORLDS = {**OURS, **{name: point.value for name, point in own_parts(ENTRY_POINTS).items() if name not in OURS}}
+"""The places of all worlds, ours first; no package takes a name of ours."""
 
 if TYPE_CHECKING:
     WorldName = str

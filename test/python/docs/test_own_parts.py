@@ -29,6 +29,35 @@ for name in ("box2d", "slippery"):
     print(world.twists()[0].linear_x_mps)
 """
 
+BROKEN = """
+
+from robotteamsim.formats import Exporter
+
+
+class Taken(MovingAiExporter):
+    options = {"--out": {}}
+
+
+class Plain(MovingAiImporter):
+    options = {"cell": {}}
+
+
+class Own(MovingAiImporter):
+    options = {"--cell": {"dest": "x"}}
+
+
+class Other(MovingAiImporter):
+    options = {"--layer": {"type": int}}
+
+
+class NoSign(MovingAiImporter):
+    sign = "(["
+
+
+class Mute(MovingAiImporter):
+    examples = ["x"]
+"""
+
 Run = Callable[..., subprocess.CompletedProcess[str]]
 
 
@@ -84,6 +113,51 @@ def test_file_is_recognised_by_its_content_and_named_to_other_commands(install):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
+    ("old", "new", "line"),
+    [
+        ("cell_m = options", "1 / 0; cell_m = options", "MovingAiImporter: ZeroDivisionError: division by zero (mov"),
+        ("return Imported(", "return (", "arena.map: MovingAiImporter: returns (FloorPlan("),
+        (
+            "blocks=tuple(blocks)), notes)",
+            "blocks=tuple(blocks)), 'x')",
+            "expected an Imported whose notes are a tuple",
+        ),
+    ],
+)
+def test_error_of_an_importer_is_one_line_with_its_file(install, old, new, line):
+    assert old in MODULES["movingai"]
+    run = install(movingai=MODULES["movingai"].replace(old, new))
+    Path("arena.map").write_text(MAP)
+    done = command(run, "plan import arena.map --out plan.yaml")
+    assert (done.returncode, done.stdout, Path("plan.yaml").exists()) == (2, "", False)
+    (said,) = done.stderr.splitlines()
+    assert said.startswith("robotteamsim: arena.map: ")
+    assert line in said
+
+
+@pytest.mark.slow
+def test_flag_of_an_importer_is_for_its_files_only(install):
+    flag = MODULES["movingai"].replace("    options = CELL\n", '    options = {"--up": {"action": "store_true"}}\n', 1)
+    run = install(movingai=flag)
+    Path("arena.map").write_text(MAP)
+    assert command(run, "plan import arena.map --up").returncode == 0
+    Path("a.world").write_text("model( pose [ 1 1 0 0 ] size [ 1 1 1 ] )")
+    assert command(run, "plan import a.world --out a").returncode == 0
+    assert "for which there is no --up" in command(run, "plan import a.world --up --out b").stderr
+
+
+@pytest.mark.slow
+def test_exporter_writes_into_its_folder_only(install):
+    outside = MODULES["movingai"].replace('notes=("doors', "others={'../x': ''}, notes=(\"doors")
+    assert outside != MODULES["movingai"]
+    run = install(movingai=outside)
+    done = command(run, "plan export-movingai office --out o")
+    line = "MovingAiExporter: file '../x'; expected a name without a folder"
+    assert (done.returncode, done.stderr) == (2, f"robotteamsim: {line}\n")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
     ("groups", "line"),
     [
         ({"importers": {"a": "nowhere:A"}}, "importer a of nowhere:A: ModuleNotFoundError: "),
@@ -91,14 +165,16 @@ def test_file_is_recognised_by_its_content_and_named_to_other_commands(install):
         ({"importers": {"stage": "movingai:MovingAiImporter"}}, "ValueError: there is another importer of this name"),
         ({"exporters": {"a": "movingai:Exporter"}}, "exporter a of movingai:Exporter: TypeError: has no help; see "),
         ({"exporters": {"a": "movingai:Taken"}}, "exporter a of movingai:Taken: ValueError: argument --out: "),
+        ({"importers": {"a": "movingai:Plain"}}, "ValueError: option 'cell'; expected a name that begins with --"),
+        ({"importers": {"a": "movingai:Own"}}, "ValueError: option --cell has dest; expected none"),
+        ({"importers": {"a": "movingai:Other"}}, "ValueError: option --layer is that of another importer, "),
+        ({"importers": {"a": "movingai:NoSign"}}, "importer a of movingai:NoSign: error: "),
+        ({"importers": {"a": "movingai:Mute"}}, "importer a of movingai:Mute: TypeError: examples ['x']; "),
     ],
 )
 def test_part_that_cannot_be_used_is_named_and_all_else_goes_on(install, groups, line):
-    more = (
-        'from robotteamsim.formats import Exporter\n\n\nclass Taken(MovingAiExporter):\n    options = {"--out": {}}\n'
-    )
     run = install(
-        {f"robotteamsim.{group}": points for group, points in groups.items()}, movingai=MODULES["movingai"] + more
+        {f"robotteamsim.{group}": points for group, points in groups.items()}, movingai=MODULES["movingai"] + BROKEN
     )
     done = command(run, "plan export-stage office --out o")
     assert done.returncode == 0

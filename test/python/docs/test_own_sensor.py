@@ -34,7 +34,7 @@ live = FrameRecorder(simulation.setup)
 simulation.run([live, (McapWriter if path.suffix == ".mcap" else BagWriter)(path)])
 for recording in (live.recording, recording_of(read_run([path]), scenario)):
     shown = [frame.sensors for frame in recording.frames if frame.sensors]
-    print(len(shown), list(shown[-1]))
+    print(len(shown), list(shown[-1]) if shown else [])
 """
 
 
@@ -85,6 +85,24 @@ def test_sensor_of_a_package_is_in_the_viewer_live_and_from_files(tmp_path, name
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(
+    ("error", "status", "line"),
+    [
+        ("ValueError('x')", 0, ""),
+        ("KeyError('x')", 1, "robot 0, sensor others (kind neighbours): KeyError: 'x' (neigh"),
+    ],
+)
+def test_impossible_reading_is_not_shown_and_any_other_error_names_the_sensor(tmp_path, error, status, line):
+    wrong = block("python").replace(
+        "return tuple((pose.position.x", f"raise {error}\n        return tuple((pose.position.x"
+    )
+    done = Installed(tmp_path, wrong).python("-c", SHOWN, "mission.bag", SENSORS)
+    assert done.returncode == status
+    assert line in done.stderr
+    assert done.stdout.splitlines()[1:] == (["0 []"] if status == 0 else [])
+
+
+@pytest.mark.slow
 def test_sensor_of_a_package_passes_the_check(tmp_path):
     done = Installed(tmp_path).python("-c", CHECK)
     assert (done.returncode, done.stderr) == (0, "")
@@ -96,6 +114,8 @@ def test_sensor_of_a_package_passes_the_check(tmp_path):
     [
         ("generator.normal(0.0, self.noise_m, 2)", "np.random.rand(2)", "another reading with the same seed"),
         ("(pose.position.x, pose.position.y)", "(pose.position.y, pose.position.x)", "is another reading than that"),
+        ('{"x": x_m, "y": y_m}', '{"x": round(x_m, 7), "y": y_m}', "is another reading than that"),
+        ("return tuple((pose.position.x", "return list((pose.position.x", "and in its type: \\["),
         (
             "world, found = carrier.world, []",
             "world, found = carrier.world, []; world.set_pose(0, world.poses()[0] @ Pose(0.0, 0.0, 0.1))",

@@ -104,6 +104,21 @@ def drift(away_steps: int) -> list[tuple[float, ...]]:
     return [record.readings[1].odometry.pose for record in steps(simulation, 100)]
 
 
+def test_record_shows_what_is_changed_while_no_step_is_made():
+    simulation = garage("robots.count=3")
+    record = simulation.step()
+    simulation.remove_robot(1)
+    simulation.remove_robot(2)
+    simulation.spawn_robot(1, Pose(6.0, 5.0, 1.0))
+    simulation.set_noise_db(25.0)
+    seen = simulation.look(record)
+    assert seen.present.tolist() == [True, True, False]
+    assert (seen.readings[1].true_pose.x_m, seen.readings[1].true_pose.y_m) == (6.0, 5.0)
+    assert seen.readings[0].true_pose == record.readings[0].true_pose
+    assert (seen.noise_db, record.noise_db) == (25.0, simulation.scenario.voice.noise_db)
+    assert record.present.tolist() == [True, True, True]
+
+
 def test_random_numbers_of_a_spawned_robot_do_not_depend_on_time():
     assert drift(1) == drift(80)
 

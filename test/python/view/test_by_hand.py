@@ -15,10 +15,12 @@ from PIL import Image
 from playwright.sync_api import Browser, Page
 from shown_page import READY_MS, opened, served, shown, taken
 
-from robotteamsim.errors import PlacementError
+from robotteamsim.errors import PlacementError, SensorError
 from robotteamsim.geometry import Twist
+from robotteamsim.scenario import load
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Mission, PlacedRobot, Run
+from robotteamsim.scenario.sensors import Sonar
 from robotteamsim.simulation import Simulation
 from robotteamsim.view.frame import Frame
 from robotteamsim.view.html import mission_page
@@ -58,6 +60,13 @@ def mission(scenario: Scenario) -> Iterator[LiveMission]:
     started.start()
     yield started
     started.close()
+
+
+def test_error_in_the_words_of_a_sensor_names_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Sonar, "text", lambda *_: 1 / 0)
+    scenario = load("tutorial_arena", ["robots.sensors=[{kind: sonar, name: front}]"])
+    with pytest.raises(SensorError, match=r"^robot 0, sensor front \(kind sonar\): ZeroDivisionError: "):
+        LiveMission(lambda _: scenario, speed=1.0, playing=False)
 
 
 def _frame(mission: LiveMission, *commands: AnyCommand) -> Frame:
