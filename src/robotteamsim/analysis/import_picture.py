@@ -18,6 +18,10 @@ from robotteamsim.world.floor_parts import FloorPart
 _INK_ALPHA = 0.9
 
 
+_MOST_NAMES = 24
+"""Of doors; more would hide the building."""
+
+
 def draw_import(
     plan: FloorPlan, parts: Sequence[FloorPart], image: MapImage | None = None, left_out: np.ndarray | None = None
 ) -> Figure:
@@ -36,7 +40,7 @@ def draw_import(
         handles.append(_square(palette.WAITING, "ink that is no wall"))
     if plan.doors:
         handles.append(Line2D([], [], color=palette.DOORS["normal"], linewidth=2.4, label="door"))
-        for door in plan.doors:
+        for door in plan.doors if len(plan.doors) <= _MOST_NAMES else ():
             x, y = (0.5 * np.add(door.start, door.end)).tolist()
             name = door.name.removeprefix("door_")
             axes.text(x, y, name, color=palette.DOORS["normal"], ha="center", va="center", weight="bold", zorder=7)

@@ -12,9 +12,8 @@ _SIGNS = (
     (r"\A\s*(?=<).*?<sdf[\s>]", "a world of Gazebo (SDF)"),
     (r"\A\s*(?=<).*?<mvsim_world[\s>]", "a world of MVSim"),
     (r"\A(?=.*^world:)(?=.*^(robot|obstacle):)", "a world of IR-SIM"),
-    (r"\A(?=.*^levels:)(?=.*^(building_name|coordinate_system|crowd_sim|graphs|name):)", "a building of Open-RMF"),
 )
-"""What only such a file has: an element (SDF 1.6, mvsim 0.10), or keys (ir-sim 2.11, rmf_traffic_editor 1.9)."""
+"""What only such a file has: an element (SDF 1.6, mvsim 0.10), or keys (ir-sim 2.11)."""
 
 
 def foreign_file(words: Iterable[str]) -> str | None:

@@ -85,6 +85,7 @@ _OURS = {
     "image": "robotteamsim.formats.image:ImageImporter",
     "dxf": "robotteamsim.formats.dxf:DxfImporter",
     "stage": "robotteamsim.stage.formats:StageImporter",
+    "open_rmf": "robotteamsim.formats.open_rmf:OpenRmfImporter",
 }
 """Our importers, by the places of their classes."""
 

@@ -31,7 +31,6 @@ def _in_empty_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (SDF, "a world of Gazebo (SDF)"),
         (MVSIM, "a world of MVSim"),
         (IR_SIM, "a world of IR-SIM"),
-        (RMF, "a building of Open-RMF"),
     ],
 )
 def test_file_that_no_command_reads_is_named(refusal, command, text, what):
@@ -39,10 +38,11 @@ def test_file_that_no_command_reads_is_named(refusal, command, text, what):
     assert refusal(*command.split(), "a.world") == f"a.world is {what}, {NO_COMMAND}"
 
 
-@pytest.mark.parametrize("command", ["run", "plan export-stage --out o", "analyse", "scenario check"])
-def test_stage_world_is_named_with_the_command_that_reads_it(refusal, command):
-    Path("a.world").write_text(STAGE)
-    assert refusal(*command.split(), "a.world") == "a.world is a world of Stage: use plan import"
+@pytest.mark.parametrize("command", ["run", "plan export-stage --out o", "analyse"])
+@pytest.mark.parametrize(("text", "what"), [(STAGE, "a world of Stage"), (RMF, "a building.yaml of Open-RMF")])
+def test_file_that_can_be_imported_is_named_with_the_command_that_reads_it(refusal, command, text, what):
+    Path("a.world").write_text(text)
+    assert refusal(*command.split(), "a.world") == f"a.world is {what}: use plan import"
 
 
 def test_stage_world_that_import_rejects_is_rejected_as_before(refusal):

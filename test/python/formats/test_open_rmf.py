@@ -1,0 +1,200 @@
+"""Levels of Open-RMF's buildings: places, openings and materials as its own tools have them; mistakes."""
+
+from __future__ import annotations
+
+import cmath
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+import yaml
+
+from robotteamsim.cli import main
+from robotteamsim.errors import ScenarioError
+from robotteamsim.formats import Imported
+from robotteamsim.formats.open_rmf import OpenRmfImporter
+from robotteamsim.scenario.plan import solids
+
+PLAIN = {"alpha": [3, 1.0]}
+SCALE_M = 0.02
+
+
+def metres(distance: float) -> dict[str, Any]:
+    return {"distance": [3, distance]}
+
+
+def level(**more: Any) -> dict[str, Any]:
+    """Return a room of 10 x 5 m whose east wall has a gap of 1 m, in pixels of 2 cm, y downwards."""
+    vertices = [[0, 0], [500, 0], [500, 100], [500, 150], [500, 250], [0, 250], [0, 100], [250, 100]]
+    return {
+        "elevation": 0,
+        "vertices": [[x, y, 0, ""] for x, y in vertices],
+        "walls": [[a, b, PLAIN] for a, b in ((0, 1), (1, 2), (3, 4), (4, 5), (5, 0))] + [[6, 7, {"alpha": [3, 0.5]}]],
+        "doors": [[2, 3, {"name": [1, "gate"], "type": [1, "hinged"]}]],
+        # Of 10.1 and 9.9 m for the same 500 pixels.
+        "measurements": [[0, 1, metres(10.1)], [0, 1, metres(9.9)]],
+        **more,
+    }
+
+
+def read(folder: Path, building: dict[str, Any], **options: Any) -> Imported:
+    path = folder / "house.building.yaml"
+    path.write_text(yaml.safe_dump({"name": "house", **building}))
+    return OpenRmfImporter().read(path, **options)
+
+
+def test_room_has_its_walls_and_the_full_width_of_its_door(tmp_path):
+    plan = read(tmp_path, {"levels": {"L1": level()}}).plan
+    walls = {wall.name: wall for wall in plan.walls}
+    assert [len(plan.walls), len(plan.doors), plan.name] == [6, 1, "house L1"]
+    assert (walls["wall_1"].start, walls["wall_1"].end) == ((-0.05, 0.0), (10.05, 0.0))
+    assert (walls["wall_2"].start, walls["wall_2"].end) == ((10.0, 0.05), (10.0, -2.0))  # ends at the door
+    assert (walls["wall_3"].start, walls["wall_3"].end) == ((10.0, -3.0), (10.0, -5.05))
+    assert {(wall.thickness_m, wall.height_m) for wall in plan.walls} == {(0.1, 2.5)}
+    (door,) = plan.doors
+    assert (door.name, door.start, door.end, door.closed) == ("gate", (10.0, -2.0), (10.0, -3.0), False)
+    built = shapely.union_all([solid.polygon for solid in solids(plan) if solid.kind != "door"])
+    opening = shapely.LineString([(10.0, 0.0), (10.0, -5.0)]).difference(built)
+    assert opening.length == pytest.approx(1.0, abs=1e-9)
+    # Corners close.
+    assert built.buffer(-0.04).covers(shapely.Point(0.0, 0.0))
+
+
+def test_transparent_wall_is_of_glass(tmp_path):
+    found = read(tmp_path, {"levels": {"L1": level()}})
+    assert [wall.name for wall in found.plan.walls if wall.material == "glass"] == ["wall_6"]
+    assert [material.name for material in found.plan.materials] == ["glass"]
+    assert "1 wall drawn transparent: taken as 6 mm of glass" in found.notes
+
+
+def test_double_door_is_two_leaves_by_its_ratio(tmp_path):
+    doors = [[2, 3, {"name": [1, "gate"], "type": [1, "double_hinged"], "right_left_ratio": [3, 3.0]}]]
+    left, right = read(tmp_path, {"levels": {"L1": level(doors=doors)}}).plan.doors
+    assert (left.name, left.start, left.end) == ("gate_left", (10.0, -2.0), (10.0, -2.25))
+    assert (right.name, right.start, right.end) == ("gate_right", (10.0, -3.0), (10.0, -2.25))
+
+
+def test_hinge_is_at_the_end_if_the_file_says_so(tmp_path):
+    doors = [[2, 3, {"type": [1, "hinged"], "motion_axis": [1, "end"]}]]
+    (door,) = read(tmp_path, {"levels": {"L1": level(doors=doors)}}).plan.doors
+    assert (door.name, door.start, door.end) == ("door_1", (10.0, -3.0), (10.0, -2.0))
+
+
+@pytest.mark.parametrize(("turn_rad", "size"), [(0.0, 1.0), (0.7, 1.3), (-2.9, 0.4)])
+def test_other_level_lies_by_its_fiducials_and_not_by_its_own_measurement(tmp_path, turn_rad, size):
+    """The second level is the first one, turned and scaled in its drawing, with a wrong measurement of its own."""
+    first = level(fiducials=[[0, 0, "a"], [500, 0, "b"], [500, 250, "c"]])
+    factor, shift = size * cmath.exp(1j * turn_rad), complex(70.0, -30.0)
+
+    def drawn(x: float, y: float) -> list[float]:
+        z = factor * complex(x, -y) + shift
+        return [z.real, -z.imag]
+
+    second = level(
+        vertices=[[*drawn(x, y), 0, ""] for x, y, *_ in first["vertices"]],
+        fiducials=[[*drawn(x, y), name] for x, y, name in first["fiducials"]],
+        measurements=[[0, 1, metres(77.0)]],
+    )
+    levels = {"levels": {"L1": first, "L2": second}}
+    expected, found = read(tmp_path, levels).plan, read(tmp_path, levels, level="L2").plan
+    for wall, other in zip(expected.walls, found.walls, strict=True):
+        np.testing.assert_allclose([wall.start, wall.end], [other.start, other.end], atol=2e-6)
+
+
+def test_level_without_shared_fiducials_lies_by_its_own_measurement_and_says_so(tmp_path):
+    second = level(measurements=[[0, 1, metres(20.0)]], fiducials=[[0, 0, "a"]])
+    levels = {"levels": {"L1": level(fiducials=[[0, 0, "a"]]), "L2": second}}
+    found = read(tmp_path, levels, level="L2")
+    assert found.plan.walls[0].end == (20.05, 0.0)
+    assert any(note.startswith("level L2 shares fewer than two fiducials with L1: ") for note in found.notes)
+    assert "level L1: left out; --level L1 imports it" in found.notes
+
+
+def test_reference_level_is_named_or_the_first(tmp_path):
+    levels = {"L1": level(), "L2": level(measurements=[[0, 1, metres(20.0)]])}
+    assert read(tmp_path, {"levels": levels}).plan.name == "house L1"
+    found = read(tmp_path, {"levels": levels, "reference_level_name": "L2"})
+    assert (found.plan.name, found.plan.walls[0].end) == ("house L2", (20.05, 0.0))
+
+
+def test_metres_are_neither_scaled_nor_flipped(tmp_path):
+    building = {"levels": {"L1": level(measurements=[])}, "coordinate_system": "cartesian_meters"}
+    plan = read(tmp_path, building).plan
+    assert (plan.walls[1].start, plan.walls[1].end) == ((500.0, -0.05), (500.0, 100.0))
+
+
+def test_shaft_of_a_lift_is_a_block_turned_in_the_map(tmp_path):
+    doors = {"L1": ["d"], "L2": ["d"]}
+    lift = {
+        "reference_floor_name": "L1",
+        "x": 100,
+        "y": 50,
+        "yaw": 0.5,
+        "width": 2.0,
+        "depth": 1.0,
+        "level_doors": doors,
+    }
+    elsewhere = {**lift, "level_doors": {"L2": ["d"]}}
+    (block,) = read(tmp_path, {"levels": {"L1": level()}, "lifts": {"a": lift, "b": elsewhere}}).plan.blocks
+    turned = shapely.affinity.rotate(shapely.box(0.95, -1.55, 3.05, -0.45), 0.5, use_radians=True)
+    assert block.name == "lift_a"
+    assert shapely.Polygon(block.polygon).symmetric_difference(turned).area < 1e-4
+
+
+@pytest.mark.parametrize(
+    ("building", "line"),
+    [
+        ({"levels": {}}, "levels: none"),
+        ({"levels": {"L1": level(walls=[])}}, "levels.L1: has no walls, so there is no building to import"),
+        ({"levels": {"L1": level(measurements=[])}}, "levels.L1: has no measurement, so its scale is unknown"),
+        (
+            {"levels": {"L1": level(measurements=[[0, 1, metres(-1.0)]])}},
+            "levels.L1.measurements.0: -1 m for 500 pixels; expected more than 0",
+        ),
+        ({"levels": {"L1": level(measurements=[[0, 1, {}]])}}, "levels.L1.measurements.0.distance: missing; expected"),
+        ({"levels": {"L1": level(walls=[[0, 99, PLAIN]])}}, "levels.L1.walls.0: vertex 99; expected 0 to 7"),
+        (
+            {"levels": {"L1": level(walls=[[0, "x", PLAIN]])}},
+            "Expected `int`, got `str` - at `$.levels[...].walls[0][1]`",
+        ),
+        (
+            {"levels": {"L1": level(vertices=[[0, float("nan"), 0, ""]] * 8)}},
+            "levels.L1.measurements.0: vertex 0 is at [0, nan]; expected two numbers",
+        ),
+        (
+            {"levels": {"L1": level(measurements=[[0, 1, metres(1e9)]])}},
+            "levels.L1.walls.0: vertex 1 is at [1e+09, 0] m; expected at most 100000",
+        ),
+        (
+            {"levels": {"L1": level()}, "coordinate_system": "wgs84"},
+            "coordinate_system: 'wgs84'; expected reference_image or cartesian_meters",
+        ),
+        (
+            {"levels": {"L1": level()}, "reference_level_name": "L3"},
+            "there is no level 'L3'; expected one of L1",
+        ),
+    ],
+)
+def test_mistake_is_one_line_with_its_place(tmp_path, building, line):
+    with pytest.raises(ScenarioError, match=f"^{tmp_path}/house.building.yaml: {re.escape(line)}"):
+        read(tmp_path, building)
+
+
+def test_command_imports_a_level_with_a_picture(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    building = {"name": "house", "coordinate_system": "reference_image", "levels": {"L1": level(), "L2": level()}}
+    Path("house.yaml").write_text(yaml.safe_dump(building))
+    assert main(["plan", "import", "house.yaml", "--level", "L2", "--png", "p.png"]) == 0
+    said = capsys.readouterr()
+    assert said.out == "plan.yaml: 11 x 6 m, 5 walls, 0 blocks, 1 door, 1 window\np.png\n"
+    assert "robotteamsim: warning: level L1: left out; --level L1 imports it\n" in said.err
+    assert Path("p.png").stat().st_size > 1000
+    assert main(["plan", "import", "house.yaml", "--level", "L9"]) == 2
+    assert "house.yaml: there is no level 'L9'; expected one of L1, L2" in capsys.readouterr().err
+    assert main(["plan", "import", "house.yaml", "--metres-per-pixel", "0.1"]) == 2
+    assert (
+        "house.yaml is a building.yaml of Open-RMF, for which there is no --metres-per-pixel" in capsys.readouterr().err
+    )
