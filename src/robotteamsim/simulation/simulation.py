@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import msgspec
 
@@ -107,7 +108,7 @@ class Simulation:
         moved: Mapping[str, Point],
     ) -> StepRecord:
         """Return the record of a step before anybody decides."""
-        world, hazards, mission = self.world, self.hazards, self.mission
+        world, hazards = self.world, self.hazards
         return StepRecord(
             step_index=world.step_index,
             sim_time_ns=world.sim_time_ns,
@@ -116,13 +117,6 @@ class Simulation:
             inboxes=inboxes,
             task=self._task,
             voice_map=self.hearing.new_map,
-            doors=world.door_states(),
-            team_version=world.team_version,
-            present=world.present,
-            arrivals=world.arrivals,
-            mishaps=world.mishaps,
-            loads=world.loads,
-            objects=world.object_states(),
             smoke=hazards.field,
             smoke_is_new=hazards.is_updated,
             failed=hazards.failed,
@@ -132,12 +126,26 @@ class Simulation:
             people=self.people.states,
             people_version=self.people.version,
             decisions=self._decisions,
-            mission=mission.status,
             events=(),
-            victims=mission.victims,
-            noise_db=mission.noise_db,
-            egress=mission.egress,
+            **self._as_it_is(),
         )
+
+    def _as_it_is(self) -> dict[str, Any]:
+        """Return the parts of a record that others can change between two steps."""
+        world, mission = self.world, self.mission
+        return {
+            "doors": world.door_states(),
+            "team_version": world.team_version,
+            "present": world.present,
+            "arrivals": world.arrivals,
+            "mishaps": world.mishaps,
+            "loads": world.loads,
+            "objects": world.object_states(),
+            "mission": mission.status,
+            "victims": mission.victims,
+            "noise_db": mission.noise_db,
+            "egress": mission.egress,
+        }
 
     def decide(self, record: StepRecord) -> StepRecord:
         """Complete a step: let the controllers decide and the mission judge, and return its record."""
@@ -167,8 +175,7 @@ class Simulation:
 
         A robot that came has measured nothing yet, but its pose.
         """
-        world, mission = self.world, self.mission
-        state = record.state
+        world, state = self.world, record.state
         if world.team_version != record.team_version:
             state = _core.state.State(*record.state.ranges_m.shape)
             for robot_id, pose in enumerate(world.poses()):
@@ -177,21 +184,7 @@ class Simulation:
                     state.put_reading(robot_id, record.readings[robot_id])
                 elif world.present[robot_id]:
                     state.place(robot_id, pose)
-        return msgspec.structs.replace(
-            record,
-            state=state,
-            doors=world.door_states(),
-            team_version=world.team_version,
-            present=world.present,
-            arrivals=world.arrivals,
-            mishaps=world.mishaps,
-            loads=world.loads,
-            objects=world.object_states(),
-            mission=mission.status,
-            victims=mission.victims,
-            noise_db=mission.noise_db,
-            egress=mission.egress,
-        )
+        return msgspec.structs.replace(record, state=state, **self._as_it_is())
 
     def silence(self) -> bool:
         """Silence the victims who call no more, before robots that are moved elsewhere hear; whether that is new."""
