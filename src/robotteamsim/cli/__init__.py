@@ -1,6 +1,7 @@
 """The command line: `robotteamsim --help`."""
 
 import gc
+import logging
 import signal
 import sys
 from collections.abc import Sequence
@@ -16,6 +17,7 @@ def run_and_exit() -> NoReturn:
     the command's own modules on, it prints "interrupted", and the status is 130.
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
+    logging.basicConfig(format="robotteamsim: warning: %(message)s")  # of parts of users' packages, for example
     gc.disable()  # until the command begins: searching what imports make for garbage takes a tenth of the start
     sys.exit(main())
 
