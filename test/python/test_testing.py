@@ -13,7 +13,7 @@ from robotteamsim.control.runtime.registry import algorithm_names
 from robotteamsim.errors import ScenarioError
 from robotteamsim.learning import TASKS, Act, DiscreteAct, Observe, Reward, task
 from robotteamsim.scenario import load
-from robotteamsim.testing import check_controller, check_env
+from robotteamsim.testing import check_controller, check_env, check_sensor
 
 
 @pytest.mark.slow
@@ -188,3 +188,16 @@ class Drifting(Observe):
 def test_environment_with_a_mistake_is_found(rules, message):
     with pytest.raises(AssertionError, match=f"^{message}"):
         check_env(load("garage_sar"), steps=5, **rules)
+
+
+@pytest.mark.parametrize(
+    ("sensor", "scenario"),
+    [
+        ({"kind": "sonar", "name": "front"}, "garage_sar"),
+        ({"kind": "gps", "name": "gps", "datum_lat_deg": 40.0, "datum_lon_deg": -8.0}, "tutorial_arena"),
+        ({"kind": "laser", "name": "rear"}, "warehouse_push"),  # a list of robots
+        ({"kind": "heat", "name": "heat"}, "garage_rescue"),
+    ],
+)
+def test_our_sensors_pass_the_check(sensor, scenario):
+    check_sensor(sensor, scenario, steps=20)

@@ -21,6 +21,7 @@ from robotteamsim.recording.bag_types import ROS1, ROS2, message_type
 from robotteamsim.rng import stream
 from robotteamsim.scenario import Scenario, load
 from robotteamsim.scenario.problems import suggestion
+from robotteamsim.scenario.sections import Team
 from robotteamsim.scenario.sensors.base import messages_of, naming, reading_of, text_of
 from robotteamsim.scenario.worlds import WORLDS
 from robotteamsim.setup import Setup, resolve
@@ -155,7 +156,8 @@ def check_sensor(
             RobotTeamSimError: the scenario is invalid, such as of an unknown kind.
     """
     plain = load(scenario, overrides)
-    setup = resolve(load(scenario, [*overrides, f"robots.sensors={json.dumps([sensor])}"]))
+    key = "robots.sensors" if isinstance(plain.robots, Team) else "robots.0.sensors"
+    setup = resolve(load(scenario, [*overrides, f"{key}={json.dumps([sensor])}"]))
     carried = setup.robots[0].sensors[0]
     name, mission, again, without = carried.name, Simulation(setup), Simulation(setup), Simulation(plain)
     measured = 0
