@@ -16,8 +16,6 @@ from robotteamsim.scenario.map_image import MapImage
 from robotteamsim.world.floor_parts import FloorPart
 
 _INK_ALPHA = 0.9
-
-
 _MOST_NAMES = 24
 """Of doors; more would hide the building."""
 

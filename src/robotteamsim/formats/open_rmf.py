@@ -5,7 +5,7 @@ from __future__ import annotations
 import cmath
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, ClassVar, NamedTuple
@@ -14,16 +14,16 @@ import msgspec
 import numpy as np
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.formats.drawings import drawn
 from robotteamsim.formats.importer import Imported, Importer
 from robotteamsim.formats.options import Options
-from robotteamsim.scenario.base import Point
-from robotteamsim.scenario.floor_plan import Block, Bounds, FloorPlan
-from robotteamsim.scenario.map_image import DrawingRules
+from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Point
+from robotteamsim.scenario.door_places import misplaced_doors, without_misplaced_doors
+from robotteamsim.scenario.floor_plan import Block, FloorPlan
 from robotteamsim.scenario.materials import Layer, Material
 from robotteamsim.scenario.problems import checked, suggestion
 from robotteamsim.scenario.yaml_text import read_mapping
 from robotteamsim.wording import counted
+from robotteamsim.world.floor_parts import floor_parts, part_texts
 
 WALL_M, WALL_HEIGHT_M, LONGER_M = 0.1, 2.5, 0.05
 """Thickness and height of walls, and by how much they are longer at each end, so that corners close."""
@@ -31,9 +31,9 @@ LEAF_M, LEAF_HEIGHT_M = 0.03, 2.2
 SHAFT_M = 0.05
 """By how much the shaft of a lift is wider than its cabin, on each side."""
 _GLASS = Material(name="glass", layers=(Layer(of="glass", thickness_m=0.006),))
-_MARGIN_M = 0.5
-_ANY_M = 0.0, math.inf
-_MOST_M = 1e5
+_MARGIN_M, _ROBOT_M = 0.5, 0.2
+"""Around everything; and radius of the robot for which parts of the floor count as connected."""
+_SHORTEST_M, _MOST_M, _MOST_PIXELS, _MOST_FIDUCIALS = 1e-6, 1e5, 1e9, 100
 
 Parameters = dict[str, tuple[int, Any]]
 """[code, value] by name; code: 1 string, 2 integer, 3 real, 4 boolean."""
@@ -52,23 +52,24 @@ class _Level(msgspec.Struct):
     walls: list[tuple[int, int, Parameters]] = []
     doors: list[tuple[int, int, Parameters]] = []
     measurements: list[tuple[int, int, Parameters]] = []
-    fiducials: list[tuple[float, float, Any]] = []
+    fiducials: list[tuple[float, float, str | int]] = []
     floors: list[_Floor] = []
 
 
 class _Lift(msgspec.Struct):
-    reference_floor_name: str
     x: float
     y: float
     yaw: float
     width: float
     depth: float
-    level_doors: dict[str, Any] = {}
+    reference_floor_name: str = ""
+    level_doors: dict[str, list[str]] = {}
 
 
 class _Building(msgspec.Struct):
     levels: dict[str, _Level]
-    name: str = "building"
+    name: str = ""
+    building_name: str = ""
     coordinate_system: str = "reference_image"
     reference_level_name: str = ""
     lifts: dict[str, _Lift] = {}
@@ -92,31 +93,33 @@ class OpenRmfImporter(Importer):
             building = msgspec.convert(data, _Building)
         except msgspec.ValidationError as error:
             raise ScenarioError(f"{path}: {error}") from None
-        if not building.levels:
-            raise ScenarioError(f"{path}: levels: none")
-        reference = building.reference_level_name or next(iter(building.levels))
-        name = options.get("level", reference)
-        for known in (reference, name):
-            if known not in building.levels:
-                raise ScenarioError(
-                    f"{path}: there is no level '{known}'; expected one of {', '.join(building.levels)}"
-                    f"{suggestion(known, list(building.levels))}"
-                )
-        places, notes = _placed(path, building, reference)
-        level = _LevelOnMap(f"{path}: levels.{name}", building.levels[name], places[name])
-        notes += list(level.notes())
-        notes += [f"level {other}: left out; --level {other} imports it" for other in building.levels if other != name]
-        blocks, of_lifts = _shafts(path, building, name, places)
+        places = _Places(path, building)
+        name = options.get("level", places.reference)
+        level = _LevelOnMap(f"{path}: levels.{name}", places.level(name), places.of(name))
+        blocks = list(_shafts(path, building, name, places))
         keys = {
-            "name": f"{building.name} {name}".strip(),
+            "name": " ".join(filter(None, (building.name or building.building_name, name))),
             "bounds": level.bounds(blocks),
             "walls": list(level.walls()),
             "blocks": blocks,
-            "doors": list(level.doors()),
+            "doors": list(level.doors({block.name for block in blocks})),
             "materials": (_GLASS,) if level.num_glass else (),
         }
-        plan = checked(FloorPlan, keys, place=f"{path}: ")
-        return drawn(plan, DrawingRules(doors_m=_ANY_M, windows_m=_ANY_M), (*notes, *of_lifts))
+        drawn = checked(FloorPlan, keys, place=f"{path}: levels.{name}: ")
+        notes = [*places.notes, *level.notes()]
+        notes += [f"door {drawn.doors[i].name}: {why}; left out" for i, why in misplaced_doors(drawn)]
+        notes += [f"{block.name}: its shaft is a block, for a plan has one level" for block in blocks]
+        notes += [f"level {other}: left out; --level {other} imports it" for other in building.levels if other != name]
+        plan = without_misplaced_doors(drawn)
+        parts = floor_parts(plan, _ROBOT_M)
+        notes += [f"no door leads from the largest part of the floor to {part}" for part in part_texts(parts[1:])]
+        width_m, height_m = np.subtract(plan.bounds.max, plan.bounds.min)
+        counts = (
+            counted(len(plan.walls), "wall"),
+            counted(len(blocks), "lift"),
+            counted(len(plan.doors), "door"),
+        )
+        return Imported(plan, tuple(notes), summary=f"{width_m:g} x {height_m:g} m, {', '.join(counts)}", parts=parts)
 
 
 @dataclass(frozen=True)
@@ -132,63 +135,83 @@ class _Place:
         return self.factor * complex(x, self.y_sign * y) + self.shift
 
 
-def _placed(path: Path, building: _Building, reference: str) -> tuple[dict[str, _Place], list[str]]:
-    """Return how each level lies in the map, and what is doubtful about it. Raises: ScenarioError."""
-    if building.coordinate_system not in ("reference_image", "cartesian_meters"):
-        text = f"coordinate_system: '{building.coordinate_system}'; expected reference_image or cartesian_meters"
-        raise ScenarioError(f"{path}: {text}")
-    if building.coordinate_system == "cartesian_meters":
-        return dict.fromkeys(building.levels, _Place(1.0 + 0.0j, 0.0j, 1.0)), []
-    places, notes = {}, []
-    scale_m = _scale_m(path, reference, building.levels[reference])
-    drawn_at = {name: _fiducials(level) for name, level in building.levels.items()}
-    for name, level in building.levels.items():
-        shared = sorted(drawn_at[name].keys() & drawn_at[reference].keys(), key=str)
-        if name == reference:
-            places[name] = _Place(complex(scale_m), 0.0j, -1.0)
-        elif len(shared) >= 2:
-            here, there = ([drawn_at[one][key] for key in shared] for one in (name, reference))
-            factor, shift = _alignment(here, there)
-            places[name] = _Place(scale_m * factor, scale_m * shift, -1.0)
-        else:
-            places[name] = _Place(complex(_scale_m(path, name, level)), 0.0j, -1.0)
-            notes.append(
-                f"level {name} shares fewer than two fiducials with {reference}: it lies by its own measurements, "
-                "where Open-RMF takes a pixel as a metre"
-            )
-    return places, notes
+class _Places:
+    """How the levels of a building lie in the map."""
 
+    def __init__(self, path: Path, building: _Building) -> None:
+        """Place none yet. Raises: ScenarioError: no levels, or another coordinate system."""
+        if not building.levels:
+            raise ScenarioError(f"{path}: levels: none")
+        if building.coordinate_system not in ("reference_image", "cartesian_meters"):
+            text = f"coordinate_system: '{building.coordinate_system}'; expected reference_image or cartesian_meters"
+            raise ScenarioError(f"{path}: {text}")
+        self._path, self._building = path, building
+        self.reference = building.reference_level_name or next(iter(building.levels))
+        self.notes: list[str] = []
+        """What is doubtful about the levels that were placed."""
 
-def _scale_m(path: Path, name: str, level: _Level) -> float:
-    """Return the metres per pixel of a level by its measurements. Raises: ScenarioError: it has none."""
-    ratios = []
-    for index, (start, end, parameters) in enumerate(level.measurements):
-        key = f"{path}: levels.{name}.measurements.{index}"
-        (x0, y0), (x1, y1) = _vertex(key, level, start), _vertex(key, level, end)
-        edge = _Edge(key, complex(x0, y0), complex(x1, y1), parameters)
-        distance_m, pixels = _number(edge, "distance"), abs(edge.end - edge.start)
-        if not (distance_m > 0.0 and pixels > 0.0):
-            raise ScenarioError(f"{key}: {distance_m:g} m for {pixels:g} pixels; expected more than 0")
-        ratios.append(distance_m / pixels)
-    if not ratios:
-        raise ScenarioError(f"{path}: levels.{name}: has no measurement, so its scale is unknown")
-    return float(np.mean(ratios))
+    def level(self, name: str) -> _Level:
+        """Return a level. Raises: ScenarioError: there is none of this name."""
+        levels = self._building.levels
+        if name not in levels:
+            known = f"expected one of {', '.join(levels)}{suggestion(name, list(levels))}"
+            raise ScenarioError(f"{self._path}: there is no level '{name}'; {known}")
+        return levels[name]
 
+    def of(self, name: str) -> _Place:
+        """Return the place of a level. Raises: ScenarioError: there is none, or its scale is unknown."""
+        for known in (self.reference, name):
+            self.level(known)
+        if self._building.coordinate_system == "cartesian_meters":
+            return _Place(1.0 + 0.0j, 0.0j, 1.0)
+        if name == self.reference:
+            return _Place(complex(self._scale_m(name)), 0.0j, -1.0)
+        drawn, expected = (self._fiducials(one) for one in (name, self.reference))
+        if shared := sorted(drawn.keys() & expected.keys(), key=str)[:_MOST_FIDUCIALS]:
+            factor, shift = _alignment([drawn[key] for key in shared], [expected[key] for key in shared])
+            if factor:
+                scale_m = self._scale_m(self.reference)
+                return _Place(scale_m * factor, scale_m * shift, -1.0)
+        self.notes.append(
+            f"level {name} shares fewer than two fiducials with {self.reference}: it lies by its own measurements, "
+            "where Open-RMF takes a pixel as a metre"
+        )
+        return _Place(complex(self._scale_m(name)), 0.0j, -1.0)
 
-def _fiducials(level: _Level) -> dict[Any, complex]:
-    """Return the fiducials of a level by name, in pixels with y upwards."""
-    return {name: complex(x, -y) for x, y, name in level.fiducials}
+    def _scale_m(self, name: str) -> float:
+        """Return the metres per pixel of a level by its measurements. Raises: ScenarioError: it has none."""
+        level, ratios = self.level(name), []
+        for index, (start, end, parameters) in enumerate(level.measurements):
+            key = f"{self._path}: levels.{name}.measurements.{index}"
+            edge = _Edge(key, complex(*_vertex(key, level, start)), complex(*_vertex(key, level, end)), parameters)
+            distance_m, pixels = _number(edge, "distance"), abs(edge.end - edge.start)
+            if not (distance_m > 0.0 and pixels > 0.0):
+                raise ScenarioError(f"{key}: {distance_m:g} m for {pixels:g} pixels; expected more than 0")
+            ratios.append(distance_m / pixels)
+        if not ratios:
+            raise ScenarioError(f"{self._path}: levels.{name}: has no measurement, so its scale is unknown")
+        return float(np.mean(ratios))
+
+    def _fiducials(self, name: str) -> dict[str | int, complex]:
+        """Return the fiducials of a level by name, in pixels with y upwards. Raises: ScenarioError: one far away."""
+        for x, y, fiducial in self.level(name).fiducials:
+            if not max(abs(x), abs(y)) <= _MOST_PIXELS:
+                raise ScenarioError(f"{self._path}: levels.{name}.fiducials: '{fiducial}' is at [{x:g}, {y:g}]")
+        return {fiducial: complex(x, -y) for x, y, fiducial in self.level(name).fiducials}
 
 
 def _alignment(here: Sequence[complex], there: Sequence[complex]) -> tuple[complex, complex]:
-    """Return factor and shift from the fiducials of a level to those of the reference level, over all pairs."""
+    """Return factor and shift from the fiducials of a level to those of the reference level, over all pairs.
+
+    A factor of 0: no two of them are apart.
+    """
     turns, ratios = [], []
     for (a, b), (c, d) in zip(itertools.combinations(here, 2), itertools.combinations(there, 2), strict=True):
         if a != b and c != d:
             turns.append(cmath.exp(1j * (cmath.phase(d - c) - cmath.phase(b - a))))
             ratios.append(abs(d - c) / abs(b - a))
     if not ratios:
-        return 1.0 + 0.0j, complex(np.mean(there)) - complex(np.mean(here))
+        return 0.0j, 0.0j
     factor = complex(np.mean(ratios)) * cmath.exp(1j * cmath.phase(sum(turns)))
     return factor, complex(np.mean(np.array(there) - factor * np.array(here)))
 
@@ -198,7 +221,7 @@ def _vertex(key: str, level: _Level, index: int) -> tuple[float, float]:
     if not 0 <= index < len(level.vertices):
         raise ScenarioError(f"{key}: vertex {index}; expected 0 to {len(level.vertices) - 1}")
     vertex = level.vertices[index][:2]
-    if len(vertex) < 2 or not all(isinstance(one, (int, float)) and math.isfinite(one) for one in vertex):
+    if len(vertex) < 2 or not all(map(_is_number, vertex)):
         raise ScenarioError(f"{key}: vertex {index} is at {vertex}; expected two numbers")
     return float(vertex[0]), float(vertex[1])
 
@@ -206,9 +229,13 @@ def _vertex(key: str, level: _Level, index: int) -> tuple[float, float]:
 def _number(edge: _Edge, name: str, default: float | None = None) -> float:
     """Return a parameter. Raises: ScenarioError: it is missing, or no number."""
     _, value = edge.parameters.get(name, (3, default))
-    if not isinstance(value, (int, float)) or not math.isfinite(value):
+    if not _is_number(value):
         raise ScenarioError(f"{edge.key}.{name}: {'missing' if value is None else value}; expected a number")
     return float(value)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
 
 
 class _Edge(NamedTuple):
@@ -226,19 +253,19 @@ class _LevelOnMap:
     def __init__(self, key: str, level: _Level, place: _Place) -> None:
         """Place all walls and doors. Raises: ScenarioError: there is no wall, or one without a place."""
         self._key, self._level, self._place = key, level, place
-        if not level.walls:
+        self._walls, self._doors = self._edges("walls", level.walls), self._edges("doors", level.doors)
+        if not self._walls:
             raise ScenarioError(f"{key}: has no walls, so there is no building to import")
-        self._walls = [edge for edge in self._edges("walls", level.walls) if abs(edge.end - edge.start) > 1e-6]
-        self._doors = self._edges("doors", level.doors)
         self.num_glass = sum(map(_is_glass, self._walls))
         """Number of walls that are drawn transparent."""
 
     def _edges(self, name: str, edges: Sequence[tuple[int, int, Parameters]]) -> list[_Edge]:
+        """Return the edges that have a length."""
         found = []
         for index, (start, end, parameters) in enumerate(edges):
             key = f"{self._key}.{name}.{index}"
             found.append(_Edge(key, self._of(key, start), self._of(key, end), parameters))
-        return found
+        return [edge for edge in found if abs(edge.end - edge.start) > _SHORTEST_M]
 
     def _of(self, key: str, index: int) -> complex:
         """Return a vertex in the map. Raises: ScenarioError: there is none, or it is too far away."""
@@ -259,25 +286,28 @@ class _LevelOnMap:
             size = {"thickness_m": WALL_M, "height_m": WALL_HEIGHT_M}
             yield {"name": f"wall_{index + 1}", **ends, **size, "material": _GLASS.name if _is_glass(wall) else None}
 
-    def doors(self) -> Iterator[dict[str, Any]]:
-        """Yield the leaves of doors, open; a double door is two, from both sides."""
-        names: set[str] = set()
+    def doors(self, taken: set[str]) -> Iterator[dict[str, Any]]:
+        """Yield the leaves of doors, open; a double door is two, from both sides. Args: taken: names of blocks."""
+        names = taken | {wall["name"] for wall in self.walls()}
         for index, door in enumerate(self._doors):
             found = str(door.parameters.get("name", (1, ""))[1]).strip()
-            name = found if found and found not in names else f"{found or 'door'}_{index + 1}"
-            names.add(name)
-            leaves = [(name, door.start, door.end)]
+            if not found.isprintable() or not 0 < len(found) < MAX_NAME_CHARACTERS - len("_right"):
+                found = f"door_{index + 1}"
+            leaves = [("", door.start, door.end)]
             if str(door.parameters.get("type", (1, ""))[1]).startswith("double"):
                 ratio = _number(door, "right_left_ratio", 1.0)
+                if not ratio > 0.0:
+                    raise ScenarioError(f"{door.key}.right_left_ratio: {ratio:g}; expected more than 0")
                 middle = door.start + (door.end - door.start) / (1.0 + ratio)
-                leaves = [(f"{name}_left", door.start, middle), (f"{name}_right", door.end, middle)]
-            elif door.parameters.get("motion_axis", (1, "start"))[1] == "end":
-                leaves = [(name, door.end, door.start)]
-            for leaf, hinge, other in leaves:
+                leaves = [("_left", door.start, middle), ("_right", door.end, middle)]
+            while names & {found + side for side, *_ in leaves}:
+                found = f"{found}_{index + 1}"[-MAX_NAME_CHARACTERS + len("_right") :]
+            names |= {found + side for side, *_ in leaves}
+            for side, hinge, other in leaves:
                 size = {"thickness_m": LEAF_M, "height_m": LEAF_HEIGHT_M}
-                yield {"name": leaf, "from": _point(hinge), "to": _point(other), **size}
+                yield {"name": found + side, "from": _point(hinge), "to": _point(other), **size}
 
-    def bounds(self, blocks: Sequence[Block]) -> Bounds:
+    def bounds(self, blocks: Sequence[Block]) -> dict[str, Point]:
         """Return the rectangle around everything."""
         points = [z for edge in (*self._walls, *self._doors) for z in (edge.start, edge.end)]
         points += [complex(*corner) for block in blocks for corner in block.polygon]
@@ -285,19 +315,23 @@ class _LevelOnMap:
             points += [self._of(f"{self._key}.floors.{index}", vertex) for vertex in floor.vertices]
         low = (min(z.real for z in points) - _MARGIN_M, min(z.imag for z in points) - _MARGIN_M)
         high = (max(z.real for z in points) + _MARGIN_M, max(z.imag for z in points) + _MARGIN_M)
-        return Bounds(min=low, max=high)
+        return {"min": low, "max": high}
 
     def notes(self) -> Iterator[str]:
         """Yield what was guessed or left out."""
-        if short := len(self._level.walls) - len(self._walls):
-            yield f"{counted(short, 'wall')} without a length: left out"
+        for what, edges, kept in (
+            ("wall", self._level.walls, self._walls),
+            ("door", self._level.doors, self._doors),
+        ):
+            if short := len(edges) - len(kept):
+                yield f"{counted(short, what)} without a length: left out"
         if self.num_glass:
             thickness_mm = 1e3 * _GLASS.layers[0].thickness_m
             yield f"{counted(self.num_glass, 'wall')} drawn transparent: taken as {thickness_mm:g} mm of glass"
         if holes := sum(len(floor.holes) for floor in self._level.floors):
             yield f"{counted(holes, 'hole')} in the floor: left out, so robots drive over them"
         if self._doors:
-            yield f"{counted(len(self._doors), 'door')}: open at the start, and without a moving leaf"
+            yield f"{counted(len(self._doors), 'door')}: open at the start; `motion` in the plan would move the leaves"
 
 
 def _is_glass(wall: _Edge) -> bool:
@@ -308,20 +342,16 @@ def _point(z: complex) -> Point:
     return round(z.real, 6), round(z.imag, 6)
 
 
-def _shafts(path: Path, building: _Building, level: str, places: Mapping[str, _Place]) -> tuple[list[Block], list[str]]:
-    """Return the shafts of lifts that stop at a level as blocks, and a note. Raises: ScenarioError."""
-    blocks = []
+def _shafts(path: Path, building: _Building, level: str, places: _Places) -> Iterator[Block]:
+    """Yield the shafts of lifts at a level, from the lowest to the highest that they serve. Raises: ScenarioError."""
     for name, lift in building.lifts.items():
-        if lift.level_doors and level not in lift.level_doors:
+        served = [one for one, doors in lift.level_doors.items() if doors and one in building.levels]
+        served_m = [building.levels[one].elevation for one in served]
+        if not served_m or not min(served_m) <= building.levels[level].elevation <= max(served_m):
             continue
-        if lift.reference_floor_name not in places:
-            text = f"reference_floor_name: '{lift.reference_floor_name}'"
-            raise ScenarioError(f"{path}: lifts.{name}.{text}; expected one of {', '.join(places)}")
-        center = places[lift.reference_floor_name].of(lift.x, lift.y)
+        center = places.of(lift.reference_floor_name or places.reference).of(lift.x, lift.y)
         half = complex(0.5 * lift.width + SHAFT_M, 0.5 * lift.depth + SHAFT_M)
         corners = (half, complex(-half.real, half.imag), -half, complex(half.real, -half.imag))
         turn = cmath.exp(1j * lift.yaw)
-        keys = {"name": f"lift_{name}", "polygon": [_point(center + turn * corner) for corner in corners]}
-        blocks.append(checked(Block, keys, place=f"{path}: lifts.{name}: "))
-    text = f"{counted(len(blocks), 'lift')}: their shafts are blocks, for a plan has one level"
-    return blocks, [text] if blocks else []
+        keys = {"name": f"lift {name}", "polygon": [_point(center + turn * corner) for corner in corners]}
+        yield checked(Block, keys, place=f"{path}: lifts.{name}: ")

@@ -28,7 +28,9 @@ _LIGHT_M_PER_S = 299_792_458.0
 _SHARES = np.linspace(0.9, 1.1, 101)
 """Of the thickness, over which the power is averaged: real walls are not as even as their reflections would need."""
 MOST_DB = 120.0
-"""No wall loses more: radio finds its way around."""
+"""The largest loss of a wall, as of `radio.materials`."""
+_OPAQUE_NP = MOST_DB / (20.0 * math.log10(math.e))
+"""A greater attenuation of one layer [Np] lets nothing pass."""
 
 
 def permittivity(substance: Substance, frequency_mhz: float) -> complex:
@@ -49,13 +51,9 @@ def wall_loss_db(layers: Sequence[Layer], frequency_mhz: float) -> float:
     for layer in layers:
         index = np.sqrt(permittivity(layer.of, frequency_mhz))
         phase = 2.0 * math.pi * frequency_mhz * 1e6 / _LIGHT_M_PER_S * index * layer.thickness_m * _SHARES
-        if phase.imag.min() < -_OPAQUE:
+        if phase.imag.min() < -_OPAQUE_NP:
             return MOST_DB
         cos, sin = np.cos(phase), np.sin(phase)
         wave = wave @ np.moveaxis(np.array([[cos, 1j * sin / index], [1j * index * sin, cos]]), 2, 0)
     transmitted = np.abs(2.0 / wave.sum(axis=(1, 2))) ** 2
     return float(min(round(-10.0 * math.log10(transmitted.mean()), 1) + 0.0, MOST_DB))
-
-
-_OPAQUE = MOST_DB / (20.0 * math.log10(math.e))
-"""An attenuation [Np] beyond which nothing passes."""

@@ -77,10 +77,30 @@ def test_double_door_is_two_leaves_by_its_ratio(tmp_path):
     assert (right.name, right.start, right.end) == ("gate_right", (10.0, -3.0), (10.0, -2.25))
 
 
-def test_hinge_is_at_the_end_if_the_file_says_so(tmp_path):
-    doors = [[2, 3, {"type": [1, "hinged"], "motion_axis": [1, "end"]}]]
-    (door,) = read(tmp_path, {"levels": {"L1": level(doors=doors)}}).plan.doors
-    assert (door.name, door.start, door.end) == ("door_1", (10.0, -3.0), (10.0, -2.0))
+def test_doors_have_names_of_their_own(tmp_path):
+    names = ["", "wall_1", "gate_left", "gate", "a\x07", "b" * 300, "door_1"]
+    doors = [[2, 3, {"name": [1, name], "type": [1, "double_hinged"]}] for name in names]
+    found = read(tmp_path, {"levels": {"L1": level(doors=doors)}}).plan.doors
+    assert len(found) == 2 * len(names)
+    assert [door.name for door in found[::2]] == [
+        *("door_1_left", "wall_1_left", "gate_left_left", "gate_left", "door_5_left", "door_6_left", "door_1_7_left")
+    ]
+    (single,) = read(tmp_path, {"levels": {"L1": level(doors=[[2, 3, {"name": [1, "wall_1"]}]])}}).plan.doors
+    assert single.name == "wall_1_1"
+
+
+def test_door_that_is_in_no_gap_is_left_out_by_its_name(tmp_path):
+    found = read(tmp_path, {"levels": {"L1": level(doors=[[0, 1, {"name": [1, "painted"]}], [3, 3, {}]])}})
+    assert found.plan.doors == ()
+    assert "1 door without a length: left out" in found.notes
+    assert any(
+        re.fullmatch(r"door painted: the leaf .* lies in wall 'wall_1'; .*; left out", one) for one in found.notes
+    )
+
+
+def test_fault_of_another_level_does_not_matter(tmp_path):
+    levels = {"L1": level(), "L2": {"vertices": []}}
+    assert read(tmp_path, {"levels": levels}).plan.name == "house L1"
 
 
 @pytest.mark.parametrize(("turn_rad", "size"), [(0.0, 1.0), (0.7, 1.3), (-2.9, 0.4)])
@@ -127,20 +147,15 @@ def test_metres_are_neither_scaled_nor_flipped(tmp_path):
 
 
 def test_shaft_of_a_lift_is_a_block_turned_in_the_map(tmp_path):
-    doors = {"L1": ["d"], "L2": ["d"]}
-    lift = {
-        "reference_floor_name": "L1",
-        "x": 100,
-        "y": 50,
-        "yaw": 0.5,
-        "width": 2.0,
-        "depth": 1.0,
-        "level_doors": doors,
-    }
-    elsewhere = {**lift, "level_doors": {"L2": ["d"]}}
-    (block,) = read(tmp_path, {"levels": {"L1": level()}, "lifts": {"a": lift, "b": elsewhere}}).plan.blocks
+    place = {"reference_floor_name": "L1", "x": 100, "y": 50, "yaw": 0.5, "width": 2.0, "depth": 1.0}
+    served = {"a": ["L1", "L3"], "b": ["L2", "L3"], "c": []}
+    lifts = {name: {**place, "level_doors": {one: ["d"] for one in levels}} for name, levels in served.items()}
+    levels = {f"L{i}": level(elevation=4.0 * i) for i in (1, 2, 3, 4)}
+    building = {"levels": levels, "lifts": lifts}
+    shafts = [[block.name for block in read(tmp_path, building, level=name).plan.blocks] for name in levels]
+    assert shafts == [["lift a"], ["lift a", "lift b"], ["lift a", "lift b"], []]  # "a" passes L2
+    (block,) = read(tmp_path, building).plan.blocks
     turned = shapely.affinity.rotate(shapely.box(0.95, -1.55, 3.05, -0.45), 0.5, use_radians=True)
-    assert block.name == "lift_a"
     assert shapely.Polygon(block.polygon).symmetric_difference(turned).area < 1e-4
 
 
@@ -153,6 +168,22 @@ def test_shaft_of_a_lift_is_a_block_turned_in_the_map(tmp_path):
         (
             {"levels": {"L1": level(measurements=[[0, 1, metres(-1.0)]])}},
             "levels.L1.measurements.0: -1 m for 500 pixels; expected more than 0",
+        ),
+        (
+            {"levels": {"L1": level(walls=[[0, 0, PLAIN]])}},
+            "levels.L1: has no walls, so there is no building to import",
+        ),
+        (
+            {"levels": {"L1": level(measurements=[[0, 1, metres(4000.0)]])}},
+            "levels.L1: bounds.max: x 4000.5 is more than 1000",
+        ),
+        (
+            {"levels": {"L1": level(measurements=[[0, 1, {"distance": [3, True]}]])}},
+            "levels.L1.measurements.0.distance: True",
+        ),
+        (
+            {"levels": {"L1": level(doors=[[2, 3, {"type": [1, "double_sliding"], "right_left_ratio": [3, -3.0]}]])}},
+            "levels.L1.doors.0.right_left_ratio: -3; expected more than 0",
         ),
         ({"levels": {"L1": level(measurements=[[0, 1, {}]])}}, "levels.L1.measurements.0.distance: missing; expected"),
         ({"levels": {"L1": level(walls=[[0, 99, PLAIN]])}}, "levels.L1.walls.0: vertex 99; expected 0 to 7"),
@@ -189,7 +220,7 @@ def test_command_imports_a_level_with_a_picture(tmp_path, monkeypatch, capsys):
     Path("house.yaml").write_text(yaml.safe_dump(building))
     assert main(["plan", "import", "house.yaml", "--level", "L2", "--png", "p.png"]) == 0
     said = capsys.readouterr()
-    assert said.out == "plan.yaml: 11 x 6 m, 5 walls, 0 blocks, 1 door, 1 window\np.png\n"
+    assert said.out == "plan.yaml: 11 x 6 m, 6 walls, 0 lifts, 1 door\np.png\n"
     assert "robotteamsim: warning: level L1: left out; --level L1 imports it\n" in said.err
     assert Path("p.png").stat().st_size > 1000
     assert main(["plan", "import", "house.yaml", "--level", "L9"]) == 2

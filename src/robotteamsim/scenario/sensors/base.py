@@ -227,7 +227,7 @@ def naming(sensor: Sensor, robot_id: int) -> Iterator[None]:
 
 
 def reading_of(sensor: Sensor, robot_id: int, message: Any) -> Any:
-    """Return the reading of a message. Raises: ValueError: numbers out of range. SensorError: as `naming`."""
+    """Return the reading of a message. Raises: ValueError: as `Sensor.reading`. SensorError: any other error of it."""
     try:
         return sensor.reading(message)
     except ValueError:
