@@ -51,7 +51,6 @@ class RobotSensors:
         self._casts = [(world.caster(laser.beam_model().fan), ids) for laser, ids in self._kinds.items()]
         self._beams = max((laser.beams for laser in self._kinds), default=0)
         self._noisy = [i for i, robot in enumerate(self._robots) if robot.laser.noise_m > 0.0]
-        self._states = _core.state.States(1, len(self._robots), self._beams)
         self._air = None if hazards is None else SmokyAir(hazards)
         self._carried = CarriedSensors(world, robots, seed, self._air)
         self.reset()
@@ -70,7 +69,7 @@ class RobotSensors:
             self.draw()
         if self._noisy:
             core.set_range_noise(self._laser_noise_m())
-        state = self._states.next().of(0)
+        state = _core.state.State(len(self._robots), self._beams)
         if isinstance(world, World):
             core.read(state, world.core)
         else:
