@@ -10,6 +10,7 @@ from pkgutil import resolve_name
 from typing import Any, ClassVar
 
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
+from robotteamsim.extras import missing_extra
 from robotteamsim.formats.options import Options, check_options
 from robotteamsim.own_parts import check_texts, class_below, load_parts
 from robotteamsim.scenario.floor_plan import FloorPlan
@@ -112,13 +113,19 @@ def importers() -> Mapping[str, Importer]:
 
 
 def read_with(importer: Importer, path: Path, **options: Any) -> Imported:
-    """Return the contents of a file. Raises: ScenarioError: as `Importer.read`; any other error as one line."""
+    """Return the contents of a file.
+
+    Raises: ScenarioError: as `Importer.read`; any other error as one line.
+            ModuleNotFoundError: an extra is not installed; see `robotteamsim.extras`.
+    """
     what = f"{path}: {type(importer).__qualname__}"
     try:
         found = importer.read(path, **options)
     except (RobotTeamSimError, KeyboardInterrupt):
         raise
     except BaseException as error:  # of a user's class
+        if isinstance(error, ModuleNotFoundError) and missing_extra(error):
+            raise
         raise ScenarioError(f"{what}: {described(error)} ({place_of(error)[1]})") from error
     if not isinstance(found, Imported) or isinstance(found.notes, str):
         raise ScenarioError(f"{what}: returns {found!r:.60}; expected an Imported whose notes are a tuple")
@@ -147,6 +154,8 @@ def _begin(path: Path) -> str:
     try:
         with open_regular(path) as file:
             return file.read(_BEGIN_BYTES).decode(errors="replace")
+    except FileNotFoundError:
+        raise ScenarioError(f"{path}: there is no such file") from None
     except OSError as error:
         raise ScenarioError(f"{path}: cannot be read: {error.strerror or error}") from None
 
