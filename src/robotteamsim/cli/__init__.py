@@ -17,7 +17,9 @@ def run_and_exit() -> NoReturn:
     the command's own modules on, it prints "interrupted", and the status is 130.
     """
     signal.signal(signal.SIGINT, signal.SIG_DFL)
-    logging.basicConfig(format="robotteamsim: warning: %(message)s")  # of parts of users' packages, for example
+    handler = logging.StreamHandler()  # of warnings about parts of users' packages, for example
+    handler.setFormatter(logging.Formatter("robotteamsim: warning: %(message)s"))
+    logging.getLogger("robotteamsim").addHandler(handler)
     gc.disable()  # until the command begins: searching what imports make for garbage takes a tenth of the start
     sys.exit(main())
 
