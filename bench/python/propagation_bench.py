@@ -12,7 +12,9 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
+from robotteamsim._core.state import State
 
+from robotteamsim.geometry import Pose
 from robotteamsim.network import Network
 from robotteamsim.propagation import RadioField, VoiceField, VoiceSource
 from robotteamsim.scenario import load_floor_plan
@@ -82,6 +84,14 @@ def positions_m(count: int) -> np.ndarray:
     return np.random.default_rng(1).uniform((0.5, 0.5), (59.5, 39.5), (count, 2))
 
 
+def standing_at(places_m: np.ndarray) -> State:
+    """Return the state of a team at these places."""
+    state = State(len(places_m))
+    for robot_id, (x_m, y_m) in enumerate(places_m.tolist()):
+        state.place(robot_id, Pose(x_m, y_m, 0.0))
+    return state
+
+
 @pytest.mark.parametrize("count", [30, 100])
 def test_links(benchmark, count):
     field, places_m = RadioField(GARAGE, Radio()), positions_m(count)
@@ -95,7 +105,7 @@ def test_links(benchmark, count):
 @pytest.mark.parametrize("count", [3, 30, 100])
 def test_network_step(benchmark, count):
     network = Network(RadioField(GARAGE, Radio()), NetworkSection(), count)
-    teams_m = itertools.cycle([positions_m(count) + shift for shift in (0.0, 0.2, 0.4)])
+    teams = itertools.cycle([standing_at(positions_m(count) + shift) for shift in (0.0, 0.2, 0.4)])
     silence = [()] * count
-    benchmark(lambda: network.step(next(teams_m), silence))
+    benchmark(lambda: network.step(next(teams), silence))
     benchmark.extra_info |= {"work": f"Python, garage: network step of {count} robots that move"}
