@@ -33,7 +33,7 @@ SHAFT_M = 0.05
 _GLASS = Material(name="glass", layers=(Layer(of="glass", thickness_m=0.006),))
 _MARGIN_M, _ROBOT_M = 0.5, 0.2
 """Around everything; and radius of the robot for which parts of the floor count as connected."""
-_SHORTEST_M, _MOST_M, _MOST_PIXELS, _MOST_FIDUCIALS = 1e-6, 1e5, 1e9, 100
+_SHORTEST_M, _MOST_M, _MOST_PIXELS, _MOST_FIDUCIALS = 1e-6, 1e5, 1e9, 1000
 
 Parameters = dict[str, tuple[int, Any]]
 """[code, value] by name; code: 1 string, 2 integer, 3 real, 4 boolean."""
@@ -106,7 +106,7 @@ class OpenRmfImporter(Importer):
             "materials": (_GLASS,) if level.num_glass else (),
         }
         drawn = checked(FloorPlan, keys, place=f"{path}: levels.{name}: ")
-        notes = [*places.notes, *level.notes()]
+        notes = [*dict.fromkeys(places.notes), *level.notes()]  # a lift may lie by the same level
         notes += [f"door {drawn.doors[i].name}: {why}; left out" for i, why in misplaced_doors(drawn)]
         notes += [f"{block.name}: its shaft is a block, for a plan has one level" for block in blocks]
         notes += [f"level {other}: left out; --level {other} imports it" for other in building.levels if other != name]
@@ -167,7 +167,7 @@ class _Places:
         if name == self.reference:
             return _Place(complex(self._scale_m(name)), 0.0j, -1.0)
         drawn, expected = (self._fiducials(one) for one in (name, self.reference))
-        if shared := sorted(drawn.keys() & expected.keys(), key=str)[:_MOST_FIDUCIALS]:
+        if shared := sorted(drawn.keys() & expected.keys(), key=str):
             factor, shift = _alignment([drawn[key] for key in shared], [expected[key] for key in shared])
             if factor:
                 scale_m = self._scale_m(self.reference)
@@ -194,9 +194,14 @@ class _Places:
 
     def _fiducials(self, name: str) -> dict[str | int, complex]:
         """Return the fiducials of a level by name, in pixels with y upwards. Raises: ScenarioError: one far away."""
+        if (count := len(self.level(name).fiducials)) > _MOST_FIDUCIALS:
+            text = f"{count} entries; expected at most {_MOST_FIDUCIALS}"
+            raise ScenarioError(f"{self._path}: levels.{name}.fiducials: {text}")
         for x, y, fiducial in self.level(name).fiducials:
             if not max(abs(x), abs(y)) <= _MOST_PIXELS:
-                raise ScenarioError(f"{self._path}: levels.{name}.fiducials: '{fiducial}' is at [{x:g}, {y:g}]")
+                raise ScenarioError(
+                    f"{self._path}: levels.{name}.fiducials: '{fiducial}' is at [{x:g}, {y:g}]; expected pixels"
+                )
         return {fiducial: complex(x, -y) for x, y, fiducial in self.level(name).fiducials}
 
 

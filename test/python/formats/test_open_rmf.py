@@ -127,10 +127,25 @@ def test_other_level_lies_by_its_fiducials_and_not_by_its_own_measurement(tmp_pa
 def test_level_without_shared_fiducials_lies_by_its_own_measurement_and_says_so(tmp_path):
     second = level(measurements=[[0, 1, metres(20.0)]], fiducials=[[0, 0, "a"]])
     levels = {"levels": {"L1": level(fiducials=[[0, 0, "a"]]), "L2": second}}
-    found = read(tmp_path, levels, level="L2")
+    lift = {"x": 1, "y": 2, "yaw": 0.0, "width": 1.0, "depth": 1.0, "level_doors": {"L2": ["d"]}}
+    found = read(tmp_path, {**levels, "lifts": {"a": {**lift, "reference_floor_name": "L2"}}}, level="L2")
     assert found.plan.walls[0].end == (20.05, 0.0)
-    assert any(note.startswith("level L2 shares fewer than two fiducials with L1: ") for note in found.notes)
+    said = [note for note in found.notes if note.startswith("level L2 shares fewer than two fiducials with L1: ")]
+    assert len(said) == 1
     assert "level L1: left out; --level L1 imports it" in found.notes
+
+
+@pytest.mark.parametrize(
+    ("fiducials", "line"),
+    [
+        ([[0, i, i] for i in range(1001)], "1001 entries; expected at most 1000"),
+        ([[0, 1e300, "far"]], "'far' is at [0, 1e+300]; expected pixels"),
+    ],
+)
+def test_fiducials_that_cannot_be_are_one_line(tmp_path, fiducials, line):
+    levels = {"L1": level(), "L2": level(fiducials=fiducials)}
+    with pytest.raises(ScenarioError, match=re.escape(f"house.building.yaml: levels.L2.fiducials: {line}")):
+        read(tmp_path, {"levels": levels}, level="L2")
 
 
 def test_reference_level_is_named_or_the_first(tmp_path):
