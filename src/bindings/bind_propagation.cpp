@@ -14,11 +14,21 @@
 #include "robotteamsim/propagation/radio.hpp"
 #include "robotteamsim/propagation/voice.hpp"
 
+namespace nanobind::detail {
+
+using robotteamsim::propagation::PointMm;
+
+template <>
+struct type_caster<PointMm> : TupleCaster<PointMm, &PointMm::x, &PointMm::y> {};
+
+}  // namespace nanobind::detail
+
 namespace robotteamsim::bindings {
 namespace {
 
 using propagation::FaceSet, propagation::MapView, propagation::Positions, propagation::RadioModel;
-using propagation::RoundToMm, propagation::VoiceModel, propagation::VoiceSource;
+using propagation::PointMm, propagation::RoundToMm, propagation::Storey, propagation::VoiceModel;
+using propagation::VoiceSource;
 using OtherThreadsRun = nb::call_guard<nb::gil_scoped_release>;
 
 double PathLoss(const FaceSet& faces, const RadioModel& model, const base::Point& a, const base::Point& b,
@@ -33,18 +43,21 @@ plan::GridShape GridOf(const base::Point& origin, double resolution_m, const Map
           static_cast<int>(maps.cols())};
 }
 
+int StoreysOf(const FaceSet& faces) { return static_cast<int>(faces.storeys().size()); }
+
 // Maps are written into arrays of the caller.
 
 void WriteBestMap(const FaceSet& faces, const RadioModel& model, const std::vector<base::Point>& transmitters,
                   int floors_crossed, const base::Point& origin, double resolution_m, MapView map, int threads) {
-  propagation::WriteHighest(faces, propagation::RadioSources(model, transmitters, floors_crossed),
+  propagation::WriteHighest(faces, propagation::RadioSources(model, transmitters, floors_crossed, StoreysOf(faces)),
                             GridOf(origin, resolution_m, map, 1), map, {threads});
 }
 
 void WriteMaps(const FaceSet& faces, const RadioModel& model, const std::vector<base::Point>& transmitters,
                int floors_crossed, const base::Point& origin, double resolution_m, MapView maps, int threads) {
   const plan::GridShape grid = GridOf(origin, resolution_m, maps, transmitters.size());
-  propagation::WriteEach(faces, propagation::RadioSources(model, transmitters, floors_crossed), grid, maps, {threads});
+  propagation::WriteEach(faces, propagation::RadioSources(model, transmitters, floors_crossed, StoreysOf(faces)), grid,
+                         maps, {threads});
 }
 
 void WriteVoices(const FaceSet& faces, const VoiceModel& model, const std::vector<VoiceSource>& sources,
@@ -88,9 +101,15 @@ void BindVoice(nb::module_& m) {
 }  // namespace
 
 void BindPropagation(nb::module_&& m) {
+  nb::class_<Storey>(m, "Storey")
+      .def(nb::init<PointMm, PointMm, PointMm, std::int64_t, std::int64_t, std::int32_t,
+                    std::vector<std::vector<PointMm>>>(),
+           nb::kw_only(), "least_mm"_a, "most_mm"_a, "origin_mm"_a, "floor_mm"_a, "ceiling_mm"_a, "floor_weight"_a,
+           "openings_mm"_a);
   nb::class_<FaceSet>(m, "FaceSet")
-      .def(nb::init<const std::vector<std::array<std::int64_t, 4>>&, const std::vector<std::int32_t>&>(), "ends_mm"_a,
-           "weights"_a)
+      .def(nb::init<const std::vector<std::array<std::int64_t, 4>>&, const std::vector<std::int32_t>&,
+                    std::vector<Storey>>(),
+           "ends_mm"_a, "weights"_a, "storeys"_a = std::vector<Storey>())
       .def("set_active", &FaceSet::SetActive, "face"_a, "active"_a)
       .def(
           "weight_between",

@@ -35,6 +35,27 @@ struct Face {
   std::size_t end_vertex = 0;
 };
 
+/// One level of a building: the part of the plan in which it is drawn, and where that lies in the building.
+struct Storey {
+  /// The weight of a floor that counts as one of `Ray::floors`.
+  static constexpr std::int32_t kCounted = -1;
+
+  PointMm least;  ///< the corners of its part of the plan
+  PointMm most;
+  PointMm origin;                              ///< lies exactly above or below the origins of the others
+  std::int64_t floor_mm = 0;                   ///< height of its floor
+  std::int64_t ceiling_mm = 0;                 ///< rays above it do not meet its walls
+  std::int32_t floor_weight = kCounted;        ///< of its floor
+  std::vector<std::vector<PointMm>> openings;  ///< polygons in its floor, through which rays pass without loss
+};
+
+/// What lies on the straight line between two points.
+struct Ray {
+  double square_mm2 = 0.0;  ///< of its length
+  std::int64_t weight = 0;  ///< sum over the faces that it crosses, and the floors that have a weight
+  int floors = 0;           ///< number of other floors that it crosses
+};
+
 /// Returns whether a point is to the left of a face, seen from its start to its end, with the tie rule of FaceSet.
 bool IsLeftOf(const Face& face, PointMm point);
 
@@ -44,12 +65,20 @@ bool IsLeftOf(const Face& face, PointMm point);
 /// A tie, a ray through the end of a face or along it, is broken by shifting all faces by the same infinitely small
 /// (eps, eps^2) [edelsbrunner1990]. The shifted faces have no ties, so the weight from a to b is that from b to a, and
 /// a longer ray never weighs less.
+///
+/// The levels of a building lie side by side in its plan. Between two of them a ray is straight in space: its ends are
+/// `kHeightMm` above the floors, and it crosses the faces of each level that it passes below its ceiling, and the
+/// floors in between, except for their openings. It is the same in both directions.
 class FaceSet {
  public:
-  /// Args: ends: x1, y1, x2, y2 of each face [mm], two different points; weights: of each face, >= 0.
-  /// Throws std::invalid_argument if the lists have different lengths, a coordinate is beyond 1000 km, or a face or
-  /// weight is invalid.
-  FaceSet(const std::vector<std::array<std::int64_t, 4>>& ends, const std::vector<std::int32_t>& weights);
+  static constexpr std::int64_t kHeightMm = 500;
+
+  /// Args: ends: x1, y1, x2, y2 of each face [mm], two different points; weights: of each face, >= 0; storeys: none if
+  /// everything is on one level.
+  /// Throws std::invalid_argument if the lists have different lengths, a coordinate is beyond 1000 km, a face, weight
+  /// or storey is invalid, or two storeys have floors at the same height.
+  FaceSet(const std::vector<std::array<std::int64_t, 4>>& ends, const std::vector<std::int32_t>& weights,
+          std::vector<Storey> storeys = {});
 
   std::size_t Size() const { return weight_.size(); }
   Face At(std::size_t face) const;
@@ -67,8 +96,16 @@ class FaceSet {
   /// such face.
   void SetActive(std::size_t face, bool active);
 
-  /// Returns the sum of the weights of the faces that the segment from a to b crosses.
+  /// Returns the sum of the weights of the faces that the segment from a to b crosses in the plan.
   std::int64_t WeightBetween(PointMm a, PointMm b) const;
+
+  const std::vector<Storey>& storeys() const { return storeys_; }
+
+  /// Returns the index of the storey in which a point lies, or of the nearest one; 0 without storeys.
+  std::size_t StoreyOf(PointMm point) const;
+
+  /// Returns what lies between two points in the building: without storeys, and on one storey, WeightBetween.
+  Ray Between(PointMm a, PointMm b) const;
 
  private:
   /// The bounding box of consecutive faces, edges included.
@@ -79,6 +116,8 @@ class FaceSet {
 
   void NumberVertices();
   void BoxFaces();
+  void CheckStoreys() const;
+  Ray BetweenStoreys(std::size_t low, PointMm a, std::size_t high, PointMm b) const;
 
   // One array per quantity, for the loop over all faces.
   std::vector<std::int64_t> start_x_;
@@ -91,6 +130,7 @@ class FaceSet {
   std::vector<PointMm> vertices_;
   std::vector<std::array<std::size_t, 2>> vertices_of_face_;  // start, end
   std::int64_t total_weight_ = 0;
+  std::vector<Storey> storeys_;
 };
 
 }  // namespace robotteamsim::propagation

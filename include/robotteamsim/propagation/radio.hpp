@@ -35,7 +35,7 @@ void CheckRadioModel(const RadioModel& model);
 using Positions = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
 /// Returns L of eq. (3) between two points [dB]: l0 + l_c + 10 gamma log10(d) + losses of walls, closed doors and
-/// floors.
+/// floors. Args: floors_crossed: besides those between the storeys of the building.
 double PathLossDb(const FaceSet& faces, const RadioModel& model, PointMm a, PointMm b, int floors_crossed = 0);
 
 /// Writes the signal strength between all pairs of robots [dBm]: tx power - L; symmetric to the bit, diagonal 0. Each
@@ -52,9 +52,9 @@ CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Ei
 /// Returns the fading of a transmitter's signal for maps [dBm]: tx power - L, within 4e-5 dB.
 Fading RadioFading(const RadioModel& model, int floors_crossed = 0);
 
-/// Returns the sources of transmitters' signals, with the fading of RadioFading.
+/// Returns the sources of transmitters' signals, with the fading of RadioFading. Args: storeys: of the building.
 /// Throws std::invalid_argument if a position is not finite or beyond 1000 km.
 std::vector<FieldSource> RadioSources(const RadioModel& model, const std::vector<base::Point>& transmitters,
-                                      int floors_crossed = 0);
+                                      int floors_crossed = 0, int storeys = 1);
 
 }  // namespace robotteamsim::propagation

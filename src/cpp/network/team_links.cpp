@@ -14,11 +14,15 @@
 namespace robotteamsim::network {
 namespace {
 
-void WriteDistances(const propagation::Positions& positions, Eigen::Ref<propagation::CellValues> distances) {
+void WriteDistances(const propagation::FaceSet& faces, const propagation::Positions& positions,
+                    Eigen::Ref<propagation::CellValues> distances) {
   const Eigen::Index n = positions.rows();
+  const auto at = [&](Eigen::Index i) { return propagation::RoundToMm({positions(i, 0), positions(i, 1)}, "a robot"); };
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j < n; ++j) {
-      distances(i, j) = std::hypot(positions(i, 0) - positions(j, 0), positions(i, 1) - positions(j, 1));
+      distances(i, j) = faces.storeys().size() > 1 && faces.StoreyOf(at(i)) != faces.StoreyOf(at(j))
+                            ? std::sqrt(faces.Between(at(i), at(j)).square_mm2) / 1000.0
+                            : std::hypot(positions(i, 0) - positions(j, 0), positions(i, 1) - positions(j, 1));
     }
   }
 }
@@ -98,7 +102,7 @@ void TeamLinks::Step(state::State* state, std::size_t mission) {
 void TeamLinks::FindLinks(const propagation::Positions& positions, bool has_new_team, Matrix rssi, Matrix link) {
   const Eigen::Index n = positions.rows();
   if (n > 0) propagation::WriteRssiMatrixDbm(*faces_, model_, positions, rssi);
-  if (rule_.by_distance) WriteDistances(positions, link);
+  if (rule_.by_distance) WriteDistances(*faces_, positions, link);
   bool has_new_links = has_new_team, has_changed = has_new_team;
   for (Eigen::Index i = 0; i < n; ++i) {
     for (Eigen::Index j = 0; j < n; ++j) {

@@ -55,8 +55,9 @@ bool IsLeftOf(const Face& face, PointMm point) {
   return dx * (point.y - face.start.y) - dy * (point.x - face.start.x) >= (PointIsLeftOfMoved(dx, dy) ? 0 : 1);
 }
 
-FaceSet::FaceSet(const std::vector<std::array<std::int64_t, 4>>& ends, const std::vector<std::int32_t>& weights)
-    : weight_(weights), full_weight_(weights) {
+FaceSet::FaceSet(const std::vector<std::array<std::int64_t, 4>>& ends, const std::vector<std::int32_t>& weights,
+                 std::vector<Storey> storeys)
+    : weight_(weights), full_weight_(weights), storeys_(std::move(storeys)) {
   if (ends.size() != weights.size()) {
     throw std::invalid_argument("weights must have one value per face: expected " + std::to_string(ends.size()) +
                                 ", got " + std::to_string(weights.size()));
@@ -82,6 +83,7 @@ FaceSet::FaceSet(const std::vector<std::array<std::int64_t, 4>>& ends, const std
   }
   NumberVertices();
   BoxFaces();
+  CheckStoreys();
 }
 
 void FaceSet::NumberVertices() {

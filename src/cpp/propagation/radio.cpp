@@ -16,10 +16,10 @@ namespace robotteamsim::propagation {
 namespace {
 
 /// Returns L of eq. (3), (4) without floors; shared by single losses and rows of links, so that both agree to the bit.
-ROBOTTEAMSIM_INLINE double LossDb(const RadioModel& model, double dx_mm, double dy_mm, double wall_units) {
+ROBOTTEAMSIM_INLINE double LossDb(const RadioModel& model, double square_mm2, double wall_units) {
   const double min_mm = model.min_distance_m * 1000.0;
-  const double square_mm2 = std::max(dx_mm * dx_mm + dy_mm * dy_mm, min_mm * min_mm);
-  const double one_slope_db = model.constant_loss_db + 0.5 * model.slope_db * base::Log10(square_mm2 * 1e-6);  // (2)
+  const double limited_mm2 = std::max(square_mm2, min_mm * min_mm);
+  const double one_slope_db = model.constant_loss_db + 0.5 * model.slope_db * base::Log10(limited_mm2 * 1e-6);  // (2)
   return one_slope_db + wall_units / kRadioUnitsPerDb;  // (3), (4)
 }
 
@@ -34,7 +34,8 @@ ROBOTTEAMSIM_INLINE void WriteSignals(const RadioModel& model, const LinkTargets
     const TargetBlock& block = targets.blocks[first / kLinkLanes];
 #pragma GCC unroll 1  // if unrolled here, the lanes would not be vectorised
     for (int i = 0; i < kLinkLanes; ++i) {
-      signals_dbm[first + i] = m.tx_power_dbm - LossDb(m, block.x[i], block.y[i], block.weight[i]);
+      const double square_mm2 = block.x[i] * block.x[i] + block.y[i] * block.y[i];
+      signals_dbm[first + i] = m.tx_power_dbm - LossDb(m, square_mm2, block.weight[i]);
     }
   }
   const std::int32_t* __restrict const places = targets.places;
@@ -73,6 +74,40 @@ void MirrorRows(Eigen::Index top, Eigen::Index end, Eigen::Ref<CellValues> matri
   }
 }
 
+/// Writes the signals between robots on one storey.
+void WriteStoreySignals(const FaceSet& faces, const RadioModel& model, std::vector<PointMm> points,
+                        Eigen::Ref<CellValues> rssi_dbm, base::Simd simd);
+
+/// Writes the signals between robots on several storeys: those of each storey together, the others one by one.
+void WriteBuildingSignals(const FaceSet& faces, const RadioModel& model, const std::vector<PointMm>& points,
+                          Eigen::Ref<CellValues> rssi_dbm, base::Simd simd) {
+  std::vector<std::vector<Eigen::Index>> on_storey(faces.storeys().size());
+  std::vector<std::size_t> storey_of;
+  std::vector<double> floors_db;
+  for (std::size_t k = 0; k <= on_storey.size(); ++k) floors_db.push_back(FloorLossDb(model, static_cast<int>(k)));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    storey_of.push_back(faces.StoreyOf(points[i]));
+    on_storey[storey_of.back()].push_back(static_cast<Eigen::Index>(i));
+  }
+  for (const std::vector<Eigen::Index>& robots : on_storey) {
+    std::vector<PointMm> places;
+    for (const Eigen::Index robot : robots) places.push_back(points[robot]);
+    const auto count = static_cast<Eigen::Index>(robots.size());
+    CellValues signals_dbm(count, count);
+    WriteStoreySignals(faces, model, std::move(places), signals_dbm, simd);
+    rssi_dbm(robots, robots) = signals_dbm;
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = i + 1; j < points.size(); ++j) {
+      if (storey_of[i] == storey_of[j]) continue;
+      const Ray ray = faces.Between(points[i], points[j]);
+      const double loss_db = LossDb(model, ray.square_mm2, static_cast<double>(ray.weight)) + floors_db[ray.floors];
+      const auto row = static_cast<Eigen::Index>(i), col = static_cast<Eigen::Index>(j);
+      rssi_dbm(row, col) = rssi_dbm(col, row) = model.tx_power_dbm - loss_db;
+    }
+  }
+}
+
 PointMm RobotAt(const Eigen::Ref<const Positions>& positions, Eigen::Index robot) {
   const base::Point at{positions(robot, 0), positions(robot, 1)};
   // Composing a name allocates memory: only for invalid positions.
@@ -88,6 +123,24 @@ using Signals = void (*)(const RadioModel&, const LinkTargets&, double*, double*
     WriteSignals(model, targets, signals_dbm, rssi_dbm);                                                  \
   }
 ROBOTTEAMSIM_FOR_EACH_SIMD(ROBOTTEAMSIM_SIGNALS)
+
+void WriteStoreySignals(const FaceSet& faces, const RadioModel& model, std::vector<PointMm> points,
+                        Eigen::Ref<CellValues> rssi_dbm, base::Simd simd) {
+  const auto n = static_cast<Eigen::Index>(points.size());
+  if (n <= kFewRobots) return WriteFewSignals(faces, model, points, rssi_dbm);
+  LinkWeights links(faces, std::move(points), simd);
+  const Signals write_signals = base::SimdVersion<Signals>(simd, PortableSignals, Avx2Signals, Avx512Signals);
+  std::vector<double> signals_dbm(n + kLinkLanes);
+  for (Eigen::Index top = 0; top < n; top += kMirroredRows) {
+    const Eigen::Index end = std::min(top + kMirroredRows, n);
+    for (Eigen::Index i = top; i < end; ++i) {
+      double* const diagonal = &rssi_dbm(i, i);
+      *diagonal = 0.0;
+      write_signals(model, links.After(i), signals_dbm.data(), diagonal + 1);
+    }
+    MirrorRows(top, end, rssi_dbm);
+  }
+}
 
 }  // namespace
 
@@ -112,9 +165,9 @@ void CheckRadioModel(const RadioModel& model) {
 
 double PathLossDb(const FaceSet& faces, const RadioModel& model, PointMm a, PointMm b, int floors_crossed) {
   CheckRadioModel(model);
-  const auto wall_units = static_cast<double>(faces.WeightBetween(a, b));
-  return LossDb(model, static_cast<double>(b.x - a.x), static_cast<double>(b.y - a.y), wall_units) +
-         FloorLossDb(model, floors_crossed);
+  const Ray ray = faces.Between(a, b);
+  return LossDb(model, ray.square_mm2, static_cast<double>(ray.weight)) +
+         FloorLossDb(model, floors_crossed + ray.floors);
 }
 
 void WriteRssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
@@ -128,19 +181,8 @@ void WriteRssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eig
   std::vector<PointMm> points;
   points.reserve(n);
   for (Eigen::Index i = 0; i < n; ++i) points.push_back(RobotAt(positions, i));
-  if (n <= kFewRobots) return WriteFewSignals(faces, model, points, rssi_dbm);
-  LinkWeights links(faces, std::move(points), simd);
-  const Signals write_signals = base::SimdVersion<Signals>(simd, PortableSignals, Avx2Signals, Avx512Signals);
-  std::vector<double> signals_dbm(n + kLinkLanes);
-  for (Eigen::Index top = 0; top < n; top += kMirroredRows) {
-    const Eigen::Index end = std::min(top + kMirroredRows, n);
-    for (Eigen::Index i = top; i < end; ++i) {
-      double* const diagonal = &rssi_dbm(i, i);
-      *diagonal = 0.0;
-      write_signals(model, links.After(i), signals_dbm.data(), diagonal + 1);
-    }
-    MirrorRows(top, end, rssi_dbm);
-  }
+  if (faces.storeys().size() > 1) return WriteBuildingSignals(faces, model, points, rssi_dbm, simd);
+  WriteStoreySignals(faces, model, std::move(points), rssi_dbm, simd);
 }
 
 CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,
@@ -158,11 +200,17 @@ Fading RadioFading(const RadioModel& model, int floors_crossed) {
 }
 
 std::vector<FieldSource> RadioSources(const RadioModel& model, const std::vector<base::Point>& transmitters,
-                                      int floors_crossed) {
+                                      int floors_crossed, int storeys) {
   const Fading fading = RadioFading(model, floors_crossed);
+  std::vector<double> floors_db;
+  for (int k = floors_crossed; k <= floors_crossed + storeys; ++k) {
+    floors_db.push_back(FloorLossDb(model, k) - FloorLossDb(model, floors_crossed));
+  }
   std::vector<FieldSource> sources;
   sources.reserve(transmitters.size());
-  for (const base::Point& transmitter : transmitters) sources.push_back({RoundToMm(transmitter, "tx_m"), fading});
+  for (const base::Point& transmitter : transmitters) {
+    sources.push_back({RoundToMm(transmitter, "tx_m"), fading, floors_db});
+  }
   return sources;
 }
 

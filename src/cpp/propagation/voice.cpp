@@ -10,9 +10,9 @@
 namespace robotteamsim::propagation {
 namespace {
 
-double LevelDb(const VoiceModel& model, const VoiceSource& source, PointMm from, PointMm to, std::int64_t wall_units) {
-  const double distance_m = std::max(DistanceM(from, to), model.min_distance_m);
-  const double walls_db = static_cast<double>(wall_units) * model.unit_db;
+double LevelDb(const VoiceModel& model, const VoiceSource& source, const Ray& ray) {
+  const double distance_m = std::max(std::sqrt(ray.square_mm2) / 1000.0, model.min_distance_m);
+  const double walls_db = static_cast<double>(ray.weight) * model.unit_db;
   return -source.constant_db - 10.0 * source.exponent * std::log10(distance_m) - walls_db;  // (7)
 }
 
@@ -33,7 +33,7 @@ Fading FadingOf(const VoiceModel& model, const VoiceSource& source) {
 double VoiceLevelDb(const FaceSet& faces, const VoiceModel& model, const VoiceSource& source, PointMm at) {
   CheckModel(model, source);
   const PointMm from = RoundToMm(source.position, "position of a voice");
-  return LevelDb(model, source, from, at, faces.WeightBetween(from, at));
+  return LevelDb(model, source, faces.Between(from, at));
 }
 
 void WriteVoiceMap(const FaceSet& faces, const VoiceModel& model, const std::vector<VoiceSource>& sources,

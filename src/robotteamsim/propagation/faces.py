@@ -11,7 +11,9 @@ from robotteamsim import _core
 from robotteamsim.errors import ScenarioError
 from robotteamsim.propagation.crossings import round_outwards
 from robotteamsim.propagation.slab import wall_loss_db
+from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.floor_plan import Block, Door, FloorPlan, Wall
+from robotteamsim.scenario.levels import Level, ceiling_height_m
 from robotteamsim.scenario.plan import Solid, solids
 from robotteamsim.scenario.sections import Radio
 
@@ -21,6 +23,9 @@ _UNITS_PER_DB = 20
 
 _CLASS_LIMITS_MM = (200, 400, 600)
 """Thickest wall of each of the first three classes of Table 3; all thicker walls are in the fourth, ]60,80] cm."""
+
+_COUNTED = -1
+"""In place of the loss of a floor that costs `radio.floor_loss_db` and counts as one of k floors."""
 
 _HALF_TOLERANCE = 1e-6
 """A number this near to a half is a half: 8.0255 m is 8025.499999999999 mm in doubles."""
@@ -33,15 +38,17 @@ class Faces:
     ends_mm: int64, shape (n, 4): x1, y1, x2, y2 in `map` [mm].
     weights: int32, shape (n,), > 0: half of what the loss changes by at a face of a wall, all of it at a closed door.
     doors:   whether each door is closed at the start, by name.
+    storeys: of a building with levels.
     """
 
     ends_mm: np.ndarray
     weights: np.ndarray
     doors: dict[str, bool]
+    storeys: tuple[_core.propagation.Storey, ...] = ()
 
     def core(self) -> _core.propagation.FaceSet:
         """Return these faces for the C++ core, with the doors in their initial states."""
-        face_set = _core.propagation.FaceSet(self.ends_mm.tolist(), self.weights.tolist())
+        face_set = _core.propagation.FaceSet(self.ends_mm.tolist(), self.weights.tolist(), list(self.storeys))
         for name, closed in self.doors.items():
             face_set.set_active(self.door_face(name), closed)
         return face_set
@@ -70,23 +77,53 @@ def radio_faces(plan: FloorPlan, radio: Radio) -> Faces:
         for solid in _static_solids(plan)
     )
     door_loss_db = {"normal": radio.door_loss_db, "fireproof": radio.fireproof_door_loss_db}
-    return _faces(plan, half_losses, tuple(_units(door_loss_db[door.kind]) for door in plan.doors))
+    floors = tuple(_floor_units(plan, radio, level) for level in plan.levels)
+    return _faces(plan, half_losses, tuple(_units(door_loss_db[door.kind]) for door in plan.doors), floors)
 
 
-def voice_faces(plan: FloorPlan) -> Faces:
-    """Return the faces that attenuate voices, in halves of K in eq. (7): 1 per face of a solid, 2 per closed door."""
-    return _faces(plan, (1,) * len(_static_solids(plan)), (2,) * len(plan.doors))
+def voice_faces(plan: FloorPlan, floor_units: int = 0) -> Faces:
+    """Return the faces that attenuate voices, in halves of K in eq. (7): 1 per face of a solid, 2 per closed door.
+
+    Args: floor_units: of each floor between two levels.
+    """
+    floors = (floor_units,) * len(plan.levels)
+    return _faces(plan, (1,) * len(_static_solids(plan)), (2,) * len(plan.doors), floors)
 
 
-def thickness_faces(plan: FloorPlan) -> Faces:
+def thickness_faces(plan: FloorPlan, floor_units: int = 0) -> Faces:
     """Return the faces that attenuate voices by thickness d [dissertation, eq. 5], in halves of a mm.
 
     d is the thickness that determines the class for radio, at any angle; for a closed door that of its leaf.
+    Args: floor_units: of each floor between two levels.
     """
     return _faces(
         plan,
         tuple(_thickness_mm(solid.element) for solid in _static_solids(plan)),
         tuple(2 * _thickness_mm(door) for door in plan.doors),
+        (floor_units,) * len(plan.levels),
+    )
+
+
+def storeys(plan: FloorPlan, floor_units: Sequence[int]) -> tuple[_core.propagation.Storey, ...]:
+    """Return the levels of a plan for the C++ core. Args: floor_units: of the floor of each; -1: counted."""
+
+    def to_mm(point: Point) -> tuple[int, int]:
+        x, y = _whole(np.array(point) * MM_PER_M).astype(int).tolist()
+        return x, y
+
+    return tuple(
+        _core.propagation.Storey(
+            least_mm=to_mm(level.bounds.min),
+            most_mm=to_mm(level.bounds.max),
+            origin_mm=to_mm(level.origin),
+            floor_mm=round(level.elevation_m * MM_PER_M),
+            ceiling_mm=round((level.elevation_m + ceiling_height_m(plan.levels, level)) * MM_PER_M),
+            floor_weight=units,
+            openings_mm=[
+                list(map(to_mm, hole.polygon)) for hole in plan.openings if level.bounds.contains(hole.polygon[0])
+            ],
+        )
+        for level, units in zip(plan.levels, floor_units, strict=True)
     )
 
 
@@ -96,7 +133,9 @@ def _static_solids(plan: FloorPlan) -> list[Solid]:
 
 # Shared by all trials on one plan: the garage takes some 20 ms.
 @functools.lru_cache(maxsize=16)
-def _faces(plan: FloorPlan, weights: tuple[int, ...], door_weights: tuple[int, ...]) -> Faces:
+def _faces(
+    plan: FloorPlan, weights: tuple[int, ...], door_weights: tuple[int, ...], floor_weights: tuple[int, ...]
+) -> Faces:
     """Return the faces of a plan.
 
     At each place, walls have the highest of their losses. A ray loses half of each change of it, so walls that touch
@@ -104,6 +143,7 @@ def _faces(plan: FloorPlan, weights: tuple[int, ...], door_weights: tuple[int, .
     pillar, or a block without a thickness, loses its own in addition.
 
     Args: weights: half of the loss of each static solid, 0 if it does not attenuate.  door_weights: of its doors.
+          floor_weights: of the floors of its levels, see `storeys`.
     """
     walls: list[tuple[shapely.Polygon, int]] = []
     others: list[tuple[shapely.Polygon, int]] = []
@@ -123,7 +163,8 @@ def _faces(plan: FloorPlan, weights: tuple[int, ...], door_weights: tuple[int, .
     all_ends_mm = np.vstack([ends_mm, _whole(door_ends_mm).astype(np.int64)])
     all_weights = np.concatenate([face_weights, np.array(door_weights, dtype=np.int32)])
     all_ends_mm.flags.writeable = all_weights.flags.writeable = False
-    return Faces(all_ends_mm, all_weights, {door.name: door.closed for door in plan.doors})
+    doors = {door.name: door.closed for door in plan.doors}
+    return Faces(all_ends_mm, all_weights, doors, storeys(plan, floor_weights))
 
 
 def _snapped(polygons: Sequence[shapely.Polygon]) -> np.ndarray:
@@ -169,18 +210,29 @@ def _edges(geometry: shapely.Geometry | np.ndarray) -> tuple[np.ndarray, np.ndar
 
 def _wall_units(plan: FloorPlan, radio: Radio, element: Wall | Block | Door) -> int:
     assert not isinstance(element, Door)
-    name = element.material
-    if name is not None:
-        if name in radio.materials:
-            return _units(radio.materials[name])
-        layers = {material.name: material.layers for material in plan.materials}
-        if name not in layers:
-            known = ", ".join([*radio.materials, *layers]) or "none"
-            place = f"{plan.name}: {element.name}.material: '{name}'"
-            raise ScenarioError(f"{place} is neither in radio.materials nor in the plan's materials ({known})")
-        if radio.walls == "material":
-            return _units(wall_loss_db(layers[name], radio.frequency_mhz))
+    if element.material is not None:
+        units = _material_units(plan, radio, f"{element.name}.material", element.material)
+        if units is not None:
+            return units
     return _units(radio.wall_loss_db[_loss_class(element)])
+
+
+def _material_units(plan: FloorPlan, radio: Radio, key: str, name: str) -> int | None:
+    """Return the loss of a material; None: `radio.walls` does not read its layers. Raises: ScenarioError: unknown."""
+    if name in radio.materials:
+        return _units(radio.materials[name])
+    layers = {material.name: material.layers for material in plan.materials}
+    if name not in layers:
+        known = ", ".join([*radio.materials, *layers]) or "none"
+        place = f"{plan.name}: {key}: '{name}'"
+        raise ScenarioError(f"{place} is neither in radio.materials nor in the plan's materials ({known})")
+    return _units(wall_loss_db(layers[name], radio.frequency_mhz)) if radio.walls == "material" else None
+
+
+def _floor_units(plan: FloorPlan, radio: Radio, level: Level) -> int:
+    name = level.floor_material
+    units = None if name is None else _material_units(plan, radio, f"levels {level.name}.floor_material", name)
+    return _COUNTED if units is None else units
 
 
 def _loss_class(element: Wall | Block) -> int:

@@ -45,9 +45,10 @@ class VoiceSource:
 
 def voice_obstacles(plan: FloorPlan, voice: Voice) -> tuple[Faces, float]:
     """Return the faces that attenuate voices by `voice.wall_model`, eqs. (5) and (6), and the loss of one unit [dB]."""
-    if voice.wall_model == "thickness":
-        return thickness_faces(plan), _HALF_MM_DB * voice.attenuation_per_cm
-    return voice_faces(plan), voice.wall_loss_db / 2.0
+    by_thickness = voice.wall_model == "thickness"
+    unit_db = _HALF_MM_DB * voice.attenuation_per_cm if by_thickness else voice.wall_loss_db / 2.0
+    floor_units = round(voice.floor_loss_db / unit_db) if unit_db > 0.0 else 0
+    return thickness_faces(plan, floor_units) if by_thickness else voice_faces(plan, floor_units), unit_db
 
 
 @functools.lru_cache(maxsize=16)

@@ -5,52 +5,16 @@ from __future__ import annotations
 import math
 from typing import Literal
 
-import shapely
 from pydantic import Field, model_validator
 
 from robotteamsim.scenario.base import SMALLEST, Many, Model, Name, Point, by_index, check_names, wrong
+from robotteamsim.scenario.levels import MOST_LEVELS, Level, Opening, Passage, check_levels, level_at
 from robotteamsim.scenario.materials import Material
-
-MIN_SIDE_M = 0.01
-MAX_SIDE_M = 1000.0
-"""Grids of larger plans would not fit into memory."""
-
-MAX_COORDINATE_M = 999_000.0
-"""The exact sums of propagation are valid up to 1000 km; walls and cells extend a little beyond the bounds."""
-
-MIN_AREA_M2 = 1e-6
-"""Smallest area of a block: a square millimetre."""
+from robotteamsim.scenario.shapes import MAX_SIDE_M, check_polygon, check_segment, shown_point
+from robotteamsim.scenario.shapes import Bounds as Bounds
 
 MIN_SWING_RAD = 0.1
 """A leaf that swings by less than this would not open the gap."""
-
-
-class Bounds(Model):
-    """The rectangle that the plan fills; nothing exists outside it."""
-
-    min: Point = Field(default=(0.0, 0.0), description="lower left corner [m]")
-    max: Point = Field(description="upper right corner [m]")
-
-    @model_validator(mode="after")
-    def _check(self) -> Bounds:
-        for axis, (low, high) in zip("xy", zip(self.min, self.max, strict=True), strict=True):
-            if not high > low:
-                raise wrong("max", f"{axis} {high:g} is not above min, {low:g}")
-            if high - low < MIN_SIDE_M:
-                raise wrong("max", f"{axis} {high:g} is less than {MIN_SIDE_M:g} m from min, {low:g}")
-            if high - low > MAX_SIDE_M:
-                raise wrong("max", f"{axis} {high:g} is more than {MAX_SIDE_M:g} m from min, {low:g}")
-            for key, value in (("min", low), ("max", high)):
-                if abs(value) > MAX_COORDINATE_M:
-                    raise wrong(key, f"{axis} {value:g} is more than {MAX_COORDINATE_M / 1000:g} km from 0")
-        return self
-
-    def contains(self, point: Point) -> bool:
-        """Whether a point lies inside or on the border."""
-        return all(low <= value <= high for low, value, high in zip(self.min, point, self.max, strict=True))
-
-    def __str__(self) -> str:
-        return f"[{self.min[0]:g}, {self.min[1]:g}] .. [{self.max[0]:g}, {self.max[1]:g}]"
 
 
 class Wall(Model):
@@ -67,7 +31,7 @@ class Wall(Model):
 
     @model_validator(mode="after")
     def _check(self) -> Wall:
-        _check_segment(self.start, self.end)
+        check_segment(self.start, self.end)
         return self
 
 
@@ -92,13 +56,7 @@ class Block(Model):
 
     @model_validator(mode="after")
     def _check(self) -> Block:
-        outline = shapely.Polygon(self.polygon)
-        if outline.convex_hull.area < MIN_AREA_M2:  # the signed area of an outline that crosses itself may be 0
-            raise wrong("polygon", f"encloses no area: its corners lie on a line through {_place(*self.polygon[0])}")
-        if not outline.is_valid:
-            raise wrong("polygon", f"crosses or touches itself at {_where_invalid(outline)}")
-        if outline.area < MIN_AREA_M2:
-            raise wrong("polygon", f"encloses no area at {_place(*self.polygon[0])}")
+        check_polygon(self.polygon)
         return self
 
 
@@ -132,7 +90,7 @@ class Door(Model):
 
     @model_validator(mode="after")
     def _check(self) -> Door:
-        _check_segment(self.start, self.end)
+        check_segment(self.start, self.end)
         if self.motion == "instant" and self.time_s is not None:
             raise wrong("time_s", "not allowed for a door whose motion is instant")
         if self.motion != "swing" and self.angle_rad is not None:
@@ -175,12 +133,12 @@ class BayRow(Model):
 
     @model_validator(mode="after")
     def _check(self) -> BayRow:
-        _check_segment(self.start, self.end)
+        check_segment(self.start, self.end)
         return self
 
 
 class FloorPlan(Model):
-    """One floor of a building."""
+    """The floor of a building; levels lie side by side, see `scenario.levels`."""
 
     name: Name = Field(description="shown in tables and pictures")
     bounds: Bounds = Field(description="the rectangle [m] that the plan fills")
@@ -189,6 +147,9 @@ class FloorPlan(Model):
     doors: Many[Door] = Field(default=(), description="door leaves in gaps between walls")
     bays: Many[BayRow] = Field(default=(), description="rows of parking bays, for pictures and 3D views")
     materials: Many[Material] = Field(default=(), description="what walls and blocks can be built of")
+    levels: Many[Level] = Field(default=(), max_length=MOST_LEVELS, description="storeys; none: everything is on one")
+    openings: Many[Opening] = Field(default=(), description="holes in the floors of levels")
+    passages: Many[Passage] = Field(default=(), description="stairs, ramps and lifts between levels")
     drawing_offset_m: Point | None = Field(
         default=None, description="coordinates in the drawing that the plan was imported from, of [0, 0] [m]"
     )
@@ -201,25 +162,18 @@ class FloorPlan(Model):
             **by_index("doors", self.doors),
         }
         check_names(elements, "element")
-        check_names(by_index("materials", self.materials))
+        for key in ("materials", "levels", "openings", "passages"):
+            check_names(by_index(key, getattr(self, key)))
+        check_levels(self.levels, self.openings, self.passages)
+        for place, level in by_index("levels", self.levels).items():
+            if not (self.bounds.contains(level.bounds.min) and self.bounds.contains(level.bounds.max)):
+                raise wrong(f"{place}.bounds", f"{level.bounds} lies outside the bounds of the plan, {self.bounds}")
         for place, element in elements.items():
             points = element.polygon if isinstance(element, Block) else (element.start, element.end)
             for point in points:
                 if not self.bounds.contains(point):
-                    raise wrong(place, f"{_place(*point)} lies outside the bounds {self.bounds}")
+                    raise wrong(place, f"{shown_point(point)} lies outside the bounds {self.bounds}")
+            on = [level_at(self.levels, point) for point in points] if self.levels else []
+            if on and (on[0] is None or any(level is not on[0] for level in on)):
+                raise wrong(place, f"{shown_point(points[0])} to {shown_point(points[-1])} is not on one level")
         return self
-
-
-def _where_invalid(outline: shapely.Polygon) -> str:
-    """Return the point at the end of what GEOS says: "Self-intersection[2 6.5]" gives "[2, 6.5]"."""
-    x, y = shapely.is_valid_reason(outline).rpartition("[")[2].rstrip("]").split()
-    return _place(float(x), float(y))
-
-
-def _place(x: float, y: float) -> str:
-    return f"[{x:g}, {y:g}]"
-
-
-def _check_segment(start: Point, end: Point) -> None:
-    if start == end:
-        raise wrong("to", f"{_place(*end)} is also the point of 'from'")

@@ -97,6 +97,7 @@ class Voice(Model):
     attenuation_per_cm: float = Field(
         default=0.0115, ge=0.0, le=1.0, description="mu, for `thickness`; concrete has 0.01 .. 0.035 [1/cm]"
     )
+    floor_loss_db: LossDb = Field(default=40.0, description="each floor between two levels [dB]")
     min_distance_m: float = Field(default=0.1, ge=SMALLEST, le=1.0, description="shorter distances count as this [m]")
     map_resolution_m: float = Field(default=0.25, ge=0.05, le=2.0, description="cell of the voice map [m]")
     local_best_radius_m: float = Field(

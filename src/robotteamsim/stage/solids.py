@@ -18,9 +18,10 @@ from robotteamsim.map_import.cells import (
     without_corner_contacts,
 )
 from robotteamsim.scenario.base import Point
-from robotteamsim.scenario.floor_plan import MIN_AREA_M2, Block, Door, Wall
+from robotteamsim.scenario.floor_plan import Block, Door, Wall
 from robotteamsim.scenario.image_walls import walls_and_blocks
 from robotteamsim.scenario.plan import Corners, wall_corners
+from robotteamsim.scenario.shapes import MIN_AREA_M2
 from robotteamsim.scenario.yaml_text import is_file, shown
 from robotteamsim.stage.values import THIN_M, Pose2, Values, compose, tidy
 from robotteamsim.stage.world_file import Entity

@@ -15,7 +15,11 @@ namespace robotteamsim::propagation {
 struct FieldSource {
   PointMm position;
   Fading fading;
+  std::vector<double> floors_db{};  ///< the loss of 0, 1, 2, ... floors without a weight; as many as a ray can cross
 };
+
+/// The value of cells that lie on no storey of a building that has storeys [dB].
+constexpr float kNothingDb = -1000.0F;
 
 /// How to compute maps; no value depends on it.
 struct MapWork {
@@ -38,7 +42,7 @@ void WriteHighest(const FaceSet& faces, const std::vector<FieldSource>& sources,
 void WriteEach(const FaceSet& faces, const std::vector<FieldSource>& sources, const plan::GridShape& grid, MapView maps,
                const MapWork& work = {});
 
-/// Returns FaceSet::WeightBetween a source and the centre of each cell of a grid, row by row.
+/// Returns the weight of the faces and floors between a source and the centre of each cell of a grid, row by row.
 std::vector<std::int32_t> WeightsFrom(const FaceSet& faces, PointMm source, const plan::GridShape& grid);
 
 }  // namespace robotteamsim::propagation

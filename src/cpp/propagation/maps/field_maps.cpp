@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
 
+#include "robotteamsim/base/log10.hpp"
 #include "robotteamsim/base/parallel.hpp"
 #include "robotteamsim/propagation/maps/wall_shadows.hpp"
 
@@ -74,18 +76,9 @@ void CheckSources(const std::vector<FieldSource>& sources) {
   if (sources.empty()) throw std::invalid_argument("a map needs at least one source");
 }
 
-}  // namespace
-
-void CheckShape(const MapView& map, Eigen::Index rows, Eigen::Index cols) {
-  if (map.rows() == rows && map.cols() == cols) return;
-  throw std::invalid_argument("a map must have shape (" + std::to_string(rows) + ", " + std::to_string(cols) +
-                              "), got (" + std::to_string(map.rows()) + ", " + std::to_string(map.cols()) + ")");
-}
-
-void WriteHighest(const FaceSet& faces, const std::vector<FieldSource>& sources, const plan::GridShape& grid,
-                  MapView map, const MapWork& work) {
-  CheckSources(sources);
-  CheckShape(map, grid.rows, grid.cols);
+/// As WriteHighest, where all is on one storey.
+void WriteStorey(const FaceSet& faces, const std::vector<FieldSource>& sources, const plan::GridShape& grid,
+                 MapView map, const MapWork& work) {
   const CellCentersMm cells(grid);
   const auto count = static_cast<int>(sources.size());
   std::vector<std::optional<PreparedSource>> prepared(sources.size());
@@ -99,6 +92,78 @@ void WriteHighest(const FaceSet& faces, const std::vector<FieldSource>& sources,
                           [&](int i) { WriteColumns(all, work.simd, narrow, parts[i], map); });
 }
 
+/// The cells of a grid whose centres lie on a storey.
+struct StoreyCells {
+  StoreyCells(const Storey& storey, const CellCentersMm& centers)
+      : rows{centers.y.FirstFrom(storey.least.y), centers.y.FirstFrom(storey.most.y + 1)},
+        cols{centers.x.FirstFrom(storey.least.x), centers.x.FirstFrom(storey.most.x + 1)} {}
+
+  bool IsEmpty() const { return rows.first == rows.last || cols.first == cols.last; }
+
+  plan::GridShape In(const plan::GridShape& grid) const {
+    return {{grid.origin.x + cols.first * grid.resolution_m, grid.origin.y + rows.first * grid.resolution_m},
+            grid.resolution_m,
+            rows.last - rows.first,
+            cols.last - cols.first};
+  }
+
+  IndexRange rows, cols;
+};
+
+/// Returns the value of a source at a point, also on another storey.
+float ValueAt(const FaceSet& faces, const FieldSource& source, PointMm point) {
+  const Fading& fading = source.fading;
+  const Ray ray = faces.Between(source.position, point);
+  const double least_mm = fading.min_distance_m * 1000.0;
+  const double square_mm2 = std::max(ray.square_mm2, least_mm * least_mm);
+  const double over_distance_db = 0.5 * fading.slope_db * base::Log10(square_mm2 * 1e-6);
+  const double floors_db = ray.floors > 0 ? source.floors_db.at(static_cast<std::size_t>(ray.floors)) : 0.0;
+  const double walls_db = fading.unit_db * static_cast<double>(ray.weight);
+  return static_cast<float>(fading.constant_db - over_distance_db - walls_db - floors_db);
+}
+
+/// As WriteHighest, for a building with storeys.
+void WriteHighestOfStoreys(const FaceSet& faces, const std::vector<FieldSource>& sources, const plan::GridShape& grid,
+                           MapView map, const MapWork& work) {
+  map.setConstant(kNothingDb);
+  const CellCentersMm centers(grid);
+  for (std::size_t i = 0; i < faces.storeys().size(); ++i) {
+    const StoreyCells cells(faces.storeys()[i], centers);
+    if (cells.IsEmpty()) continue;
+    const plan::GridShape part = cells.In(grid);
+    const auto is_here = [&](const FieldSource& source) { return faces.StoreyOf(source.position) == i; };
+    std::vector<FieldSource> here, elsewhere;
+    std::partition_copy(sources.begin(), sources.end(), std::back_inserter(here), std::back_inserter(elsewhere),
+                        is_here);
+    MapView values = map.block(cells.rows.first, cells.cols.first, part.rows, part.cols);
+    if (!here.empty()) WriteStorey(faces, here, part, values, work);
+    base::ForEachInParallel(elsewhere.empty() ? 0 : part.rows, work.threads, [&](int row) {
+      for (int col = 0; col < part.cols; ++col) {
+        const PointMm center = centers.At(cells.rows.first + row, cells.cols.first + col);
+        for (const FieldSource& source : elsewhere) {
+          values(row, col) = std::max(values(row, col), ValueAt(faces, source, center));
+        }
+      }
+    });
+  }
+}
+
+}  // namespace
+
+void CheckShape(const MapView& map, Eigen::Index rows, Eigen::Index cols) {
+  if (map.rows() == rows && map.cols() == cols) return;
+  throw std::invalid_argument("a map must have shape (" + std::to_string(rows) + ", " + std::to_string(cols) +
+                              "), got (" + std::to_string(map.rows()) + ", " + std::to_string(map.cols()) + ")");
+}
+
+void WriteHighest(const FaceSet& faces, const std::vector<FieldSource>& sources, const plan::GridShape& grid,
+                  MapView map, const MapWork& work) {
+  CheckSources(sources);
+  CheckShape(map, grid.rows, grid.cols);
+  if (faces.storeys().size() > 1) return WriteHighestOfStoreys(faces, sources, grid, map, work);
+  WriteStorey(faces, sources, grid, map, work);
+}
+
 void WriteEach(const FaceSet& faces, const std::vector<FieldSource>& sources, const plan::GridShape& grid, MapView maps,
                const MapWork& work) {
   CheckSources(sources);
@@ -106,8 +171,9 @@ void WriteEach(const FaceSet& faces, const std::vector<FieldSource>& sources, co
   const CellCentersMm cells(grid);
   const bool narrow = FitsNarrow(faces);
   base::ForEachInParallel(static_cast<int>(sources.size()), work.threads, [&](int i) {
-    const PreparedSource prepared(faces, sources[i], cells);
     const MapView map = maps.middleRows(static_cast<Eigen::Index>(i) * grid.rows, grid.rows);
+    if (faces.storeys().size() > 1) return WriteHighestOfStoreys(faces, {sources[i]}, grid, map, {1, work.simd});
+    const PreparedSource prepared(faces, sources[i], cells);
     WriteColumns({&prepared}, work.simd, narrow, {0, grid.cols}, map);
   });
 }
@@ -119,6 +185,15 @@ std::vector<std::int32_t> WeightsFrom(const FaceSet& faces, PointMm source, cons
   std::vector<std::int32_t> weights(grid.rows * cols, 0);
   ShadowSweep(shadows, {0, grid.cols}).AddChanges({0, grid.rows}, weights.data(), grid.cols);
   for (std::size_t cell = cols; cell < weights.size(); ++cell) weights[cell] += weights[cell - cols];
+  if (faces.storeys().size() < 2) return weights;
+  const std::size_t own = faces.StoreyOf(source);
+  for (int row = 0; row < grid.rows; ++row) {
+    for (int col = 0; col < grid.cols; ++col) {
+      const PointMm center = cells.At(row, col);
+      if (faces.StoreyOf(center) == own) continue;
+      weights[row * cols + col] = static_cast<std::int32_t>(faces.Between(source, center).weight);
+    }
+  }
   return weights;
 }
 

@@ -1,0 +1,156 @@
+"""The levels of a building, which lie side by side in its plan, and the ways between them."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from pydantic import Field, model_validator
+
+from robotteamsim.scenario.base import Many, Model, Name, Point, wrong
+from robotteamsim.scenario.shapes import Bounds, check_polygon, shown_point
+
+MOST_LEVELS = 200
+_TOP_HEIGHT_M = 3.0
+"""Of the highest level, above which nothing is."""
+
+
+class Level(Model):
+    """A storey: the part of the plan in which it is drawn, and where that lies in the building."""
+
+    name: Name = Field(description="such as L1")
+    bounds: Bounds = Field(description="the part of the plan that it fills; others do not touch it [m]")
+    origin: Point = Field(
+        default=(0.0, 0.0), description="point of the plan that lies above or below the origins of the others [m]"
+    )
+    elevation_m: float = Field(ge=-1000.0, le=1000.0, description="height of its floor [m]")
+    height_m: float | None = Field(
+        default=None,
+        ge=0.1,
+        le=200.0,
+        description="from floor to ceiling; default: to the next floor, or 3 m; rays above it meet no walls [m]",
+    )
+    floor_material: str | None = Field(
+        default=None, description="in materials or radio.materials, for radio; default: radio.floor_loss_db"
+    )
+
+    def in_building(self, point: Point) -> tuple[float, float, float]:
+        """Return where a point of the plan on this level lies in the building [m]."""
+        return point[0] - self.origin[0], point[1] - self.origin[1], self.elevation_m
+
+
+class Opening(Model):
+    """A hole in the floor of the level in which it lies: radio, voices and smoke pass."""
+
+    name: Name = Field(description="a name, unique among the openings")
+    polygon: Many[Point] = Field(min_length=3, description="corners in order, not self-crossing [m]")
+
+    @model_validator(mode="after")
+    def _check(self) -> Opening:
+        check_polygon(self.polygon)
+        return self
+
+
+class Passage(Model):
+    """Stairs, a ramp or a lift: who stands at one of its stops can go to another."""
+
+    name: Name = Field(description="a name, unique among the passages")
+    kind: Literal["stairs", "ramp", "lift"] = Field(default="lift", description="on stairs and ramps, level by level")
+    stops: Many[Point] = Field(
+        min_length=2, max_length=MOST_LEVELS, description="one per level, from the lowest up [m]"
+    )
+    radius_m: float = Field(default=0.5, ge=0.05, le=5.0, description="within which somebody is at a stop [m]")
+    length_m: float | None = Field(
+        default=None, ge=0.1, le=1000.0, description="of the way between two stops; default: straight in space [m]"
+    )
+    speed_mps: float = Field(default=0.5, ge=0.01, le=10.0, description="on this way [m/s]")
+    wait_s: float = Field(default=0.0, ge=0.0, le=600.0, description="before it, such as for doors of a lift [s]")
+    robots: bool | None = Field(default=None, description="whether robots can use it; default: all but stairs")
+
+    @property
+    def takes_robots(self) -> bool:
+        """Whether robots can use it."""
+        return self.kind != "stairs" if self.robots is None else self.robots
+
+
+@dataclass(frozen=True, slots=True)
+class Way:
+    """A way between two stops of a passage, from the lower one to the higher one [m]."""
+
+    passage: Passage
+    start: Point
+    end: Point
+    length_m: float
+
+    @property
+    def time_s(self) -> float:
+        """How long it takes [s]."""
+        return self.passage.wait_s + self.length_m / self.passage.speed_mps
+
+    @property
+    def equivalent_m(self) -> float:
+        """The way at the passage's speed that takes as long, for whoever plans [m]."""
+        return self.time_s * self.passage.speed_mps
+
+
+def level_at(levels: Sequence[Level], point: Point) -> Level | None:
+    """Return the level on which a point of the plan lies; None beside all."""
+    return next((level for level in levels if level.bounds.contains(point)), None)
+
+
+def ceiling_height_m(levels: Sequence[Level], level: Level) -> float:
+    """Return the height of a level's ceiling above its floor [m]."""
+    if level.height_m is not None:
+        return level.height_m
+    above_m = [other.elevation_m for other in levels if other.elevation_m > level.elevation_m]
+    return min(above_m) - level.elevation_m if above_m else _TOP_HEIGHT_M
+
+
+def ways(levels: Sequence[Level], passages: Sequence[Passage]) -> tuple[Way, ...]:
+    """Return all ways upwards: of stairs and ramps from each stop to the next, of lifts to all above."""
+    found = []
+    for passage in passages:
+        pairs = (
+            itertools.combinations(passage.stops, 2) if passage.kind == "lift" else itertools.pairwise(passage.stops)
+        )
+        for start, end in pairs:
+            found.append(Way(passage=passage, start=start, end=end, length_m=_length_m(levels, passage, start, end)))
+    return tuple(found)
+
+
+def _length_m(levels: Sequence[Level], passage: Passage, start: Point, end: Point) -> float:
+    if passage.length_m is not None:
+        return passage.length_m
+    below, above = level_at(levels, start), level_at(levels, end)
+    assert below is not None
+    assert above is not None
+    return math.dist(below.in_building(start), above.in_building(end))
+
+
+def check_levels(levels: Sequence[Level], openings: Sequence[Opening], passages: Sequence[Passage]) -> None:
+    """Raise a plan's error for levels that overlap, and for openings and stops that lie on none."""
+    for (i, first), (j, second) in itertools.combinations(enumerate(levels), 2):
+        if first.elevation_m == second.elevation_m:
+            raise wrong(f"levels.{j}.elevation_m", f"{second.elevation_m:g} is also that of levels.{i}")
+        if first.bounds.overlaps(second.bounds):
+            raise wrong(f"levels.{j}.bounds", f"{second.bounds} touches levels.{i}, {first.bounds}")
+    for key, items in (("openings", openings), ("passages", passages)):
+        if items and not levels:
+            raise wrong(f"{key}.0", "needs levels")
+    for i, opening in enumerate(openings):
+        if any(level_at(levels, corner) is not level_at(levels, opening.polygon[0]) for corner in opening.polygon):
+            raise wrong(f"openings.{i}.polygon", "lies on more than one level")
+        if level_at(levels, opening.polygon[0]) is None:
+            raise wrong(f"openings.{i}.polygon", f"{shown_point(opening.polygon[0])} is on no level")
+    for i, passage in enumerate(passages):
+        floors = []
+        for j, stop in enumerate(passage.stops):
+            level = level_at(levels, stop)
+            if level is None:
+                raise wrong(f"passages.{i}.stops.{j}", f"{shown_point(stop)} is on no level")
+            floors.append(level.elevation_m)
+            if j > 0 and floors[j] <= floors[j - 1]:
+                raise wrong(f"passages.{i}.stops.{j}", "is not on a higher level than the stop before")
