@@ -13,6 +13,10 @@
 namespace nanobind::detail {
 
 using robotteamsim::plan::PlanningGrid;
+using robotteamsim::plan::Portal;
+
+template <>
+struct type_caster<Portal> : TupleCaster<Portal, &Portal::a, &Portal::b, &Portal::length_m> {};
 
 template <>
 struct type_caster<PlanningGrid::Valued>
@@ -27,10 +31,10 @@ using plan::PlanningGrid;
 using DistanceMap = Array<const float, -1, -1>;
 
 void InitGrid(PlanningGrid* self, const Array<const bool, -1, -1>& occupied, const base::Point& origin_m,
-              double resolution_m, double inflation_m) {
+              double resolution_m, double inflation_m, const std::vector<plan::Portal>& portals) {
   const plan::GridShape shape{origin_m, resolution_m, static_cast<int>(occupied.shape(0)),
                               static_cast<int>(occupied.shape(1))};
-  new (self) PlanningGrid(shape, ValuesOf<std::uint8_t>(occupied), inflation_m);
+  new (self) PlanningGrid(shape, ValuesOf<std::uint8_t>(occupied), inflation_m, portals);
 }
 
 template <typename Value>
@@ -44,7 +48,8 @@ void BindPlan(nb::module_&& m) {
   nb::class_<PlanningGrid>(m, "PlanningGrid",
                            "Cells that are free for a robot's centre, and shortest paths through them.\n\n"
                            "Arrays have shape (rows, columns), row 0 at the lowest y. Points are (x, y) in `map` [m].")
-      .def("__init__", &InitGrid, "occupied"_a, "origin_m"_a, "resolution_m"_a, "inflation_m"_a)
+      .def("__init__", &InitGrid, "occupied"_a, "origin_m"_a, "resolution_m"_a, "inflation_m"_a,
+           "portals"_a = std::vector<plan::Portal>())
       .def(
           "blocked", [](const PlanningGrid& grid) { return OfCells(grid, grid.blocked()); },
           "Return which cells are not free, bool.")

@@ -27,7 +27,8 @@ struct CellWay {
 /// Paths between the cells of a coarse grid: a graph over the fine grid in which robots drive.
 ///
 /// Each cell has one free place, if it has any. Neighbours are linked if the fine grid has a short path between their
-/// places. Lengths from a cell are computed when they are first asked for: use one object per thread.
+/// places, and the cells at the ends of a portal. Lengths from a cell are computed when they are first asked for: use
+/// one object per thread.
 class CellPaths {
  public:
   static constexpr int kNone = -1;
@@ -72,8 +73,16 @@ class CellPaths {
  private:
   static constexpr int kNeighbours = 8;
 
+  /// The way from one cell to another through a portal of the fine grid.
+  struct Jump {
+    int from;
+    int to;
+    float length;
+  };
+
   void FindPlaces();
   void Link(int row, int col);
+  void LinkPortals();
   std::vector<int> ShortestWithin(int from, const std::vector<std::uint8_t>& goals,
                                   const std::vector<std::uint8_t>& allowed) const;
   bool IsLineWithin(const base::Point& from, const base::Point& to, const std::vector<std::uint8_t>& allowed) const;
@@ -87,6 +96,7 @@ class CellPaths {
   std::optional<KeptOut> kept_out_;
   std::vector<std::optional<base::Point>> places_;
   std::vector<std::array<float, kNeighbours>> links_;  ///< lengths to the neighbours [m]; infinite if not linked
+  std::vector<Jump> jumps_;                            ///< in both directions
   mutable std::vector<std::vector<float>> lengths_;
 };
 

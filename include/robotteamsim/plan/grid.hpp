@@ -17,7 +17,15 @@ struct GridShape {
   int cols = 0;
 };
 
-/// The cells that are free for the centre of one robot, and the paths through them.
+/// A way between two places that does not lead over the grid, such as a lift, in both directions.
+struct Portal {
+  base::Point a;
+  base::Point b;
+  double length_m = 0.0;  ///< at most kLongestPortal
+};
+constexpr double kLongestPortal = 1e5;
+
+/// The cells that are free for the centre of one robot, and the paths through them, also by portals.
 ///
 /// Paths are 8-connected and never cut a corner: a diagonal step needs both cells beside it free. Of equally long paths
 /// the cell index decides, so that results are deterministic. Nothing is free beyond the grid. The searches share
@@ -31,9 +39,12 @@ class PlanningGrid {
   };
 
   /// Blocks every cell whose centre is nearer than `inflation_m` to an occupied cell (nonzero in `occupied`).
-  PlanningGrid(const GridShape& shape, const std::vector<std::uint8_t>& occupied, double inflation_m);
+  /// Args: portals: those with an end in a blocked cell are left out.
+  PlanningGrid(const GridShape& shape, const std::vector<std::uint8_t>& occupied, double inflation_m,
+               const std::vector<Portal>& portals = {});
 
   const GridShape& shape() const { return shape_; }
+  const std::vector<Portal>& portals() const { return portals_; }
   const std::vector<std::uint8_t>& blocked() const { return blocked_; }
 
   bool IsFree(const base::Point& point) const;
@@ -99,6 +110,13 @@ class PlanningGrid {
     double length_m;
   };
 
+  /// A portal in one direction.
+  struct Jump {
+    int from;
+    int to;
+    double length_m;
+  };
+
   struct Cell {
     int index;
     int row;
@@ -113,12 +131,16 @@ class PlanningGrid {
   int FreeCellOf(const base::Point& point) const;
   base::Point Center(int row, int col) const;
   base::Point Center(int cell) const;
+  double LeastOnGrid(int from, int to) const;
+  std::vector<double> LeastFromJumps(int goal) const;
   template <typename Value>
   std::optional<Valued> BestReachable(const base::Point& from, double radius_m, const Value& value) const;
 
   GridShape shape_;
   std::vector<std::uint8_t> blocked_;
   std::vector<Step> steps_;
+  std::vector<Portal> portals_;
+  std::vector<Jump> jumps_;
   std::vector<std::uint8_t> exits_;  ///< bit i: step i leads from this free cell to a free cell and cuts no corner
 
   // A cell's scratch entries are valid only if its stamp is that of the current search: they need not be cleared.

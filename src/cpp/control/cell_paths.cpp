@@ -62,6 +62,7 @@ CellPaths::CellPaths(std::shared_ptr<const plan::PlanningGrid> fine, const plan:
   for (int row = 0; row < cells_.rows; ++row) {
     for (int col = 0; col < cells_.cols; ++col) Link(row, col);
   }
+  LinkPortals();
   lengths_.resize(places_.size());
 }
 
@@ -95,6 +96,17 @@ void CellPaths::Link(int row, int col) {
       for (std::size_t i = 1; i < corners.size(); ++i) length += Distance(corners[i - 1], corners[i]);
     }
     links_[cell][k] = links_[other][kNeighbours - 1 - k] = static_cast<float>(length);
+  }
+}
+
+void CellPaths::LinkPortals() {
+  for (const plan::Portal& portal : fine_->portals()) {
+    if (!IsAllowed(portal.a, portal.a) || !IsAllowed(portal.b, portal.b)) continue;
+    const int a = StartOf(portal.a), b = StartOf(portal.b);
+    if (a == kNone || b == kNone || a == b) continue;
+    const double length = Distance(portal.a, *places_[a]) + portal.length_m + Distance(portal.b, *places_[b]);
+    jumps_.push_back({a, b, static_cast<float>(length)});
+    jumps_.push_back({b, a, static_cast<float>(length)});
   }
 }
 
@@ -187,8 +199,10 @@ const std::vector<float>& CellPaths::LengthsFrom(int cell) const {
     float length;
     int cell;
   };
-  std::array<std::vector<Reached>, 16> buckets;
   const float per_m = 2.0F / static_cast<float>(cells_.resolution_m);
+  float longest = 0.0F;
+  for (const Jump& jump : jumps_) longest = std::max(longest, jump.length);
+  std::vector<std::vector<Reached>> buckets(std::max<std::size_t>(16, static_cast<std::size_t>(longest * per_m) + 2));
   std::array<int, kNeighbours> offsets{};
   for (int k = 0; k < kNeighbours; ++k) offsets[k] = kSteps[k].row * cells_.cols + kSteps[k].col;
   std::size_t num_open = 0;
@@ -207,6 +221,9 @@ const std::vector<float>& CellPaths::LengthsFrom(int cell) const {
       for (int k = 0; k < kNeighbours; ++k) {
         const float link = links_[at.cell][k];
         if (link < kNoPath) reach(at.cell + offsets[k], at.length + link);
+      }
+      for (const Jump& jump : jumps_) {
+        if (jump.from == at.cell) reach(jump.to, at.length + jump.length);
       }
     }
     num_open -= bucket.size();
@@ -235,6 +252,11 @@ std::optional<base::Point> CellPaths::Ahead(const base::Point& position, int goa
         total = links_[at][k] + lengths[other];
         best = other;
       }
+    }
+    for (const Jump& jump : jumps_) {
+      if (jump.from != at || !(jump.length + lengths[jump.to] < total) || !(lengths[jump.to] < lengths[at])) continue;
+      total = jump.length + lengths[jump.to];
+      best = jump.to;
     }
     if (best == at) break;
     at = best;
@@ -289,14 +311,18 @@ std::vector<int> CellPaths::ShortestWithin(int from, const std::vector<std::uint
       std::reverse(cells.begin(), cells.end());
       return cells;
     }
-    for (int k = 0; k < kNeighbours; ++k) {
-      if (!(links_[at][k] < kNoPath)) continue;
-      const int other = at + kSteps[k].row * cells_.cols + kSteps[k].col;
-      const float longer = length + links_[at][k];
-      if (allowed[other] == 0 || longer >= lengths[other]) continue;
+    const auto reach = [&, at = at](int other, float longer) {
+      if (allowed[other] == 0 || longer >= lengths[other]) return;
       lengths[other] = longer;
       before[other] = at;
       open.emplace(longer, other);
+    };
+    for (int k = 0; k < kNeighbours; ++k) {
+      if (!(links_[at][k] < kNoPath)) continue;
+      reach(at + kSteps[k].row * cells_.cols + kSteps[k].col, length + links_[at][k]);
+    }
+    for (const Jump& jump : jumps_) {
+      if (jump.from == at) reach(jump.to, length + jump.length);
     }
   }
   return {};

@@ -54,7 +54,8 @@ std::vector<std::pair<int, int>> InflationStamp(double inflation_m, const GridSh
 
 }  // namespace
 
-PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_t>& occupied, double inflation_m)
+PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_t>& occupied, double inflation_m,
+                           const std::vector<Portal>& portals)
     : shape_(shape), blocked_(occupied) {
   CheckShape(shape, occupied.size());
   base::CheckNotNegative(inflation_m, "inflation_m");
@@ -76,6 +77,17 @@ PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_
   }
   exits_.resize(blocked_.size());
   for (int cell = 0; cell < static_cast<int>(blocked_.size()); ++cell) exits_[cell] = ExitsOf(cell);
+  for (const Portal& portal : portals) {
+    base::Check(portal.a, "an end of a portal");
+    base::Check(portal.b, "an end of a portal");
+    base::CheckPositive(portal.length_m, "the length of a portal");
+    if (portal.length_m > kLongestPortal) throw std::invalid_argument("a portal is longer than 100 km");
+    const int a = FreeCellOf(portal.a), b = FreeCellOf(portal.b);
+    if (a < 0 || b < 0 || a == b) continue;
+    portals_.push_back(portal);
+    jumps_.push_back({a, b, portal.length_m});
+    jumps_.push_back({b, a, portal.length_m});
+  }
   stamp_.assign(blocked_.size(), 0);
   length_m_.resize(blocked_.size());
   parent_.resize(blocked_.size());
@@ -179,10 +191,13 @@ std::vector<float> PlanningGrid::DistanceMap(const base::Point& goal) const {
   const int start = FreeCellOf(goal);
   if (start < 0) throw std::invalid_argument("the goal of a distance map must be free");
   // Dijkstra with buckets as wide as the shortest step: no cell of a bucket can shorten the path of another in it, so
-  // the order within a bucket does not matter. The longest step reaches two buckets ahead.
+  // the order within a bucket does not matter. The longest step reaches two buckets ahead; portals may be longer, but
+  // count as one step at least.
   std::vector<double> distance(blocked_.size(), kInfinity);
-  std::array<std::vector<int>, 4> buckets;
   const double width = shape_.resolution_m * (1.0 - 1e-9);
+  double longest_m = 0.0;
+  for (const Jump& jump : jumps_) longest_m = std::max(longest_m, jump.length_m);
+  std::vector<std::vector<int>> buckets(std::max<std::size_t>(4, static_cast<std::size_t>(longest_m / width) + 2));
   const auto bucket_of = [&](double length) { return static_cast<std::size_t>(length / width) % buckets.size(); };
   distance[start] = 0.0;
   buckets[0].push_back(start);
@@ -199,6 +214,13 @@ std::vector<float> PlanningGrid::DistanceMap(const base::Point& goal) const {
         if (new_length >= distance[cell + step.offset]) continue;
         distance[cell + step.offset] = new_length;
         buckets[bucket_of(new_length)].push_back(cell + step.offset);
+        ++num_open;
+      }
+      for (const Jump& jump : jumps_) {
+        const double new_length = length + std::max(jump.length_m, shape_.resolution_m);
+        if (jump.from != cell || new_length >= distance[jump.to]) continue;
+        distance[jump.to] = new_length;
+        buckets[bucket_of(new_length)].push_back(jump.to);
         ++num_open;
       }
     }
@@ -241,18 +263,47 @@ std::optional<base::Point> PlanningGrid::Descend(const float* distances, std::si
   return place;
 }
 
+/// Returns the length of the path between two cells if nothing were blocked.
+double PlanningGrid::LeastOnGrid(int from, int to) const {
+  const int rows = std::abs(from / shape_.cols - to / shape_.cols);
+  const int cols = std::abs(from % shape_.cols - to % shape_.cols);
+  return (std::max(rows, cols) + (std::sqrt(2.0) - 1.0) * std::min(rows, cols)) * shape_.resolution_m;
+}
+
+/// Returns, for each portal in each direction, the length of the path through it to a goal if nothing were blocked.
+std::vector<double> PlanningGrid::LeastFromJumps(int goal) const {
+  std::vector<double> least;
+  const auto through = [&](const Jump& jump, double from_end) {
+    return std::max(jump.length_m, shape_.resolution_m) + from_end;
+  };
+  for (const Jump& jump : jumps_) least.push_back(through(jump, LeastOnGrid(jump.to, goal)));
+  for (std::size_t round = 1; round < jumps_.size(); ++round) {  // a shortest path has each portal at most once
+    bool has_changed = false;
+    for (std::size_t i = 0; i < jumps_.size(); ++i) {
+      for (std::size_t j = 0; j < jumps_.size(); ++j) {
+        const double length = through(jumps_[i], LeastOnGrid(jumps_[i].to, jumps_[j].from) + least[j]);
+        has_changed |= length < least[i];
+        least[i] = std::min(least[i], length);
+      }
+    }
+    if (!has_changed) break;
+  }
+  return least;
+}
+
 std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, const base::Point& to,
                                                     double max_length_m) const {
   base::CheckNotNegative(max_length_m, "max_length_m");
   const int start = FreeCellOf(from);
   const int goal = FreeCellOf(to);
   if (start < 0 || goal < 0) return {};
-  const int goal_row = goal / shape_.cols;
-  const int goal_col = goal % shape_.cols;
+  const std::vector<double> from_jumps = LeastFromJumps(goal);
   const auto least_remaining = [&](int cell) {
-    const int rows = std::abs(cell / shape_.cols - goal_row);
-    const int cols = std::abs(cell % shape_.cols - goal_col);
-    return (std::max(rows, cols) + (std::sqrt(2.0) - 1.0) * std::min(rows, cols)) * shape_.resolution_m;
+    double least = LeastOnGrid(cell, goal);
+    for (std::size_t i = 0; i < jumps_.size(); ++i) {
+      least = std::min(least, LeastOnGrid(cell, jumps_[i].from) + from_jumps[i]);
+    }
+    return least;
   };
   struct Entry {
     double total;  // least length of a path through the cell
@@ -284,6 +335,9 @@ std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, con
     for (std::size_t s = 0; s < steps_.size(); ++s) {
       if ((exits_[entry.cell] >> s & 1U) == 0) continue;
       reach(entry.cell + steps_[s].offset, entry.cell, length + steps_[s].length_m);
+    }
+    for (const Jump& jump : jumps_) {
+      if (jump.from == entry.cell) reach(jump.to, entry.cell, length + std::max(jump.length_m, shape_.resolution_m));
     }
   }
   std::vector<base::Point> path;

@@ -49,17 +49,19 @@ def part_texts(parts: Sequence[FloorPart]) -> list[str]:
 def floor_parts(plan: FloorPlan, radius_m: float) -> tuple[FloorPart, ...]:
     """Return the parts of the floor between which a disc cannot move, even through open doors, the largest first.
 
-    Parts below LEAST_M2 are omitted, and those outside the building.
+    Parts below LEAST_M2 are omitted, and those outside the building; parts that passages join count as the largest.
 
     Args: radius_m: of the disc; areas are those that its centre can be in.
     """
-    return tuple(map(_part, _shapes(plan, radius_m)))
+    shapes = _shapes(plan, radius_m)
+    joined = _joined(plan, shapes, {0})
+    return tuple(_part(shape) for index, shape in enumerate(shapes) if index == 0 or index not in joined)
 
 
 def parts_without(plan: FloorPlan, radius_m: float, starts: Sequence[Point]) -> tuple[FloorPart, ...]:
     """Return the parts of the floor that a disc cannot reach from any of some starts [m, map]; see `floor_parts`."""
     shapes = _shapes(plan, radius_m)
-    reached = _reached(shapes, starts)
+    reached = _reached(plan, shapes, starts)
     return tuple(_part(shape) for index, shape in enumerate(shapes) if index not in reached)
 
 
@@ -68,22 +70,34 @@ def places_without(
 ) -> list[int]:
     """Return which of some places, discs of a centre [m, map] and a radius [m], a disc cannot enter from any start."""
     shapes, _ = _all_shapes(plan, radius_m)
-    floor = shapely.union_all([shapes[index] for index in _reached(shapes, starts)])
+    floor = shapely.union_all([shapes[index] for index in _reached(plan, shapes, starts)])
     return [i for i, (centre, near_m) in enumerate(places) if not shapely.dwithin(floor, shapely.Point(centre), near_m)]
 
 
-def _reached(shapes: Sequence[shapely.Polygon], starts: Sequence[Point]) -> set[int]:
-    """Return the indices of the parts of the floor in which somebody starts."""
+def _reached(plan: FloorPlan, shapes: Sequence[shapely.Polygon], starts: Sequence[Point]) -> set[int]:
+    """Return the indices of the parts of the floor in which robots start, or to which passages lead from there."""
     if not starts or not shapes:
         return set()
     _, reached = shapely.STRtree(shapes).query_nearest(shapely.points(starts), max_distance=_NEAR_M)
-    return set(reached.tolist())
+    return _joined(plan, shapes, set(reached.tolist()))
 
 
-def _all_shapes(plan: FloorPlan, radius_m: float) -> tuple[list[shapely.Polygon], shapely.Polygon]:
+def _joined(plan: FloorPlan, shapes: Sequence[shapely.Polygon], reached: set[int]) -> set[int]:
+    """Return the indices of these parts of the floor and of those to which passages lead from them."""
+    found, size = set(reached), -1
+    stops = [passage.stops for passage in plan.passages if passage.takes_robots]
+    on = [[i for i, shape in enumerate(shapes) if shape.intersects(shapely.MultiPoint(places))] for places in stops]
+    while len(found) != size:
+        size = len(found)
+        found.update(*(parts for parts in on if not found.isdisjoint(parts)))
+    return found
+
+
+def _all_shapes(plan: FloorPlan, radius_m: float) -> tuple[list[shapely.Polygon], shapely.Geometry]:
     """Return where the centre of a disc can be if all doors are open, the largest part first; and the whole page."""
     walls = obstacles(plan.model_copy(update={"doors": ()}))
-    page = shapely.box(*plan.bounds.min, *plan.bounds.max)
+    pages = [level.bounds for level in plan.levels] or [plan.bounds]
+    page = shapely.union_all([shapely.box(*bounds.min, *bounds.max) for bounds in pages])
     floor = shapely.difference(page, shapely.buffer(walls, radius_m))
     parts = [part for part in shapely.get_parts(floor) if part.area >= LEAST_M2]
     return sorted(parts, key=lambda part: (-part.area, part.bounds)), page
@@ -92,7 +106,7 @@ def _all_shapes(plan: FloorPlan, radius_m: float) -> tuple[list[shapely.Polygon]
 def _shapes(plan: FloorPlan, radius_m: float) -> list[shapely.Polygon]:
     """Return the parts that are not outside the building, or the largest if all are."""
     parts, page = _all_shapes(plan, radius_m)
-    at_edge = [part.distance(page.exterior) <= radius_m + _EDGE_M for part in parts]
+    at_edge = [part.distance(page.boundary) <= radius_m + _EDGE_M for part in parts]
     indoors = [part for part, is_near in zip(parts, at_edge, strict=True) if not (is_near and _is_outside(part, parts))]
     return indoors or parts[:1]
 

@@ -5,10 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robotteamsim.control.driving.known_map import KnownMap, known_map
+from robotteamsim.control.driving.known_map import UNREACHABLE_M, KnownMap, known_map
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.levels import ways as passage_ways
 from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
@@ -76,10 +77,24 @@ def _lattice(building: Building, robot_radius_m: float, spacing_m: float, longes
             if free or math.dist(places[column, row], places[other]) + 1e-6 < length_m <= longest_edge * spacing_m:
                 ways[column, row].append((other, length_m))
                 ways[other].append(((column, row), length_m))
+    for way in passage_ways(building.plan.levels, building.plan.passages):
+        if places and way.passage.takes_robots:
+            (start, to_start_m), (end, to_end_m) = (_nearest(known, places, stop) for stop in (way.start, way.end))
+            length_m = to_start_m + way.equivalent_m + to_end_m
+            if start != end and math.isfinite(length_m):
+                ways[start].append((end, length_m))
+                ways[end].append((start, length_m))
     kept = _largest_part(ways)
     index = {node: i for i, node in enumerate(kept)}
     edges = tuple(tuple((index[other], length_m) for other, length_m in ways[node]) for node in kept)
     return Graph(tuple(places[node] for node in kept), edges)
+
+
+def _nearest(known: KnownMap, places: dict[tuple[int, int], Vector], stop: Vector) -> tuple[tuple[int, int], float]:
+    """Return the node with the shortest path to the stop of a passage, and its length [m]; inf without one."""
+    lengths_m = known.distances_m(stop, np.array(list(places.values())))
+    nearest = int(np.argmin(lengths_m))
+    return list(places)[nearest], float(lengths_m[nearest]) if lengths_m[nearest] < UNREACHABLE_M else math.inf
 
 
 def _places(plan: FloorPlan, known: KnownMap, spacing_m: float) -> dict[tuple[int, int], Vector]:

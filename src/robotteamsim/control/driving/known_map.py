@@ -9,6 +9,7 @@ from robotteamsim import _core
 from robotteamsim.control.driving.hot_places import with_hot_blocks
 from robotteamsim.scenario.building import Building, Doors
 from robotteamsim.scenario.fire import Block
+from robotteamsim.scenario.levels import ways
 from robotteamsim.scenario.plan import FREE, Grid, OccupancyGrid
 from robotteamsim.swarm import Vector
 
@@ -37,7 +38,7 @@ class KnownMap:
     Results depend only on places and doors, not on earlier calls. Distance maps are cached because they are expensive.
 
     layout: where the cells are in `map`.
-    grid:   which cells are free for the robot's centre, and paths through them.
+    grid:   which cells are free for the robot's centre, and paths through them and by passages between levels.
     """
 
     def __init__(
@@ -54,7 +55,9 @@ class KnownMap:
         if kept_out is not None:
             blocked |= _within(occupancy, kept_out, clearance_m)
         self.layout = Grid(occupancy.origin_m, GRID_RESOLUTION_M)
-        self.grid = _core.plan.PlanningGrid(blocked, occupancy.origin_m, GRID_RESOLUTION_M, clearance_m)
+        found = ways(building.plan.levels, building.plan.passages)
+        portals = [(way.start, way.end, way.equivalent_m) for way in found if way.passage.takes_robots]
+        self.grid = _core.plan.PlanningGrid(blocked, occupancy.origin_m, GRID_RESOLUTION_M, clearance_m, portals)
         self._distance_maps: dict[Vector, np.ndarray | None] = {}
         self._pieces: dict[tuple[Vector, float], list[np.ndarray]] = {}
 
