@@ -25,6 +25,9 @@ constexpr int kSidestepsPerSide = 9;
 constexpr int kHeadingsPerRobot = 5;
 constexpr int kHeadingsPerAttempt = 3;
 
+/// A robot whose escape ends so many times farther away than it began was carried elsewhere, such as by a lift.
+constexpr double kCarriedAway = 4.0;
+
 /// Larger than any rounding error [m].
 constexpr double kReachMargin = 1e-6;
 /// Directions whose room differs by less are equal: the first one is taken [m].
@@ -123,7 +126,9 @@ void Navigator::WatchProgress(const Situation& now) {
   const bool moved = Distance(position, anchor_) > parameters_.progress_m;
   const bool arrived_m = Distance(position, route_.back()) < 2.0 * parameters_.arrived_m;
   if (escape_) {
-    if (now.time_s < escape_until_s_ && Distance(position, *escape_) > parameters_.arrived_m) return;
+    const double left_m = Distance(position, *escape_);
+    const bool was_carried = left_m > kCarriedAway * parameters_.escape_m;
+    if (now.time_s < escape_until_s_ && left_m > parameters_.arrived_m && !was_carried) return;
     escape_.reset();
     anchor_ = position;
     anchor_time_s_ = now.time_s;

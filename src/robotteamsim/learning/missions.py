@@ -394,7 +394,7 @@ class Missions:
         scenario, robots = mission.setup.scenario, mission.setup.robots
         others = scenario.fire is not None or scenario.schedule or scenario.base is not None or scenario.mission.exits
         walk = scenario.moves_people or any(victim.path for victim in scenario.mission.victims)
-        doors = any(door.motion != "instant" for door in scenario.plan.doors)
+        doors = any(door.motion != "instant" for door in scenario.plan.doors) or bool(scenario.plan.passages)
         carried = any(robot.sensors or robot.laser.noise_m > 0.0 for robot in robots)
         return (
             self.watch is None

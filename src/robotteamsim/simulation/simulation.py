@@ -21,6 +21,7 @@ from robotteamsim.scenario.sections import Victim, Voice
 from robotteamsim.sensing.robots import RobotSensors, Sensors
 from robotteamsim.setup import Setup, check_headless, resolve
 from robotteamsim.simulation.controllers import Controllers, TeamControllers
+from robotteamsim.simulation.passages import PassageStage
 from robotteamsim.simulation.record import Observer, Result, StepRecord
 from robotteamsim.simulation.stages import (
     FireStage,
@@ -67,6 +68,8 @@ class Simulation:
         self.world = make_world(scenario, robots)
         self.hazards = NoHazards() if scenario.fire is None else FireStage(setup, self.world)
         """Fire and smoke."""
+        self.passages = PassageStage(setup, self.world) if scenario.plan.passages else None
+        """The robots that go from level to level; None if no way leads to another."""
         self.people = PeopleStage(setup, self.world)
         """The victims who move."""
         self.sensors: Sensors = RobotSensors(self.world, robots, scenario.run.seed, self.hazards.source)
@@ -91,7 +94,12 @@ class Simulation:
         """Advance up to what the controllers perceive in this step; then comes `decide`, which completes the record."""
         world, hazards, mission = self.world, self.hazards, self.mission
         self.schedule.step(world.sim_time_ns, self)
-        world.step(hazards.slowed([decision.twist for decision in self._decisions]))
+        twists = hazards.slowed([decision.twist for decision in self._decisions])
+        if self.passages is None:
+            world.step(twists)
+        else:
+            world.step(self.passages.held(twists))
+            self.passages.step(self._decisions, self._task)
         hazards.step()
         moved = self.people.step(mission.status.victims, self._task.assistance, hazards.field)
         self._follow_doors()
@@ -304,6 +312,15 @@ class Simulation:
             msgspec.structs.replace(decision, twist=twists[robot_id]) if robot_id in twists else decision
             for robot_id, decision in enumerate(self._decisions)
         ]
+
+    def take_passage(self, robot_id: int, level: str) -> None:
+        """Let a robot at a stop of stairs, a ramp or a lift go to a level, see `PassageStage`.
+
+        Raises: ValueError: no such robot or level, the robot is absent, or the plan has no passages.
+        """
+        if self.passages is None:
+            raise ValueError("take_passage: the plan has no passages")
+        self.passages.take(robot_id, level)
 
     def lift_object(self, robot_id: int, name: str) -> None:
         """Let a robot's gripper hold an object, see `AnyWorld.lift_object`. Raises: ValueError."""

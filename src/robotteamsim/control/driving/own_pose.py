@@ -4,20 +4,33 @@ from __future__ import annotations
 
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import Observation
+from robotteamsim.scenario.levels import Level, level_at
 from robotteamsim.setup import Setup
 
 
 class OwnPose:
     """The pose of one robot in `map` by `control.localisation`: the true one, or its known start and its odometry.
 
-    With localisation tf, the nodes of ROS put the pose from tf in place of the true one.
+    With localisation tf, the nodes of ROS put the pose from tf in place of the true one. A robot that stairs, a ramp or
+    a lift have taken to another level knows by how far.
     """
 
     def __init__(self, robot_id: int, setup: Setup) -> None:
         by_odometry = setup.scenario.control.localisation == "odometry"
         self._map_T_odom = Pose(*setup.robots[robot_id].start_pose) if by_odometry else None
+        self._levels, self._before = setup.scenario.plan.levels, Pose(*setup.robots[robot_id].start_pose)
 
     def at(self, observation: Observation) -> Pose:
         """Return the pose in a step."""
         robot = observation.robot
-        return robot.true_pose if self._map_T_odom is None else self._map_T_odom @ robot.odometry.pose.pose
+        if self._map_T_odom is None:
+            return robot.true_pose
+        if self._levels:
+            now, before = robot.true_pose, self._before
+            if self._level_at(now) is not self._level_at(before):
+                self._map_T_odom = Pose(now.x_m - before.x_m, now.y_m - before.y_m, 0.0) @ self._map_T_odom
+            self._before = now
+        return self._map_T_odom @ robot.odometry.pose.pose
+
+    def _level_at(self, pose: Pose) -> Level | None:
+        return level_at(self._levels, (pose.x_m, pose.y_m))
