@@ -14,7 +14,7 @@ from robotteamsim.scenario import Door, FloorPlan, Scenario, solids
 from robotteamsim.scenario.base import PlanarPose
 from robotteamsim.scenario.body import corners_at
 from robotteamsim.scenario.objects import MovableObject
-from robotteamsim.scenario.plan import bay_lines
+from robotteamsim.scenario.plan import floors, marks, painted_lines
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.setup import Setup
 
@@ -49,7 +49,7 @@ def draw_plan(plan: FloorPlan, setup: Setup | None = None) -> Figure:
 
 
 def draw_floor_plan(axes: Axes, plan: FloorPlan, *, floor: bool = True) -> None:
-    """Draw the floor, its bays, walls, blocks, pillars and doors to scale in axes of its size [m].
+    """Draw the floor, its levels, bays, passages, walls, blocks, pillars and doors to scale in axes of its size [m].
 
     Closed leaves are drawn in their gaps, and open ones swung out, with their arc, or slid aside.
 
@@ -57,8 +57,10 @@ def draw_floor_plan(axes: Axes, plan: FloorPlan, *, floor: bool = True) -> None:
     """
     (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
     if floor:
-        axes.fill([min_x, max_x, max_x, min_x], [min_y, min_y, max_y, max_y], color=palette.FLOOR, zorder=0)
-        axes.add_collection(LineCollection(bay_lines(plan), colors=palette.BAY, linewidths=0.8, zorder=1))
+        for bounds in floors(plan):
+            (x0, y0), (x1, y1) = bounds.min, bounds.max
+            axes.fill([x0, x1, x1, x0], [y0, y0, y1, y1], color=palette.FLOOR, zorder=0)
+        axes.add_collection(LineCollection(painted_lines(plan), colors=palette.BAY, linewidths=0.8, zorder=1))
     for solid in solids(plan.model_copy(update={"doors": ()})):
         colour = palette.SOLIDS[solid.kind]
         # The thin edge hides the gaps that anti-aliasing leaves between adjacent polygons.
@@ -66,6 +68,8 @@ def draw_floor_plan(axes: Axes, plan: FloorPlan, *, floor: bool = True) -> None:
 
     for door in plan.doors:
         _draw_door(axes, door)
+    for name, (x, y) in marks(plan):
+        axes.annotate(name, (x, y), (3, 3), textcoords="offset points", color=palette.SOFT_INK, fontsize=8, zorder=5)
     axes.set(xlim=(min_x, max_x), ylim=(min_y, max_y), aspect="equal")
     axes.spines[:].set_visible(False)
 

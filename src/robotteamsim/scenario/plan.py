@@ -1,5 +1,6 @@
 """The geometry of a floor plan: outlines of its elements and its occupancy grid."""
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -10,7 +11,7 @@ import shapely
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.base import Point
-from robotteamsim.scenario.floor_plan import Block, Door, FloorPlan, Wall
+from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
 
 Corners = tuple[tuple[float, float], ...]
 
@@ -91,8 +92,11 @@ def _leaves(plan: FloorPlan, states: Mapping[str, bool]) -> Iterator[Solid]:
             yield Solid(door.name, "door", leaf_corners(door, 1.0), door)
 
 
-def bay_lines(plan: FloorPlan) -> tuple[tuple[Point, Point], ...]:
-    """Return the painted lines between parking bays as segments [m]; the front and back of a row have no line."""
+def painted_lines(plan: FloorPlan) -> tuple[tuple[Point, Point], ...]:
+    """Return the lines on the floor as segments [m]: between parking bays, and around the stops of passages.
+
+    The front and back of a row of bays have no line.
+    """
     lines = []
     for row in plan.bays:
         start, end = np.array(row.start), np.array(row.end)
@@ -101,7 +105,22 @@ def bay_lines(plan: FloorPlan) -> tuple[tuple[Point, Point], ...]:
         for i in range(row.count + 1):
             foot = start + along * (i / row.count)
             lines.append((tuple(foot.tolist()), tuple((foot + left).tolist())))
+    for passage in plan.passages:
+        for stop in passage.stops:
+            ring = shapely.Point(stop).buffer(passage.radius_m).exterior.coords
+            lines += itertools.pairwise(ring)
     return tuple(lines)
+
+
+def floors(plan: FloorPlan) -> tuple[Bounds, ...]:
+    """Return the rectangles of floor: the levels, or the whole plan."""
+    return tuple(level.bounds for level in plan.levels) or (plan.bounds,)
+
+
+def marks(plan: FloorPlan) -> tuple[tuple[str, Point], ...]:
+    """Return what is written on the floor, and where [m]: the names of levels and passages."""
+    levels = [(f"{level.name} at {level.elevation_m:g} m", level.bounds.min) for level in plan.levels]
+    return (*levels, *((passage.name, stop) for passage in plan.passages for stop in passage.stops))
 
 
 def door_states(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> dict[str, bool]:
@@ -184,7 +203,8 @@ def occupancy_grid(plan: FloorPlan, resolution_m: float, closed: Mapping[str, bo
     """Return the occupancy grid of a plan over its bounds.
 
     Conservative: a cell is occupied when a solid covers any part of its area; a shared border does not count, so
-    axis-aligned walls on cell borders are exact. The leaves of doors are solid, also in their open position.
+    axis-aligned walls on cell borders are exact. The leaves of doors are solid, also in their open position, and so is
+    everything beside the levels of a plan that has some.
 
     Args:   resolution_m: edge of a cell; the last row and column may reach beyond the bounds.
             closed: door states by name that replace the plan's own.
@@ -204,7 +224,20 @@ def occupancy_grid(plan: FloorPlan, resolution_m: float, closed: Mapping[str, bo
         starts, ends = (starts - origin) / resolution_m, (ends - origin) / resolution_m
         covered = _centres_inside(starts, ends, rows, columns) | _cells_crossed(starts, ends, rows, columns)
         cells[covered] = OCCUPIED
+    if plan.levels:
+        cells[_beside_levels(plan, resolution_m, rows, columns)] = OCCUPIED
     return OccupancyGrid((min_x, min_y), resolution_m, cells)
+
+
+def _beside_levels(plan: FloorPlan, resolution_m: float, rows: int, columns: int) -> np.ndarray:
+    """Return the cells whose centre lies on no level, bool, shape (rows, columns)."""
+    x_m = plan.bounds.min[0] + (np.arange(columns) + 0.5) * resolution_m
+    y_m = plan.bounds.min[1] + (np.arange(rows) + 0.5) * resolution_m
+    beside = np.ones((rows, columns), dtype=bool)
+    for level in plan.levels:
+        (min_x, min_y), (max_x, max_y) = level.bounds.min, level.bounds.max
+        beside &= ~np.outer((y_m >= min_y) & (y_m <= max_y), (x_m >= min_x) & (x_m <= max_x))
+    return beside
 
 
 def strip_corners(start: Point, end: Point, width_m: float) -> Corners:

@@ -11,7 +11,16 @@ from robotteamsim import palette
 from robotteamsim.recording.replay.recorded_run import RecordedRun
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.objects import MovableObject
-from robotteamsim.scenario.plan import OCCUPIED, Corners, OccupancyGrid, bay_lines, door_corners, solids
+from robotteamsim.scenario.plan import (
+    OCCUPIED,
+    Corners,
+    OccupancyGrid,
+    door_corners,
+    floors,
+    marks,
+    painted_lines,
+    solids,
+)
 from robotteamsim.scenario.scenario import Role, Scenario
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.setup import Setup
@@ -86,7 +95,9 @@ class Scene(msgspec.Struct, frozen=True):
     """Everything that a viewer draws and that does not change during a mission; lengths in metres, frame `map`.
 
     bounds: x and y of the lower left and of the upper right corner.
+    floors: bounds of the levels, or the whole floor.
     bays:   painted lines.
+    marks:  names of levels and passages, where they are written on the floor.
     victim_states: that victims can have, for the legend.
     has_fire: whether there are maps of fire and smoke.
     """
@@ -102,6 +113,8 @@ class Scene(msgspec.Struct, frozen=True):
     victim_states: tuple[str, ...] = ()
     has_fire: bool = False
     exits: tuple[AreaShape, ...] = ()
+    floors: tuple[tuple[float, float, float, float], ...] = ()
+    marks: tuple[tuple[str, tuple[float, float]], ...] = ()
 
 
 def scene_of(setup: Setup) -> Scene:
@@ -112,7 +125,7 @@ def scene_of(setup: Setup) -> Scene:
         bounds=(*plan.bounds.min, *plan.bounds.max),
         solids=_solids(plan),
         doors=_doors(plan),
-        bays=bay_lines(plan),
+        bays=painted_lines(plan),
         areas=tuple(AreaShape(area.name, area.center, area.radius_m) for area in scenario.mission.areas),
         robots=tuple(
             _robot(scenario.name_of(i).removeprefix("the ").replace(" ", "_"), i, robot, scenario.role_of(i))
@@ -122,6 +135,8 @@ def scene_of(setup: Setup) -> Scene:
         victim_states=_victim_states(scenario),
         has_fire=scenario.fire is not None,
         exits=tuple(AreaShape(way.name, way.center, way.radius_m) for way in scenario.mission.exits),
+        floors=tuple((*bounds.min, *bounds.max) for bounds in floors(plan)),
+        marks=marks(plan),
     )
 
 
@@ -143,7 +158,6 @@ def scene_of_run(run: RecordedRun, setup: Setup | None) -> Scene:
     else:
         bounds, walls, doors, bays = _bounds(run), _grid_solids(run.grid), (), ()
     shapes = {} if setup is None else dict(enumerate(known.robots))
-    exits = () if setup is None else known.exits
     numbers = [index if robot.robot_id is None else robot.robot_id for index, robot in enumerate(run.robots)]
     robots = (
         msgspec.structs.replace(
@@ -161,7 +175,9 @@ def scene_of_run(run: RecordedRun, setup: Setup | None) -> Scene:
         robots=tuple(robots),
         objects=(),
         victim_states=_states_of_run(run) if setup is None else known.victim_states,
-        exits=exits,
+        exits=() if setup is None else known.exits,
+        floors=() if setup is None else known.floors,
+        marks=() if setup is None else known.marks,
     )
 
 

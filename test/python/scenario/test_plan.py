@@ -15,10 +15,10 @@ from robotteamsim.scenario.floor_plan import BayRow, Block, Bounds, Door, FloorP
 from robotteamsim.scenario.plan import (
     FREE,
     OCCUPIED,
-    bay_lines,
     door_corners,
     obstacles,
     occupancy_grid,
+    painted_lines,
     rectangle_of,
     solids,
     wall_corners,
@@ -140,9 +140,9 @@ def test_grid_equals_a_polygon_test_of_every_cell(
     assert np.all(occupied[well_inside])
 
 
-def test_bay_lines_are_to_the_left_of_the_row() -> None:
+def test_painted_lines_are_to_the_left_of_the_row() -> None:
     plan = _plan(bays=(BayRow(start=(0.0, 0.0), end=(5.0, 0.0), count=2, depth_m=4.0),))
-    assert bay_lines(plan) == (
+    assert painted_lines(plan) == (
         ((0.0, 0.0), (0.0, 4.0)),
         ((2.5, 0.0), (2.5, 4.0)),
         ((5.0, 0.0), (5.0, 4.0)),

@@ -6,10 +6,10 @@ from collections.abc import Iterator, Mapping
 import shapely
 
 from robotteamsim import palette
-from robotteamsim.nodes.scene.shapes import Mesh, colour, faded, lines
+from robotteamsim.nodes.scene.shapes import Mesh, colour, faded, label, lines
 from robotteamsim.recording.topics.markers import Colour, Marker, Position
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.plan import leaf_corners, solids
+from robotteamsim.scenario.plan import floors, leaf_corners, marks, solids
 
 FLOOR = colour(palette.DARK_FLOOR)
 FLOOR_EDGE = colour(palette.DARK_FLOOR_EDGE)
@@ -25,10 +25,13 @@ SMOKE_LAYER, TRAIL_LAYER, DISC_LAYER, VOICE_LAYER = range(4)
 
 def building_markers(plan: FloorPlan, cut_height_m: float) -> list[Marker]:
     """Return floor, walls, blocks and pillars, cut at a height to show the robots behind them."""
-    inside, floor = shapely.box(*plan.bounds.min, *plan.bounds.max), Mesh()
-    floor.polygon(inside.buffer(FLOOR_MARGIN_M, join_style="mitre"), -0.03, FLOOR_EDGE)
-    floor.polygon(inside, 0.0, FLOOR)
-    return [floor.marker("floor", 0), *_wall_markers(plan, cut_height_m)]
+    floor = Mesh()
+    for bounds in floors(plan):
+        inside = shapely.box(*bounds.min, *bounds.max)
+        floor.polygon(inside.buffer(FLOOR_MARGIN_M, join_style="mitre"), -0.03, FLOOR_EDGE)
+        floor.polygon(inside, 0.0, FLOOR)
+    names = [label("marks", i, name, WALL_EDGE, (*place, 0.3), 0.5) for i, (name, place) in enumerate(marks(plan))]
+    return [floor.marker("floor", 0), *names, *_wall_markers(plan, cut_height_m)]
 
 
 def openings_at_start(plan: FloorPlan) -> dict[str, float]:

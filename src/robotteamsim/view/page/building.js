@@ -24,7 +24,9 @@ export function segments(points, material) {
 export class Building {
   constructor(scene, palette) {
     this.group = new Group();
-    this.floor = this._floor(scene.bounds);
+    const floors = scene.floors.length ? scene.floors : [scene.bounds];
+    [this.floor, this.edge] = [new MeshBasicMaterial(), new MeshBasicMaterial()];
+    floors.forEach((floor) => this._floor(floor));
     this.doors = scene.doors.map((door) => this._door(door));
     const edge = new LineBasicMaterial({ color: palette.edge });
     for (const solid of scene.solids) {
@@ -38,15 +40,13 @@ export class Building {
   }
 
   _floor([x0, y0, x1, y1]) {
-    const rectangle = (margin, z) => {
-      const mesh = new Mesh(
-        new PlaneGeometry(x1 - x0 + 2 * margin, y1 - y0 + 2 * margin), new MeshBasicMaterial());
+    const rectangle = (margin, z, material) => {
+      const mesh = new Mesh(new PlaneGeometry(x1 - x0 + 2 * margin, y1 - y0 + 2 * margin), material);
       mesh.position.set((x0 + x1) / 2, (y0 + y1) / 2, z);
       this.group.add(mesh);
-      return mesh;
     };
-    this.edge = rectangle(FLOOR_MARGIN_M, -0.05);
-    return rectangle(0, 0);
+    rectangle(FLOOR_MARGIN_M, -0.05, this.edge);
+    rectangle(0, 0, this.floor);
   }
 
   _door(door) {
@@ -62,8 +62,8 @@ export class Building {
 
   /** Colour the floor as the theme asks. */
   paint(style) {
-    this.floor.material.color.set(style.getPropertyValue("--floor").trim());
-    this.edge.material.color.set(style.getPropertyValue("--floor-edge").trim());
+    this.floor.color.set(style.getPropertyValue("--floor").trim());
+    this.edge.color.set(style.getPropertyValue("--floor-edge").trim());
   }
 
   /** Move the doors. */

@@ -64,7 +64,8 @@ export class Labels {
     const exits = scene.exits.map((exit, index) => ({
       key: `exit ${index}`, text: `exit ${exit.name}`, kind: "area", at: [...exit.center_m, 0],
     }));
-    return [...robots.slice(0, 60), ...exits, ...victims.slice(0, 60), ...areas.slice(0, 60)];
+    const marks = scene.marks.map(([text, place], index) => ({ key: `mark ${index}`, text, kind: "area", at: [...place, 0] }));
+    return [...robots.slice(0, 60), ...marks.slice(0, 60), ...exits, ...victims.slice(0, 60), ...areas.slice(0, 60)];
   }
 
   _element(key, kind) {

@@ -11,7 +11,7 @@ import mujoco
 from robotteamsim.palette import FAINT_INK, GRID, PAPER, ROBOT_BODY, SOFT_INK, WALL_EDGE
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.mujoco import Light
-from robotteamsim.scenario.plan import bay_lines
+from robotteamsim.scenario.plan import painted_lines
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.sensors import Camera
 from robotteamsim.world.mujoco.shapes import WHEEL_GROUP, about_z, rgba
@@ -57,7 +57,7 @@ def set_appearance(spec: mujoco.MjSpec, plan: FloorPlan, cameras: Sequence[Camer
         height=768,
     )
     _add_tiles(spec)
-    for index, (start, end) in enumerate(bay_lines(plan)):
+    for index, (start, end) in enumerate(painted_lines(plan)):
         _add_line(spec, f"bay {index}", start, end)
 
 
