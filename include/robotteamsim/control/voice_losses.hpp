@@ -21,7 +21,8 @@ struct AssumedFading {
 
 /// The loss of a voice on the way from each cell of a grid to each other, in steps of `step_db`, rounded up.
 ///
-/// A row is computed when it is first asked for: use one object per thread. Losses are symmetric.
+/// A row is computed when it is first asked for: use one object per thread. Losses are symmetric. Cells on different
+/// storeys do not hear each other: floors cost more than most walls, and openings are few.
 class VoiceLosses {
  public:
   static constexpr int kMostCells = 1 << 16;
@@ -38,20 +39,16 @@ class VoiceLosses {
   const std::vector<std::uint8_t>& From(int cell) const;
 
   /// Returns the loss between cells that are so many rows and columns apart, if no wall is between them: no loss at
-  /// this distance is smaller; 0 in a building with storeys. Both numbers must be from 0 to below those of the grid.
+  /// this distance is smaller. Both numbers must be from 0 to below those of the grid.
   std::uint8_t WithoutWalls(int rows, int cols) const;
 
-  /// Returns the largest number of rows or columns between two cells whose loss is below some steps; that of the grid
-  /// in a building with storeys.
+  /// Returns the largest number of rows or columns between two cells whose loss is below some steps.
   int ReachOf(int steps) const;
 
   /// Returns the loss of the walls alone between a place and the centre of each cell [dB].
   std::vector<float> WallsFromDb(const base::Point& place) const;
 
  private:
-  void PutOtherStoreys(int from_row, int from_col, const std::vector<float>& walls_db,
-                       std::vector<std::uint8_t>* losses) const;
-
   propagation::FaceSet faces_;
   plan::GridShape grid_;
   AssumedFading fading_;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 #include <vector>
 
@@ -105,7 +106,11 @@ class FaceSet {
   std::size_t StoreyOf(PointMm point) const;
 
   /// Returns what lies between two points in the building: without storeys, and on one storey, WeightBetween.
-  Ray Between(PointMm a, PointMm b) const;
+  /// Args: enough: between storeys, a weight from which on no more is added.
+  Ray Between(PointMm a, PointMm b, std::int64_t enough = std::numeric_limits<std::int64_t>::max()) const;
+
+  /// Returns the square of the distance of two points in the building [mm^2].
+  double SquareBetween(PointMm a, PointMm b) const { return Between(a, b, 0).square_mm2; }
 
  private:
   /// The bounding box of consecutive faces, edges included.
@@ -117,7 +122,7 @@ class FaceSet {
   void NumberVertices();
   void BoxFaces();
   void CheckStoreys() const;
-  Ray BetweenStoreys(std::size_t low, PointMm a, std::size_t high, PointMm b) const;
+  Ray BetweenStoreys(std::size_t low, PointMm a, std::size_t high, PointMm b, std::int64_t enough) const;
 
   // One array per quantity, for the loop over all faces.
   std::vector<std::int64_t> start_x_;

@@ -76,34 +76,21 @@ const std::vector<std::uint8_t>& VoiceLosses::From(int cell) const {
     for (int col = 0; col < grid_.cols; ++col)
       in_row[col] = RoundedUp((over_distance[col] + walls[col]) * steps_per_db);
   }
-  PutOtherStoreys(from_row, from_col, walls_db, &losses);
+  if (faces_.storeys().size() > 1) {
+    const auto storey_of = [&](int row, int col) {
+      return faces_.StoreyOf(propagation::RoundToMm(propagation::CellCenter(grid_, row, col), "a cell"));
+    };
+    const std::size_t own = storey_of(from_row, from_col);
+    for (int row = 0; row < grid_.rows; ++row) {
+      for (int col = 0; col < grid_.cols; ++col) {
+        if (storey_of(row, col) != own) losses[static_cast<std::size_t>(row) * grid_.cols + col] = kSilent;
+      }
+    }
+  }
   return losses;
 }
 
-/// Puts the losses to cells on other storeys, which are nearer than in the plan, in place of those over it.
-void VoiceLosses::PutOtherStoreys(int from_row, int from_col, const std::vector<float>& walls_db,
-                                  std::vector<std::uint8_t>* losses) const {
-  if (faces_.storeys().size() < 2) return;
-  const auto center = [&](int row, int col) {
-    return propagation::RoundToMm(propagation::CellCenter(grid_, row, col), "a cell");
-  };
-  const propagation::PointMm from = center(from_row, from_col);
-  const std::size_t own = faces_.StoreyOf(from);
-  for (int row = 0; row < grid_.rows; ++row) {
-    for (int col = 0; col < grid_.cols; ++col) {
-      const propagation::PointMm to = center(row, col);
-      if (faces_.StoreyOf(to) == own) continue;
-      const double apart = std::sqrt(faces_.Between(from, to).square_mm2) / 1000.0;
-      const double distance = std::max(apart - fading_.nearer_m, fading_.min_distance_m);
-      const std::size_t cell = static_cast<std::size_t>(row) * grid_.cols + col;
-      const auto over_distance = static_cast<float>(fading_.slope_db * base::Log10(distance));
-      (*losses)[cell] = RoundedUp((over_distance + walls_db[cell]) * static_cast<float>(1.0 / fading_.step_db));
-    }
-  }
-}
-
 std::uint8_t VoiceLosses::WithoutWalls(int rows, int cols) const {
-  if (faces_.storeys().size() > 1) return 0;
   const std::size_t middle = static_cast<std::size_t>(rows) * (2 * grid_.cols - 1) + grid_.cols - 1;
   return RoundedUp(over_distance_.at(middle + cols) * static_cast<float>(1.0 / fading_.step_db));
 }
@@ -111,7 +98,6 @@ std::uint8_t VoiceLosses::WithoutWalls(int rows, int cols) const {
 int VoiceLosses::ReachOf(int steps) const {
   int reach = 0;
   const int longest = std::max(grid_.rows, grid_.cols);
-  if (faces_.storeys().size() > 1) return longest - 1;
   for (int apart = 1; apart < longest; ++apart) {
     // Without walls, and along a row or a column, the loss is smallest.
     const double distance = std::max(apart * grid_.resolution_m - fading_.nearer_m, fading_.min_distance_m);

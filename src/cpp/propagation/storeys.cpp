@@ -90,17 +90,17 @@ std::size_t FaceSet::StoreyOf(PointMm point) const {
   return nearest;
 }
 
-Ray FaceSet::Between(PointMm a, PointMm b) const {
+Ray FaceSet::Between(PointMm a, PointMm b, std::int64_t enough) const {
   if (storeys_.size() > 1) {
     const std::size_t of_a = StoreyOf(a), of_b = StoreyOf(b);
-    if (storeys_[of_a].floor_mm < storeys_[of_b].floor_mm) return BetweenStoreys(of_a, a, of_b, b);
-    if (of_a != of_b) return BetweenStoreys(of_b, b, of_a, a);
+    if (storeys_[of_a].floor_mm < storeys_[of_b].floor_mm) return BetweenStoreys(of_a, a, of_b, b, enough);
+    if (of_a != of_b) return BetweenStoreys(of_b, b, of_a, a, enough);
   }
   const auto dx = static_cast<double>(b.x - a.x), dy = static_cast<double>(b.y - a.y);
   return {dx * dx + dy * dy, WeightBetween(a, b), 0};
 }
 
-Ray FaceSet::BetweenStoreys(std::size_t low, PointMm a, std::size_t high, PointMm b) const {
+Ray FaceSet::BetweenStoreys(std::size_t low, PointMm a, std::size_t high, PointMm b, std::int64_t enough) const {
   const PointMm from = a - storeys_[low].origin, to = b - storeys_[high].origin;
   const std::int64_t from_mm = storeys_[low].floor_mm + kHeightMm, to_mm = storeys_[high].floor_mm + kHeightMm;
   const auto rise = static_cast<double>(to_mm - from_mm);
@@ -108,16 +108,17 @@ Ray FaceSet::BetweenStoreys(std::size_t low, PointMm a, std::size_t high, PointM
   Ray ray{dx * dx + dy * dy + rise * rise, 0, 0};
   const auto share_at = [&](std::int64_t height_mm) { return static_cast<double>(height_mm - from_mm) / rise; };
   for (const Storey& storey : storeys_) {
-    const PointMm start = from + storey.origin, end = to + storey.origin;
-    if (storey.floor_mm > from_mm && storey.floor_mm <= to_mm) {
-      const PointMm through = Along(start, end, share_at(storey.floor_mm));
-      const auto is_around = [&](const std::vector<PointMm>& opening) { return IsInside(opening, through); };
-      if (IsIn(storey, through) && std::none_of(storey.openings.begin(), storey.openings.end(), is_around)) {
-        ray.floors += storey.floor_weight == Storey::kCounted ? 1 : 0;
-        ray.weight += std::max(storey.floor_weight, 0);
-      }
-    }
+    if (storey.floor_mm <= from_mm || storey.floor_mm > to_mm || ray.weight >= enough) continue;
+    const PointMm through = Along(from, to, share_at(storey.floor_mm)) + storey.origin;
+    const auto is_around = [&](const std::vector<PointMm>& opening) { return IsInside(opening, through); };
+    if (!IsIn(storey, through) || std::any_of(storey.openings.begin(), storey.openings.end(), is_around)) continue;
+    ray.floors += storey.floor_weight == Storey::kCounted ? 1 : 0;
+    ray.weight += std::max(storey.floor_weight, 0);
+  }
+  for (const Storey& storey : storeys_) {
     const double first = std::max(0.0, share_at(storey.floor_mm)), last = std::min(1.0, share_at(storey.ceiling_mm));
+    if (first >= last || ray.weight >= enough) continue;
+    const PointMm start = from + storey.origin, end = to + storey.origin;
     const auto within = Within(storey, start, end);
     if (!within || !(std::max(first, within->first) < std::min(last, within->second))) continue;
     ray.weight += WeightBetween(Along(start, end, std::max(first, within->first)),

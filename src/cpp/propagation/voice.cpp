@@ -55,8 +55,8 @@ void WriteVoiceMap(const FaceSet& faces, const VoiceModel& model, const std::vec
     CheckModel(model, source);
     field_sources.push_back({RoundToMm(source.position, "position of a voice"), FadingOf(model, source)});
   }
-  WriteHighest(faces, field_sources, grid, map, work);
   const auto noise_db = static_cast<float>(model.noise_db);
+  WriteHighest(faces, field_sources, grid, map, {work.threads, work.simd, std::nextafter(noise_db, 0.0F)});
   for (int row = 0; row < grid.rows; ++row) {
     float* const values = &map(row, 0);
     const bool* const is_solid = solid.data() + row * solid.outerStride();

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "robotteamsim/propagation/cells.hpp"
@@ -21,10 +22,11 @@ struct FieldSource {
 /// The value of cells that lie on no storey of a building that has storeys [dB].
 constexpr float kNothingDb = -1000.0F;
 
-/// How to compute maps; no value depends on it.
+/// How to compute maps; no value from `least_db` on depends on it.
 struct MapWork {
   int threads = 1;  ///< 0: one per core
   base::Simd simd = base::BestSimd();
+  float least_db = -std::numeric_limits<float>::infinity();  ///< lower values may be any lower ones
 };
 
 /// A map to be written, one row per row of cells.
@@ -42,7 +44,7 @@ void WriteHighest(const FaceSet& faces, const std::vector<FieldSource>& sources,
 void WriteEach(const FaceSet& faces, const std::vector<FieldSource>& sources, const plan::GridShape& grid, MapView maps,
                const MapWork& work = {});
 
-/// Returns the weight of the faces and floors between a source and the centre of each cell of a grid, row by row.
+/// Returns FaceSet::WeightBetween a source and the centre of each cell of a grid, row by row.
 std::vector<std::int32_t> WeightsFrom(const FaceSet& faces, PointMm source, const plan::GridShape& grid);
 
 }  // namespace robotteamsim::propagation

@@ -110,16 +110,18 @@ struct StoreyCells {
   IndexRange rows, cols;
 };
 
-/// Returns the value of a source at a point, also on another storey.
-float ValueAt(const FaceSet& faces, const FieldSource& source, PointMm point) {
+/// Returns the value of a source at a point on another storey; any value up to `least_db` if it is not above that.
+float ValueAt(const FaceSet& faces, const FieldSource& source, PointMm point, double least_db) {
   const Fading& fading = source.fading;
-  const Ray ray = faces.Between(source.position, point);
   const double least_mm = fading.min_distance_m * 1000.0;
-  const double square_mm2 = std::max(ray.square_mm2, least_mm * least_mm);
-  const double over_distance_db = 0.5 * fading.slope_db * base::Log10(square_mm2 * 1e-6);
+  const double square_mm2 = std::max(faces.SquareBetween(source.position, point), least_mm * least_mm);
+  const double free_db = fading.constant_db - 0.5 * fading.slope_db * base::Log10(square_mm2 * 1e-6);
+  if (free_db <= least_db) return static_cast<float>(least_db);
+  constexpr double kMost = 1e18;
+  const double enough = fading.unit_db > 0.0 ? std::min((free_db - least_db) / fading.unit_db + 1.0, kMost) : kMost;
+  const Ray ray = faces.Between(source.position, point, static_cast<std::int64_t>(enough));
   const double floors_db = ray.floors > 0 ? source.floors_db.at(static_cast<std::size_t>(ray.floors)) : 0.0;
-  const double walls_db = fading.unit_db * static_cast<double>(ray.weight);
-  return static_cast<float>(fading.constant_db - over_distance_db - walls_db - floors_db);
+  return static_cast<float>(free_db - fading.unit_db * static_cast<double>(ray.weight) - floors_db);
 }
 
 /// As WriteHighest, for a building with storeys.
@@ -141,7 +143,8 @@ void WriteHighestOfStoreys(const FaceSet& faces, const std::vector<FieldSource>&
       for (int col = 0; col < part.cols; ++col) {
         const PointMm center = centers.At(cells.rows.first + row, cells.cols.first + col);
         for (const FieldSource& source : elsewhere) {
-          values(row, col) = std::max(values(row, col), ValueAt(faces, source, center));
+          const float least_db = std::max(values(row, col), work.least_db);
+          values(row, col) = std::max(values(row, col), ValueAt(faces, source, center, least_db));
         }
       }
     });
@@ -172,7 +175,8 @@ void WriteEach(const FaceSet& faces, const std::vector<FieldSource>& sources, co
   const bool narrow = FitsNarrow(faces);
   base::ForEachInParallel(static_cast<int>(sources.size()), work.threads, [&](int i) {
     const MapView map = maps.middleRows(static_cast<Eigen::Index>(i) * grid.rows, grid.rows);
-    if (faces.storeys().size() > 1) return WriteHighestOfStoreys(faces, {sources[i]}, grid, map, {1, work.simd});
+    if (faces.storeys().size() > 1)
+      return WriteHighestOfStoreys(faces, {sources[i]}, grid, map, {1, work.simd, work.least_db});
     const PreparedSource prepared(faces, sources[i], cells);
     WriteColumns({&prepared}, work.simd, narrow, {0, grid.cols}, map);
   });
@@ -185,15 +189,6 @@ std::vector<std::int32_t> WeightsFrom(const FaceSet& faces, PointMm source, cons
   std::vector<std::int32_t> weights(grid.rows * cols, 0);
   ShadowSweep(shadows, {0, grid.cols}).AddChanges({0, grid.rows}, weights.data(), grid.cols);
   for (std::size_t cell = cols; cell < weights.size(); ++cell) weights[cell] += weights[cell - cols];
-  if (faces.storeys().size() < 2) return weights;
-  const std::size_t own = faces.StoreyOf(source);
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int col = 0; col < grid.cols; ++col) {
-      const PointMm center = cells.At(row, col);
-      if (faces.StoreyOf(center) == own) continue;
-      weights[row * cols + col] = static_cast<std::int32_t>(faces.Between(source, center).weight);
-    }
-  }
   return weights;
 }
 
