@@ -12,10 +12,12 @@ from typing import Any, ClassVar, NamedTuple
 
 import msgspec
 import numpy as np
+import shapely
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.formats.importer import Imported, Importer
 from robotteamsim.formats.options import Options
+from robotteamsim.formats.side_by_side import DrawnLevel, DrawnPassage, side_by_side
 from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Point
 from robotteamsim.scenario.door_places import misplaced_doors, without_misplaced_doors
 from robotteamsim.scenario.floor_plan import Block, FloorPlan
@@ -33,6 +35,8 @@ SHAFT_M = 0.05
 _GLASS = Material(name="glass", layers=(Layer(of="glass", thickness_m=0.006),))
 _MARGIN_M, _ROBOT_M = 0.5, 0.2
 """Around everything; and radius of the robot for which parts of the floor count as connected."""
+_STOP_M, _LIFT_MPS, _LIFT_WAIT_S = 0.5, 1.0, 5.0
+"""Of lifts, of which files say none of this: radius of a stop, speed, and time for doors and waiting."""
 _SHORTEST_M, _MOST_M, _MOST_PIXELS, _MOST_FIDUCIALS = 1e-6, 1e5, 1e9, 1000
 
 Parameters = dict[str, tuple[int, Any]]
@@ -56,6 +60,14 @@ class _Level(msgspec.Struct):
     floors: list[_Floor] = []
 
 
+class _LiftDoor(msgspec.Struct):
+    """x, y: from the middle of the cabin [m]."""
+
+    x: float
+    y: float
+    width: float
+
+
 class _Lift(msgspec.Struct):
     x: float
     y: float
@@ -64,6 +76,7 @@ class _Lift(msgspec.Struct):
     depth: float
     reference_floor_name: str = ""
     level_doors: dict[str, list[str]] = {}
+    doors: dict[str, _LiftDoor] = {}
 
 
 class _Building(msgspec.Struct):
@@ -76,14 +89,15 @@ class _Building(msgspec.Struct):
 
 
 class OpenRmfImporter(Importer):
-    """Imports one level of a building: its walls, doors, and the shafts of lifts as blocks, in the fleet's frame."""
+    """Imports the levels of a building with walls, doors and lifts, the first one in the fleet's frame; or one level.
+
+    The shaft of a lift has an opening at each level that it serves; of one level alone, it is a block.
+    """
 
     noun = "a building.yaml of Open-RMF"
     suffixes = (".yaml", ".yml")
     sign = r"\A(?=.*^levels:)(?=.*^(building_name|coordinate_system|crowd_sim|graphs|lifts|name):)"
-    options: ClassVar[Options] = {
-        "--level": {"metavar": "NAME", "help": "the level of a building.yaml; default: the reference level"}
-    }
+    options: ClassVar[Options] = {"--level": {"metavar": "NAME", "help": "one level of a building.yaml; default: all"}}
     examples = "  robotteamsim plan import clinic.building.yaml --level L2"
 
     def read(self, path: Path, **options: Any) -> Imported:
@@ -94,32 +108,52 @@ class OpenRmfImporter(Importer):
         except msgspec.ValidationError as error:
             raise ScenarioError(f"{path}: {error}") from None
         places = _Places(path, building)
-        name = options.get("level", places.reference)
-        level = _LevelOnMap(f"{path}: levels.{name}", places.level(name), places.of(name))
-        blocks = list(_shafts(path, building, name, places))
-        keys = {
-            "name": " ".join(filter(None, (building.name or building.building_name, name))),
-            "bounds": level.bounds(blocks),
-            "walls": list(level.walls()),
-            "blocks": blocks,
-            "doors": list(level.doors({block.name for block in blocks})),
-            "materials": (_GLASS,) if level.num_glass else (),
-        }
-        drawn = checked(FloorPlan, keys, place=f"{path}: levels.{name}: ")
-        notes = [*dict.fromkeys(places.notes), *level.notes()]  # a lift may lie by the same level
-        notes += [f"door {drawn.doors[i].name}: {why}; left out" for i, why in misplaced_doors(drawn)]
-        notes += [f"{block.name}: its shaft is a block, for a plan has one level" for block in blocks]
-        notes += [f"level {other}: left out; --level {other} imports it" for other in building.levels if other != name]
-        plan = without_misplaced_doors(drawn)
+        names = [options["level"]] if "level" in options else places.to_import()
+        drawn = [_DrawnLevel(path, building, places, name, is_alone=len(names) == 1) for name in names]
+        title = building.name or building.building_name
+        if len(drawn) > 1:
+            lifts = list(_lifts(path, building, places))
+            plan = side_by_side(path, title or names[0], [level.drawn for level in drawn], lifts)
+            num_lifts = len(plan.passages)
+        else:
+            plan = drawn[0].drawn.plan.model_copy(update={"name": " ".join(filter(None, (title, names[0])))})
+            num_lifts = len(plan.blocks)
+        notes = list(dict.fromkeys([*places.notes, *(note for level in drawn for note in level.notes)]))
+        left_out = [name for name in building.levels if name not in names]
+        notes += [f"level {name}: left out; --level {name} imports it" for name in left_out]
         parts = floor_parts(plan, _ROBOT_M)
         notes += [f"no door leads from the largest part of the floor to {part}" for part in part_texts(parts[1:])]
         width_m, height_m = np.subtract(plan.bounds.max, plan.bounds.min)
-        counts = (
-            counted(len(plan.walls), "wall"),
-            counted(len(blocks), "lift"),
-            counted(len(plan.doors), "door"),
-        )
+        counts = [counted(len(plan.levels), "level")] if plan.levels else []
+        counts += [counted(len(plan.walls), "wall"), counted(num_lifts, "lift"), counted(len(plan.doors), "door")]
         return Imported(plan, tuple(notes), summary=f"{width_m:g} x {height_m:g} m, {', '.join(counts)}", parts=parts)
+
+
+class _DrawnLevel:
+    """One level as a plan, with what was guessed or left out."""
+
+    def __init__(self, path: Path, building: _Building, places: _Places, name: str, *, is_alone: bool) -> None:
+        """Draw it. Raises: ScenarioError: it cannot be drawn. Args: is_alone: shafts of lifts are blocks."""
+        place = f"{path}: levels.{name}"
+        level = _LevelOnMap(place, places.level(name), places.of(name))
+        shafts = list(_shafts(path, building, name, places))
+        blocks = [shaft.block() for shaft in shafts if is_alone or not shaft.openings]
+        lift_walls = [] if is_alone else [wall for shaft in shafts if shaft.openings for wall in shaft.walls()]
+        keys = {
+            "name": name,
+            "bounds": level.bounds([corner for shaft in shafts for corner in shaft.corners]),
+            "walls": [*level.walls(), *lift_walls],
+            "blocks": blocks,
+            "doors": list(level.doors({block["name"] for block in blocks})),
+            "materials": (_GLASS,) if level.num_glass else (),
+        }
+        plan = checked(FloorPlan, keys, place=f"{place}: ")
+        prefix = "" if is_alone else f"level {name}: "
+        self.notes = [f"{prefix}{note}" for note in level.notes()]
+        self.notes += [f"{prefix}door {plan.doors[i].name}: {why}; left out" for i, why in misplaced_doors(plan)]
+        why = "for a plan of one level has no lifts" if is_alone else "for it has no door here"
+        self.notes += [f"{prefix}{block['name']}: its shaft is a block, {why}" for block in blocks]
+        self.drawn = DrawnLevel(name, places.level(name).elevation, without_misplaced_doors(plan))
 
 
 @dataclass(frozen=True)
@@ -149,6 +183,14 @@ class _Places:
         self.reference = building.reference_level_name or next(iter(building.levels))
         self.notes: list[str] = []
         """What is doubtful about the levels that were placed."""
+
+    def to_import(self) -> list[str]:
+        """Return the levels that have walls, the reference level first, then from the lowest up; or that level."""
+        levels = self._building.levels
+        names = [name for name in levels if levels[name].walls]
+        names.sort(key=lambda name: (name != self.reference, levels[name].elevation))
+        self.notes += [f"level {name}: has no walls" for name in levels if names and name not in names]
+        return names or [self.reference]
 
     def level(self, name: str) -> _Level:
         """Return a level. Raises: ScenarioError: there is none of this name."""
@@ -312,10 +354,10 @@ class _LevelOnMap:
                 size = {"thickness_m": LEAF_M, "height_m": LEAF_HEIGHT_M}
                 yield {"name": found + side, "from": _point(hinge), "to": _point(other), **size}
 
-    def bounds(self, blocks: Sequence[Block]) -> dict[str, Point]:
-        """Return the rectangle around everything."""
+    def bounds(self, corners: Sequence[complex]) -> dict[str, Point]:
+        """Return the rectangle around everything. Args: corners: of the shafts of lifts."""
         points = [z for edge in (*self._walls, *self._doors) for z in (edge.start, edge.end)]
-        points += [complex(*corner) for block in blocks for corner in block.polygon]
+        points += corners
         for index, floor in enumerate(self._level.floors):
             points += [self._of(f"{self._key}.floors.{index}", vertex) for vertex in floor.vertices]
         low = (min(z.real for z in points) - _MARGIN_M, min(z.imag for z in points) - _MARGIN_M)
@@ -347,7 +389,61 @@ def _point(z: complex) -> Point:
     return round(z.real, 6), round(z.imag, 6)
 
 
-def _shafts(path: Path, building: _Building, level: str, places: _Places) -> Iterator[Block]:
+@dataclass(frozen=True)
+class _Shaft:
+    """The shaft of a lift in the map.
+
+    turn, half: direction of its first side, and half its sides, x + i y [m].
+    openings:   of its doors at a level, from the middle of the cabin; none if it does not stop there.
+    """
+
+    key: str
+    name: str
+    center: complex
+    turn: complex
+    half: complex
+    openings: tuple[_LiftDoor, ...]
+
+    @property
+    def corners(self) -> list[complex]:
+        """Its corners, counter-clockwise [m]."""
+        x, y = self.half.real, self.half.imag
+        return [self.center + self.turn * complex(*corner) for corner in ((x, y), (-x, y), (-x, -y), (x, -y))]
+
+    def block(self) -> dict[str, Any]:
+        """Return it as a block."""
+        return {"name": f"lift {self.name}", "polygon": list(map(_point, self.corners))}
+
+    def walls(self) -> Iterator[dict[str, Any]]:
+        """Yield its walls, around the cabin, with gaps for the doors of the side that each is nearest to."""
+        gaps: dict[int, list[tuple[float, float]]] = {side: [] for side in range(4)}
+        for door in self.openings:
+            side = 0 if abs(door.y) / self.half.imag >= abs(door.x) / self.half.real else 1
+            along, is_far = (door.x, door.y < 0.0) if side == 0 else (door.y, door.x < 0.0)
+            gaps[side + 2 * is_far].append((along - 0.5 * door.width, along + 0.5 * door.width))
+        for side, taken in gaps.items():
+            half_m = self.half.real if side % 2 == 0 else self.half.imag
+            for number, (first, last) in enumerate(_left(half_m, taken), 1):
+                ends = (self._on_side(side, at) for at in (first, last))
+                keys = dict(zip(("from", "to"), map(_point, ends), strict=True))
+                size = {"thickness_m": WALL_M, "height_m": WALL_HEIGHT_M}
+                yield {"name": f"lift {self.name} wall_{side + 1}_{number}", **keys, **size}
+
+    def _on_side(self, side: int, along_m: float) -> complex:
+        x, y = self.half.real, self.half.imag
+        place = (complex(along_m, y), complex(x, along_m), complex(along_m, -y), complex(-x, along_m))[side]
+        return self.center + self.turn * place
+
+
+def _left(half_m: float, gaps: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Return what gaps leave of a side from -half_m to half_m."""
+    side = shapely.LineString([(-half_m, 0.0), (half_m, 0.0)])
+    cut = shapely.difference(side, shapely.union_all([shapely.box(low, -1.0, high, 1.0) for low, high in gaps]))
+    parts = [part for part in shapely.get_parts(cut) if part.length > _SHORTEST_M]
+    return [(part.bounds[0], part.bounds[2]) for part in parts]
+
+
+def _shafts(path: Path, building: _Building, level: str, places: _Places) -> Iterator[_Shaft]:
     """Yield the shafts of lifts at a level, from the lowest to the highest that they serve. Raises: ScenarioError."""
     for name, lift in building.lifts.items():
         served = [one for one, doors in lift.level_doors.items() if doors and one in building.levels]
@@ -356,7 +452,19 @@ def _shafts(path: Path, building: _Building, level: str, places: _Places) -> Ite
             continue
         center = places.of(lift.reference_floor_name or places.reference).of(lift.x, lift.y)
         half = complex(0.5 * lift.width + SHAFT_M, 0.5 * lift.depth + SHAFT_M)
-        corners = (half, complex(-half.real, half.imag), -half, complex(half.real, -half.imag))
-        turn = cmath.exp(1j * lift.yaw)
-        keys = {"name": f"lift {name}", "polygon": [_point(center + turn * corner) for corner in corners]}
-        yield checked(Block, keys, place=f"{path}: lifts.{name}: ")
+        openings = tuple(lift.doors[door] for door in lift.level_doors.get(level, ()) if door in lift.doors)
+        shaft = _Shaft(f"{path}: lifts.{name}", name, center, cmath.exp(1j * lift.yaw), half, openings)
+        checked(Block, shaft.block(), place=f"{shaft.key}: ")
+        yield shaft
+
+
+def _lifts(path: Path, building: _Building, places: _Places) -> Iterator[DrawnPassage]:
+    """Yield the lifts, each with a stop in the middle of its cabin at each level at which it has doors."""
+    found: dict[str, dict[str, Point]] = {}
+    for level in building.levels:
+        for shaft in _shafts(path, building, level, places):
+            if shaft.openings:
+                found.setdefault(shaft.name, {})[level] = _point(shaft.center)
+    for name, stops in found.items():
+        keys = {"name": name, "kind": "lift", "radius_m": _STOP_M, "speed_mps": _LIFT_MPS, "wait_s": _LIFT_WAIT_S}
+        yield DrawnPassage(keys, stops)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import cmath
+import itertools
+import math
 import re
 from pathlib import Path
 from typing import Any
@@ -16,7 +18,10 @@ from robotteamsim.cli import main
 from robotteamsim.errors import ScenarioError
 from robotteamsim.formats import Imported
 from robotteamsim.formats.open_rmf import OpenRmfImporter
-from robotteamsim.scenario.plan import solids
+from robotteamsim.scenario.levels import level_at
+from robotteamsim.scenario.loading import from_mapping
+from robotteamsim.scenario.plan import solids, wall_corners
+from robotteamsim.simulation import Simulation
 
 PLAIN = {"alpha": [3, 1.0]}
 SCALE_M = 0.02
@@ -119,7 +124,7 @@ def test_other_level_lies_by_its_fiducials_and_not_by_its_own_measurement(tmp_pa
         measurements=[[0, 1, metres(77.0)]],
     )
     levels = {"levels": {"L1": first, "L2": second}}
-    expected, found = read(tmp_path, levels).plan, read(tmp_path, levels, level="L2").plan
+    expected, found = (read(tmp_path, levels, level=name).plan for name in ("L1", "L2"))
     for wall, other in zip(expected.walls, found.walls, strict=True):
         np.testing.assert_allclose([wall.start, wall.end], [other.start, other.end], atol=2e-6)
 
@@ -148,11 +153,85 @@ def test_fiducials_that_cannot_be_are_one_line(tmp_path, fiducials, line):
         read(tmp_path, {"levels": levels}, level="L2")
 
 
-def test_reference_level_is_named_or_the_first(tmp_path):
-    levels = {"L1": level(), "L2": level(measurements=[[0, 1, metres(20.0)]])}
-    assert read(tmp_path, {"levels": levels}).plan.name == "house L1"
-    found = read(tmp_path, {"levels": levels, "reference_level_name": "L2"})
-    assert (found.plan.name, found.plan.walls[0].end) == ("house L2", (20.05, 0.0))
+def test_reference_level_is_named_or_the_first_and_lies_first(tmp_path):
+    """The other level, without fiducials, lies by its own measurement."""
+    levels = {"L1": level(), "L2": level(measurements=[[0, 1, metres(20.0)]], elevation=3.0)}
+    for reference, names, length_m in (({}, ["L1", "L2"], 10.0), ({"reference_level_name": "L2"}, ["L2", "L1"], 20.0)):
+        plan = read(tmp_path, {"levels": levels, **reference}).plan
+        assert [one.name for one in plan.levels] == names
+        assert (plan.levels[0].origin, plan.walls[0].end) == ((0.0, 0.0), (length_m + 0.05, 0.0))
+
+
+def building_of_three(**lift: Any) -> dict[str, Any]:
+    """Return a building of three rooms, 4 m above one another, with lift "a" from the first to the third."""
+    levels = {f"L{i}": level(elevation=4.0 * i) for i in (1, 2, 3)}
+    door = {"x": 0.0, "y": 0.56, "width": 0.8}
+    place = {"reference_floor_name": "L1", "x": 100, "y": 50, "yaw": 0.5, "width": 2.0, "depth": 1.0}
+    lifts = {"a": {**place, "doors": {"d": door}, "level_doors": {"L1": ["d"], "L3": ["d"]}, **lift}}
+    return {"levels": levels, "lifts": lifts}
+
+
+def test_levels_lie_side_by_side_each_as_if_it_were_alone(tmp_path):
+    building = building_of_three()
+    plan = read(tmp_path, building).plan
+    assert [(one.name, one.elevation_m) for one in plan.levels] == [("L1", 4.0), ("L2", 8.0), ("L3", 12.0)]
+    for one, other in itertools.pairwise(plan.levels):
+        assert other.bounds.min[0] - one.bounds.max[0] == pytest.approx(10.0)
+    for one in plan.levels:
+        alone = read(tmp_path, building, level=one.name).plan
+        expected = shapely.affinity.translate(shapely.union_all([wall_of(wall) for wall in alone.walls]), *one.origin)
+        names = {f"{one.name}_{wall.name}" for wall in alone.walls}
+        found = shapely.union_all([wall_of(wall) for wall in plan.walls if wall.name in names])
+        assert found.symmetric_difference(expected).area < 1e-5
+        assert [door.name for door in plan.doors if door.name.startswith(one.name)] == [f"{one.name}_gate"]
+
+
+def wall_of(wall: Any) -> shapely.Polygon:
+    return shapely.Polygon(wall_corners(wall))
+
+
+def test_lift_joins_the_levels_at_which_it_has_doors_of_their_width(tmp_path):
+    found = read(tmp_path, building_of_three())
+    plan = found.plan
+    (lift,) = plan.passages
+    assert [level_at(plan.levels, stop).name for stop in lift.stops] == ["L1", "L3"]
+    origins = [plan.levels[0].origin, plan.levels[2].origin]
+    np.testing.assert_allclose(np.subtract(lift.stops, origins), [[2.0, -1.0]] * 2, atol=1e-6)
+    assert [block.name for block in plan.blocks] == ["L2_lift a"]
+    assert "level L2: lift a: its shaft is a block, for it has no door here" in found.notes
+    shaft = shapely.union_all(
+        [wall_of(wall) for wall in plan.walls if "lift a wall" in wall.name and "L1" in wall.name]
+    )
+    middle = complex(2.0, -1.0)
+    gap = [middle + cmath.exp(0.5j) * complex(x, 0.55) for x in (-1.0, 1.0)]
+    front = shapely.LineString([(z.real, z.imag) for z in gap])
+    cabin = [middle + cmath.exp(0.5j) * complex(x, y) for x, y in ((-1, -0.5), (1, -0.5), (1, 0.5), (-1, 0.5))]
+    assert front.intersection(shaft).length == pytest.approx(2.0 - 0.8, abs=1e-5)
+    assert shapely.Polygon([(z.real, z.imag) for z in cabin]).buffer(-1e-5).intersection(shaft).is_empty
+    assert "no door leads" not in " ".join(note for note in found.notes if "L3" in note)
+
+
+def test_a_team_searches_all_levels_that_a_lift_joins(tmp_path):
+    """The room of L3 is reached by the lift alone; L2, at which it does not stop, is listed."""
+    door = {"x": 0.0, "y": 0.81, "width": 1.0}
+    building = building_of_three(x=350, width=2.0, depth=1.5, doors={"d": door}, yaw=math.pi)
+    found = read(tmp_path, building)
+    plan = found.plan
+    assert [note for note in found.notes if note.startswith("no door leads from the largest part of the floor to")]
+    x, y = plan.levels[2].origin
+    keys = {
+        "name": "search",
+        "plan": plan.model_dump(by_alias=True),
+        "robots": {"count": 2, "start_poses": [[6.0, -3.5, 0.0], [8.0, -3.5, 0.0]]},
+        "control": {"algorithm": "search"},
+        "mission": {"time_limit_s": 300.0, "victims": [{"name": "ann", "position": [x + 8.0, y - 4.0]}]},
+    }
+    assert Simulation(from_mapping(keys, "search")).run().victims_saved == 1
+
+
+def test_levels_at_one_height_are_one_line(tmp_path):
+    with pytest.raises(ScenarioError, match="levels L1 and L2 are both at 0 m; --level imports one of them"):
+        read(tmp_path, {"levels": {"L1": level(), "L2": level()}})
 
 
 def test_metres_are_neither_scaled_nor_flipped(tmp_path):
@@ -169,7 +248,7 @@ def test_shaft_of_a_lift_is_a_block_turned_in_the_map(tmp_path):
     building = {"levels": levels, "lifts": lifts}
     shafts = [[block.name for block in read(tmp_path, building, level=name).plan.blocks] for name in levels]
     assert shafts == [["lift a"], ["lift a", "lift b"], ["lift a", "lift b"], []]  # "a" passes L2
-    (block,) = read(tmp_path, building).plan.blocks
+    (block,) = read(tmp_path, building, level="L1").plan.blocks
     turned = shapely.affinity.rotate(shapely.box(0.95, -1.55, 3.05, -0.45), 0.5, use_radians=True)
     assert shapely.Polygon(block.polygon).symmetric_difference(turned).area < 1e-4
 
