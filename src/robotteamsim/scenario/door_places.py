@@ -31,16 +31,19 @@ def misplaced_doors(plan: FloorPlan) -> list[tuple[int, str]]:
     """
     static = [solid for solid in solids(plan) if solid.kind != "door"]
     shapes = np.array([solid.polygon for solid in static], dtype=object)
-    union = shapely.union_all(shapes)
+    tree = shapely.STRtree(shapes)
     around = shapely.box(*plan.bounds.min, *plan.bounds.max).exterior
     wrong = []
     for index, door in enumerate(plan.doors):
         leaf = shapely.LineString([door.start, door.end])
-        lengths_m = shapely.length(shapely.intersection(shapes, leaf))
+        crossed = np.sort(tree.query(leaf, predicate="intersects"))
+        in_solids = shapely.intersection(shapely.union_all(shapes[crossed]), leaf)
         hinges = shapely.MultiPoint([door.start, door.end])
-        nearest_m = min([shapely.distance(around, hinges), *shapely.distance(shapes, hinges)])
-        if shapely.length(shapely.intersection(union, leaf)) > MOST_IN_SOLIDS * leaf.length:
-            solid = static[int(np.argmax(lengths_m))]
+        _, distances_m = tree.query_nearest(hinges, return_distance=True, all_matches=False)
+        nearest_m = min([shapely.distance(around, hinges), *distances_m])
+        if in_solids.length > MOST_IN_SOLIDS * leaf.length:
+            lengths_m = shapely.length(shapely.intersection(shapes[crossed], leaf))
+            solid = static[crossed[int(np.argmax(lengths_m))]]
             wrong.append((index, f"{_text(door)} lies in {solid.kind} '{solid.name}'; expected a gap"))
         elif nearest_m > REACH_M:
             wrong.append((index, f"{_text(door)} is not at a wall: the nearest is {nearest_m:.2g} m away"))
