@@ -53,6 +53,7 @@ SECTIONS = {
     ),
     "Reference": (
         "what_a_controller_sees",
+        "formats_of_buildings",
         "scenario_keys",
         "python_api",
         "ros_api",

@@ -8,6 +8,7 @@ _EXTRA_OF_PACKAGE = {
     "ezdxf": "dxf",
     "fdsreader": "fds",
     "gymnasium": "learning",
+    "ifcopenshell": "ifc",
     "jinja2": "report",
     "matplotlib": "report",
     "mujoco": "mujoco",

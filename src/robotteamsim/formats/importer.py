@@ -87,6 +87,7 @@ _OURS = {
     "dxf": "robotteamsim.formats.dxf:DxfImporter",
     "stage": "robotteamsim.stage.formats:StageImporter",
     "open_rmf": "robotteamsim.formats.open_rmf:OpenRmfImporter",
+    "ifc": "robotteamsim.formats.ifc:IfcImporter",
 }
 """Our importers, by the places of their classes."""
 

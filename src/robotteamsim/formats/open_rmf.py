@@ -16,7 +16,7 @@ import shapely
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.formats.importer import Imported, Importer
-from robotteamsim.formats.options import Options
+from robotteamsim.formats.options import LEVEL, Options
 from robotteamsim.formats.side_by_side import DrawnLevel, DrawnPassage, side_by_side
 from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Point
 from robotteamsim.scenario.door_places import misplaced_doors, without_misplaced_doors
@@ -97,7 +97,7 @@ class OpenRmfImporter(Importer):
     noun = "a building.yaml of Open-RMF"
     suffixes = (".yaml", ".yml")
     sign = r"\A(?=.*^levels:)(?=.*^(building_name|coordinate_system|crowd_sim|graphs|lifts|name):)"
-    options: ClassVar[Options] = {"--level": {"metavar": "NAME", "help": "one level of a building.yaml; default: all"}}
+    options: ClassVar[Options] = LEVEL
     examples = "  robotteamsim plan import clinic.building.yaml --level L2"
 
     def read(self, path: Path, **options: Any) -> Imported:

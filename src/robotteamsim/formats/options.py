@@ -7,6 +7,14 @@ from typing import Any
 Options = Mapping[str, Mapping[str, Any]]
 """Options of a command by name, such as `--layer`: the settings of `argparse`'s `add_argument`, without a default."""
 
+LEVEL: Options = {
+    "--level": {
+        "metavar": "NAME",
+        "help": "the level of a building.yaml, default: the reference level; the storey of an IFC file, default: the "
+        "lowest with a door",
+    }
+}
+
 _TAKEN = ("--command", "--file", "--force", "--out", "--overrides", "--png", "--scenario", "--set")
 _OURS = ("default", "dest", "required")
 """Settings that an option must not have."""

@@ -13,7 +13,18 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[3]
 
-OF_EXTRAS = ("PIL", "cv2", "dask", "distributed", "ezdxf", "imageio_ffmpeg", "jinja2", "matplotlib", "mujoco")
+OF_EXTRAS = (
+    "PIL",
+    "cv2",
+    "dask",
+    "distributed",
+    "ezdxf",
+    "ifcopenshell",
+    "imageio_ffmpeg",
+    "jinja2",
+    "matplotlib",
+    "mujoco",
+)
 OF_EXTRAS += ("gymnasium", "pandas", "pettingzoo", "scipy", "statsmodels", "tornado")
 
 WITHOUT = """
@@ -83,6 +94,7 @@ def test_campaign_of_one_machine_needs_no_dask(folder: Path) -> None:
         (("plan", "export-mujoco", "garage_sar", "--out", "mujoco"), "mujoco"),
         (("plan", "import", str(ROOT / "maps" / "garage" / "map.yaml"), "--out", "plan.yaml"), "images"),
         (("plan", "import", "house.dxf", "--layer", "WALLS"), "dxf"),
+        (("plan", "import", "house.ifc"), "ifc"),
     ],
 )
 def test_missing_package_of_an_extra_is_one_line_that_names_the_extra(

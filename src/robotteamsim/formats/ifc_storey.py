@@ -1,0 +1,297 @@
+"""One storey of an IFC building as walls, blocks and doors of a floor plan."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+import shapely
+
+from robotteamsim.formats.ifc_file import Entity, IfcBuilding, Solid, Storey
+from robotteamsim.formats.ifc_materials import IfcMaterials
+from robotteamsim.formats.ifc_shapes import (
+    FLAT_M,
+    THROUGH,
+    Mesh,
+    Strip,
+    as_strip,
+    footprint,
+    remaining,
+    spanned,
+    without_holes,
+)
+from robotteamsim.map_import.thickness import piece_thickness
+from robotteamsim.scenario.image_walls import MAX_WALL_THICKNESS_M, THICKEST_M
+from robotteamsim.wording import counted, printable
+
+FLOOR_M, HEAD_M = 0.05, 2.0
+"""What is between these heights above the floor blocks robots: not what ends in the floor, nor what is above heads."""
+
+STEP_M = 0.3
+"""A door is a storey's if its sill is at most this far from the floor."""
+
+PASSABLE_M = 1.0
+"""An opening without a filling is passable if it reaches from the floor to at least this height."""
+
+_BESIDE_M = 0.3
+"""A door that fills no opening cuts the walls that are that close in front of it or behind it."""
+
+_LEAST_LEAF_M = 0.05
+_MOST_HEIGHT_M = 20.0
+
+_RATING = re.compile(
+    r"\b(?:R?EI?|REI|RE|EW|T|F|FD|FH|G|R)[ -]?0*[1-9]\d{1,2}\b|\b0*[1-9]\d*\s*-?\s*min(?:ute)?s?\b", re.IGNORECASE
+)
+"""A class with a number, such as EI 60 or T30, or minutes."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Gap:
+    """A way through walls. owner: of one wall; None: of all.  hosts: what it goes through."""
+
+    owner: int | None
+    shape: shapely.Geometry
+    door: Entity | None
+    high_m: float
+    hosts: list[_Standing] = field(default_factory=list)
+
+
+class _Standing(NamedTuple):
+    """Part of a solid as seen from above. strip: if it is a straight wall."""
+
+    solid: Solid
+    shape: shapely.Polygon
+    strip: Strip | None
+    gaps: list[_Gap]
+
+
+class StoreyPlan:
+    """Walls, blocks and doors of a storey, as keys of a floor plan, and notes on them."""
+
+    def __init__(self, building: IfcBuilding, storey: Storey) -> None:
+        """Cut the building between the floor and heads."""
+        self._building, self._storey = building, storey
+        self._low_m, self._high_m = storey.floor_m + FLOOR_M, storey.floor_m + HEAD_M
+        self._materials = IfcMaterials(building.scale_m)
+        self._said: Counter[str] = Counter()
+        gaps: dict[int | None, list[_Gap]] = {}
+        for gap in self._gaps():
+            gaps.setdefault(gap.owner, []).append(gap)
+        standing = [one for solid in building.solids for one in self._stand(solid, gaps)]
+        self.walls: list[dict[str, Any]] = []
+        self.blocks: list[dict[str, Any]] = []
+        names: Counter[str] = Counter()
+        for one in standing:
+            for keys in self._elements(one):
+                base = f"{_kind(one.solid.element)}_{one.solid.element.id()}"
+                names[base] += 1
+                keys["name"] = base if names[base] == 1 else f"{base}_{names[base]}"
+        self.num_walls = len({one.solid.element.id() for one in standing if one.strip})
+        with_doors = [gap for some in gaps.values() for gap in some if gap.door is not None]
+        leaves = [leaf for gap in with_doors for leaf in self._leaves(gap, gap.door)]
+        self.doors = list({leaf["name"]: leaf for leaf in leaves}.values())  # an opening may be of several parts
+        self.materials = self._materials.materials
+
+    def _gaps(self) -> Iterator[_Gap]:
+        """Yield the openings that a robot can pass."""
+        for opening in self._building.openings:
+            mesh, doors = opening.mesh, opening.doors
+            if mesh is None or mesh.high_m <= self._low_m or mesh.low_m >= self._high_m:
+                continue
+            if not self._is_passable(mesh, bool(doors)):
+                self._said[f"{'door' if doors else 'opening'} with a sill not at the floor: closed"] += 1
+                continue
+            for shape in footprint(mesh, mesh.low_m - 1.0, mesh.high_m + 1.0):
+                if len(opening.fillings) < 2:
+                    yield _Gap(opening.owner, shape, doors[0] if doors else None, mesh.high_m)
+                    continue
+                for door in doors:
+                    box = self._box(door, 10.0)
+                    part = shape if box is None else shape.intersection(box)
+                    if part.area > 0.0:
+                        yield _Gap(opening.owner, part, door, mesh.high_m)
+        filled = {door.id() for opening in self._building.openings for door in opening.doors}
+        for door in self._building.doors:
+            if door.id() in filled:
+                continue
+            mesh = self._building.bodies.get(door.id())
+            if mesh is None:
+                self._said["door without an opening and without a shape"] += 1
+            elif self._is_passable(mesh, True) and (box := self._box(door, _BESIDE_M)) is not None:
+                yield _Gap(None, box, door, mesh.high_m)
+
+    def _is_passable(self, mesh: Mesh, is_door: bool) -> bool:
+        begin_m = mesh.low_m - self._storey.floor_m
+        begins = abs(begin_m) <= STEP_M if is_door else begin_m <= FLOOR_M
+        return begins and mesh.high_m - self._storey.floor_m >= PASSABLE_M
+
+    def _box(self, door: Entity, beside_m: float) -> shapely.Polygon | None:
+        """Return the rectangle around the body of a door along its own axis, wider across; None: it has no body."""
+        mesh = self._building.bodies.get(door.id())
+        if mesh is None:
+            return None
+        along = _axis(door)
+        across = np.array([-along[1], along[0]])
+        points = shapely.multipoints(mesh.corners[..., :2].reshape(-1, 2))
+        (a, b), (c, d) = spanned(points, np.zeros(2), along), spanned(points, np.zeros(2), across)
+        c, d = c - beside_m, d + beside_m
+        return shapely.Polygon(
+            [a * along + c * across, b * along + c * across, b * along + d * across, a * along + d * across]
+        )
+
+    def _stand(self, solid: Solid, gaps: Mapping[int | None, Sequence[_Gap]]) -> Iterator[_Standing]:
+        """Yield what a solid has between the floor and heads, and the gaps in it."""
+        if solid.mesh.high_m <= self._low_m or solid.mesh.low_m >= self._high_m:
+            return
+        owners = dict.fromkeys((None, solid.element.id(), solid.whole.id()))
+        for part in footprint(solid.mesh, self._low_m, self._high_m):
+            shape = shapely.Polygon(part.exterior) if _is_column(solid) else part
+            strip = None if _is_column(solid) else as_strip(shape)
+            if strip and strip.thickness_m > MAX_WALL_THICKNESS_M:
+                strip = None
+            here = [gap for owner in owners for gap in gaps.get(owner, ()) if gap.shape.intersects(shape)]
+            one = _Standing(solid, shape, strip, here)
+            for gap in here:
+                gap.hosts.append(one)
+            yield one
+
+    def _elements(self, one: _Standing) -> Iterator[dict[str, Any]]:
+        """Yield the pieces of a standing part, and add them to walls and blocks."""
+        is_glazed = not one.solid.element.is_a("IfcWall") and any(
+            map(one.solid.whole.is_a, ("IfcCurtainWall", "IfcWindow"))
+        )
+        height_m = min(one.solid.mesh.high_m - self._storey.floor_m, _MOST_HEIGHT_M)
+        keys: dict[str, Any] = {"name": "", "height_m": round(height_m, 3)}
+        if one.strip:
+            keys["material"] = self._materials.of(one.solid.element, one.strip.thickness_m, is_glazed=is_glazed)
+            openings = [span for gap in one.gaps if (span := self._opened(one.strip, gap))]
+            for begin_m, end_m in remaining(one.strip.length_m, openings):
+                ends = {"from": one.strip.at(begin_m), "to": one.strip.at(end_m)}
+                self.walls.append({**keys, **ends, "thickness_m": one.strip.thickness_m})
+                yield self.walls[-1]
+            return
+        if _is_column(one.solid):
+            keys["kind"] = "pillar"
+            thickness_m = min(one.shape.bounds[2] - one.shape.bounds[0], one.shape.bounds[3] - one.shape.bounds[1])
+        else:
+            thickness_m = _thickness_m(one.shape)
+            keys["thickness_m"] = thickness_m or None
+        keys["material"] = self._materials.of(one.solid.element, thickness_m, is_glazed=is_glazed)
+        rest = one.shape.difference(shapely.union_all([gap.shape for gap in one.gaps]))
+        for part in shapely.get_parts(rest):
+            for piece in without_holes(part):
+                outline = shapely.set_precision(piece, 1e-6)
+                if isinstance(outline, shapely.Polygon) and outline.area > FLAT_M**2:
+                    corners = shapely.get_coordinates(outline.exterior)[:-1].round(6)
+                    self.blocks.append({**keys, "polygon": [tuple(corner) for corner in corners.tolist()]})
+                    yield self.blocks[-1]
+
+    def _opened(self, strip: Strip, gap: _Gap) -> tuple[float, float] | None:
+        """Return where a gap opens a wall; the opening of a door need not go through."""
+        return strip.opened_by(gap.shape, 0.0 if gap.door is not None and gap.owner is not None else THROUGH)
+
+    def _leaves(self, gap: _Gap, door: Entity) -> Iterator[dict[str, Any]]:
+        """Yield the leaves of a door, open; a double door is two, from both sides."""
+        cut = shapely.union_all([one.shape.intersection(gap.shape) for one in gap.hosts])
+        along = _axis(door)
+        for strip in (one.strip for one in gap.hosts if one.strip):
+            along = strip.along if strip.along @ along >= 0.0 else -strip.along
+            break
+        across = np.array([-along[1], along[0]])
+        shape = gap.shape if cut.is_empty or gap.owner is None else cut
+        (a, b), (c, d) = spanned(shape, np.zeros(2), along), spanned(shape, np.zeros(2), across)
+        if b - a < _LEAST_LEAF_M:
+            self._said[f"door narrower than {_LEAST_LEAF_M:g} m, left out"] += 1
+            return
+        left, right = ((place * along + 0.5 * (c + d) * across).round(6) for place in (a, b))
+        operation = _operation(door)
+        leaves = [("", left, right)]
+        if operation.startswith(("DOUBLE_DOOR", "DOUBLE_PANEL")):
+            middle = (0.5 * (left + right)).round(6)
+            leaves = [("_left", left, middle), ("_right", right, middle)]
+        elif operation.endswith("RIGHT"):
+            leaves = [("", right, left)]
+        height_m = min(gap.high_m - self._storey.floor_m, _MOST_HEIGHT_M)
+        kind = "fireproof" if self._is_fireproof(door) else "normal"
+        for side, hinge, other in leaves:
+            ends = {"from": tuple(hinge.tolist()), "to": tuple(other.tolist())}
+            yield {"name": f"door_{door.id()}{side}", **ends, "height_m": round(height_m, 3), "kind": kind}
+
+    def _is_fireproof(self, door: Entity) -> bool:
+        """Whether the FireRating of a door, a free text, says how long it stands a fire."""
+        from ifcopenshell.util.element import get_pset
+
+        text = str(get_pset(door, "Pset_DoorCommon", "FireRating") or "").strip()
+        if text and not _RATING.search(text):
+            self._said[f"door whose FireRating has neither minutes nor a class: '{printable(text)}'"] += 1
+        return bool(_RATING.search(text))
+
+    def notes(self) -> Iterator[str]:
+        """Yield what was guessed or left out."""
+        yield from self._materials.notes()
+        for what, number in self._said.items():
+            noun, rest = what.split(" ", 1)
+            yield f"{counted(number, noun)} {rest}"
+        from ifcopenshell.util.element import get_decomposition
+
+        listed = get_decomposition(self._storey.entity)
+        if windows := sum(one.is_a("IfcWindow") for one in listed):
+            yield f"{counted(windows, 'window')}: closed, of the material of the wall around them"
+        if left_out := self._building.left_out(self._storey):
+            yield "left out: " + ", ".join(f"{number} {name}" for name, number in sorted(left_out.items()))
+        if self.doors:
+            yield "doors are open at the start; `motion` in the plan would move their leaves"
+        else:
+            yield "there is no door on this storey"
+
+
+def has_doors(building: IfcBuilding, storey: Storey) -> bool:
+    """Whether the sill of a door is at the floor of a storey."""
+    meshes = [opening.mesh for opening in building.openings if opening.mesh and opening.doors]
+    return any(abs(mesh.low_m - storey.floor_m) <= STEP_M for mesh in (*meshes, *building.bodies.values()))
+
+
+def has_walls(building: IfcBuilding, storey: Storey) -> bool:
+    """Whether something blocks robots on a storey."""
+    low_m, high_m = storey.floor_m + FLOOR_M, storey.floor_m + HEAD_M
+    return any(solid.mesh.high_m > low_m and solid.mesh.low_m < high_m for solid in building.solids)
+
+
+def _thickness_m(shape: shapely.Polygon) -> float:
+    """Return the thickness of a wall that is not straight, in whole millimetres."""
+    in_mm = shapely.transform(shape, lambda points_m: points_m / FLAT_M)
+    corners = shapely.get_coordinates(in_mm.exterior)[:-1]
+    return round(float(piece_thickness(in_mm, [corners], THICKEST_M / FLAT_M)[0]) * FLAT_M, 3)
+
+
+def _is_column(solid: Solid) -> bool:
+    return bool(solid.whole.is_a("IfcColumn"))
+
+
+def _kind(element: Entity) -> str:
+    """Return a word for the class of an element, such as wall."""
+    known = "IfcWall", "IfcColumn", "IfcPlate", "IfcMember", "IfcWindow"
+    return next((name.removeprefix("Ifc").lower() for name in known if element.is_a(name)), "part")
+
+
+def _axis(door: Entity) -> np.ndarray:
+    """Return the direction of a door's width in the map, from left to right seen from behind; float64, shape (2,)."""
+    from ifcopenshell.util.placement import get_local_placement
+
+    if door.ObjectPlacement is None:
+        return np.array([1.0, 0.0])
+    axis = np.asarray(get_local_placement(door.ObjectPlacement)[:2, 0], dtype=float)
+    length = float(np.hypot(*axis))
+    return axis / length if length > 0.5 else np.array([1.0, 0.0])
+
+
+def _operation(door: Entity) -> str:
+    """Return how a door moves, such as SINGLE_SWING_LEFT, by itself or by its type."""
+    from ifcopenshell.util.element import get_type
+
+    own = getattr(door, "OperationType", None)
+    return str(own or getattr(get_type(door), "OperationType", None) or "")

@@ -1,0 +1,94 @@
+"""IFC files that cannot be read, or are no floor plan."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import pytest
+from ifc_house import House, read
+
+from robotteamsim.errors import ScenarioError
+from robotteamsim.formats import importer_of, importers
+from robotteamsim.formats.ifc import IfcImporter
+
+
+def _broken(house: House, change: Any) -> str:
+    text: str = house.file.to_string()
+    assert change(text) != text
+    return str(change(text))
+
+
+@pytest.mark.parametrize(
+    ("change", "line"),
+    [
+        (lambda text: f"A text.\n{text}"[:9], "is not an IFC file: it does not begin with ISO-10303-21"),
+        (lambda text: text[:0], "is not an IFC file"),
+        (lambda text: text[: len(text) // 2], "is not complete: it does not end with END-ISO-10303-21;"),
+        (lambda text: text.replace("'IFC4'", "'AP214'"), "cannot be read as IFC: No schema named AP214"),
+        (lambda text: text.replace("AREASOLID(#", "AREASOLID(#9"), "cannot be read as IFC: Instance"),
+        (lambda text: text.replace("((0.,0.,0.))", "((NAN,0.,0.))"), "cannot be read as IFC: Entity with name 'NAN'"),
+        (lambda text: text.replace("((0.,0.,0.))", "((1.E999,0.,0.))"), "cannot be read as IFC: token 1.E999"),
+        (lambda text: text.replace("((0.,0.,0.))", "((1.E20,0.,0.))"), "#"),
+        (lambda text: re.sub(r"#\d+=IFCUNITASSIGNMENT.*\n", "", text), "cannot be read as IFC: Instance reference"),
+        (lambda text: text.replace("IFCBUILDINGSTOREY", "IFCFACILITY"), "cannot be read as IFC: Entity"),
+    ],
+)
+def test_damaged_file_is_one_line(tmp_path, change, line):
+    house = House()
+    house.storey("EG", 0.0)
+    house.room()
+    path = tmp_path / "house.ifc"
+    path.write_text(_broken(house, change))
+    with pytest.raises(ScenarioError, match=f"^{re.escape(f'{path}: {line}')}[^\n]*$"):
+        IfcImporter().read(path)
+
+
+def test_building_that_cannot_be_a_plan_is_one_line(tmp_path):
+    def message(house: House, **options: Any) -> str:
+        with pytest.raises(ScenarioError) as raised:
+            read(tmp_path, house, **options)
+        return str(raised.value).removeprefix(f"{tmp_path}/house.ifc: ")
+
+    house = House()
+    assert message(house) == "has no walls, so there is no building to import"
+    house.wall((0.0, 0.0), (5.0, 0.0))
+    assert message(house) == "has no storeys (IfcBuildingStorey)"
+    storey = house.storey("EG", 0.0)
+    assert message(house, level="1") == "there is no storey '1'; expected one of EG"
+    house.wall((0.0, 0.0), (5000.0, 0.0))
+    assert message(house) == f"#{storey.id()} (storey EG): bounds.max: x 5000.5 is more than 1000 m from min, -0.5"
+    unitless = House(unit=None)
+    unitless.storey("EG", 0.0)
+    unitless.room()
+    assert message(unitless) == "has no unit of length (IfcProject.UnitsInContext)"
+
+
+def test_break_of_the_schema_is_one_line_with_its_entity(tmp_path):
+    house = House()
+    house.storey("EG", 0.0)
+    south, *_ = house.room()
+    house.filling(house.opening(south, 1.0, 0.9))
+    (relation,) = house.file.by_type("IfcRelFillsElement")
+    text = re.sub(rf"(#{relation.id()}=.*),#\d+\);", r"\1,$);", house.file.to_string())
+    path = tmp_path / "house.ifc"
+    path.write_text(text)
+    with pytest.raises(ScenarioError) as raised:
+        IfcImporter().read(path)
+    assert str(raised.value) == f"{path}: breaks the schema of IFC: #{relation.id()}.RelatedBuildingElement"
+
+
+def test_large_file_is_refused_before_it_is_read(tmp_path):
+    path = tmp_path / "huge.ifc"
+    with path.open("wb") as file:
+        file.truncate(257 * 2**20)
+    with pytest.raises(ScenarioError, match=r"huge\.ifc: 257 MiB; expected at most 256"):
+        IfcImporter().read(path)
+    with pytest.raises(ScenarioError, match="there is no such file"):
+        IfcImporter().read(tmp_path / "none.ifc")
+
+
+def test_file_is_recognised_by_its_content(tmp_path):
+    path = tmp_path / "house.stp"
+    path.write_text(House().file.to_string())
+    assert isinstance(importer_of(path, importers().values()), IfcImporter)
