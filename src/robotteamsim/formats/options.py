@@ -10,7 +10,7 @@ Options = Mapping[str, Mapping[str, Any]]
 LEVEL: Options = {
     "--level": {
         "metavar": "NAME",
-        "help": "the level of a building.yaml, default: the reference level; the storey of an IFC file, default: the "
+        "help": "one level of a building.yaml, default: all; the storey of an IFC file, default: the "
         "lowest with a door",
     }
 }
