@@ -36,8 +36,10 @@ void BindBase(nb::module_&& m) {
       .def(nb::init<std::vector<base::Point>, std::vector<double>>(), "places_m"_a, "reaches_m"_a)
       .def(
           "reached",
-          [](const base::Places& places, const Points& points_m) {
-            return places.Reached(RecordsOf<base::Point>(points_m));
+          [](const base::Places& places, const nb::ndarray<const double, nb::shape<-1, 2>, nb::device::cpu>& points_m) {
+            std::vector<base::Point> points;
+            for (std::size_t i = 0; i < points_m.shape(0); ++i) points.push_back({points_m(i, 0), points_m(i, 1)});
+            return places.Reached(points);
           },
           "points_m"_a);
 }

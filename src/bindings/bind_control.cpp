@@ -85,13 +85,12 @@ using Course = std::tuple<int, Navigator*, SharedGrid, base::Point, double, nb::
 
 std::vector<base::Twist> DriveTeam(const MissionState& of, const std::vector<Course>& courses,
                                    std::int64_t sim_time_ns) {
-  const state::State& state = of.state();
   std::vector<base::Twist> commands;
   for (const auto& [robot, navigator, grid, goal_m, speed_mps, teammates, until_ns] : courses) {
     if (robot < 0) throw std::out_of_range("no such robot");
-    const std::size_t row = of.Row(static_cast<std::size_t>(robot));
-    const control::Ranges ranges{state.ranges_m.data() + row * state.beams, state.beams_of[row]};
-    const base::Pose pose = state::PoseOf(state.true_pose[row]);
+    const state::State& state = of.WithRobot(static_cast<std::size_t>(robot));
+    const control::Ranges ranges{state.ranges_m.data() + robot * state.beams, state.beams_of[robot]};
+    const base::Pose pose = state::PoseOf(state.true_pose[robot]);
     commands.push_back(Drive(*navigator, grid, pose, ranges, goal_m, speed_mps, sim_time_ns, teammates));
   }
   return commands;

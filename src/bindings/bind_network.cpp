@@ -26,8 +26,7 @@ void BindNetwork(nb::module_&& m) {
           "faces"_a, "model"_a, nb::kw_only(), "by_distance"_a, "lost_below_dbm"_a, "max_distance_m"_a,
           "endangered_below_dbm"_a)
       .def(
-          "step", [](network::TeamLinks& links, MissionState& state) { links.Step(state.written(), state.mission()); },
-          "state"_a);
+          "step", [](network::TeamLinks& links, MissionState& state) { links.Step(&state.one(), 0); }, "state"_a);
 }
 
 }  // namespace robotteamsim::bindings

@@ -67,7 +67,7 @@ void BindTeam(nb::module_& m) {
       .def(
           "read",
           [](TeamSensors& sensors, MissionState& state, const world::World& world) {
-            sensors.Read(world, state.written(), state.mission());
+            sensors.Read(world, &state.one(), 0);
           },
           "state"_a, "world"_a)
       .def(
@@ -82,7 +82,7 @@ void BindTeam(nb::module_& m) {
             std::vector<base::Table<const double>> tables;
             tables.reserve(ranges_m.size());
             for (const Rows& table : ranges_m) tables.push_back(TableOf(table));
-            sensors.Read(motion, tables, state.written(), state.mission());
+            sensors.Read(motion, tables, &state.one(), 0);
           },
           "state"_a, "poses"_a, "twists"_a, "motions"_a, "in_contact"_a, "contact_angles_rad"_a, "ranges_m"_a);
 }
@@ -99,8 +99,7 @@ void BindVoiceSensor(nb::module_& m) {
           },
           "origin_m"_a, "resolution_m"_a, "levels_db"_a, "radius_m"_a)
       .def(
-          "hear", [](VoiceSensor& sensor, MissionState& state) { sensor.Hear(state.written(), state.mission()); },
-          "state"_a);
+          "hear", [](VoiceSensor& sensor, MissionState& state) { sensor.Hear(&state.one(), 0); }, "state"_a);
 }
 
 }  // namespace

@@ -1,7 +1,6 @@
 // _core.simulation: missions that make their steps together, and totals over a trial.
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -19,11 +18,8 @@ using simulation::Batch;
 
 void AddStep(simulation::TeamTotals& totals, const MissionState& view, const std::vector<bool>& excluded,
              bool running) {
-  const state::State& state = view.state();
-  const auto first = static_cast<std::ptrdiff_t>(state.First(view.mission()));
-  const auto end = first + static_cast<std::ptrdiff_t>(state.robots);
-  totals.AddStep({state.positions.begin() + first, state.positions.begin() + end},
-                 {state.contact.begin() + first, state.contact.begin() + end}, excluded, running);
+  const state::State& state = view.one();
+  totals.AddStep(state.Positions(0), {state.contact.begin(), state.contact.end()}, excluded, running);
 }
 
 void BindBatch(nb::module_& m) {
@@ -54,7 +50,7 @@ void BindBatch(nb::module_& m) {
               const nb::gil_scoped_release release;
               state = batch.Sense(missions);
             }
-            return MissionState(std::move(state), std::nullopt);
+            return MissionState(std::move(state), false);
           },
           "missions"_a);
 }

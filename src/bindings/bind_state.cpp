@@ -7,7 +7,6 @@
 #include <initializer_list>
 #include <limits>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -16,12 +15,12 @@
 #include "bindings.hpp"
 #include "casters.hpp"
 #include "mission_state.hpp"
-#include "robotteamsim/state/states.hpp"
+#include "robotteamsim/state/state.hpp"
 
 namespace robotteamsim::bindings {
 namespace {
 
-using state::State, state::States;
+using state::State;
 
 template <typename Value>
 using View = nb::ndarray<const Value, nb::numpy, nb::c_contig, nb::device::cpu>;
@@ -30,15 +29,8 @@ using View = nb::ndarray<const Value, nb::numpy, nb::c_contig, nb::device::cpu>;
 template <typename Value>
 View<Value> ViewOf(const MissionState& of, const void* numbers, std::initializer_list<std::size_t> shape) {
   std::vector<std::size_t> extents(shape);
-  const auto* first = static_cast<const Value*>(numbers);
-  if (of.is_of_one()) {
-    std::size_t size = of.mission();
-    for (const std::size_t extent : shape) size *= extent;
-    first += size;
-  } else {
-    extents.insert(extents.begin(), of.state().missions);
-  }
-  return View<Value>(first, extents.size(), extents.data());
+  if (!of.is_of_one()) extents.insert(extents.begin(), of.state().missions);
+  return View<Value>(static_cast<const Value*>(numbers), extents.size(), extents.data());
 }
 
 /// Binds an array of records of `count` numbers per robot.
@@ -86,31 +78,29 @@ nb::object RecordOf(const state::PoseReading& pose) {
   return record(pose.x, pose.y, pose.qz, pose.qw);
 }
 
-nb::object OdometryReading(const State& state, std::size_t row) {
+nb::object OdometryReading(const State& state, std::size_t robot) {
   static const nb::handle record = PythonObject("robotteamsim.sensing.readings", "OdometryReading");
-  const auto& [xx, xy, x_yaw, yy, y_yaw, yaw_yaw] = state.odometry_pose_covariance[row];
-  const auto& [forward, left, turn] = state.odometry_twist_variances[row];
-  return record(RecordOf(state.odometry_pose[row]), state.odometry_twist[row],
+  const auto& [xx, xy, x_yaw, yy, y_yaw, yaw_yaw] = state.odometry_pose_covariance[robot];
+  const auto& [forward, left, turn] = state.odometry_twist_variances[robot];
+  return record(RecordOf(state.odometry_pose[robot]), state.odometry_twist[robot],
                 nb::make_tuple(xx, xy, x_yaw, yy, y_yaw, yaw_yaw), nb::make_tuple(forward, left, turn));
 }
 
 // The scan of a robot, of which the state keeps the memory.
 nb::object RangesOf(nb::handle self, std::size_t robot) {
-  const auto& of = nb::cast<const MissionState&>(self);
-  const std::size_t row = of.Row(robot), extent = of.state().beams_of[row];
-  return nb::cast(View<float>(&of.state().ranges_m[row * of.state().beams], 1, &extent, self));
+  const State& state = nb::cast<const MissionState&>(self).WithRobot(robot);
+  return nb::cast(View<float>(&state.ranges_m[robot * state.beams], 1, &state.beams_of[robot], self));
 }
 
-// Row `robot` of the state as a `RobotReading`. Args: ranges_m: its scan.
+// A robot's part of the state as a `RobotReading`. Args: ranges_m: its scan.
 nb::object ReadingWith(const MissionState& of, std::size_t robot, const nb::object& ranges_m) {
   static const nb::handle record = PythonObject("robotteamsim.sensing.readings", "RobotReading");
   static const nb::handle nothing_sensed = PythonObject("robotteamsim.sensing.readings", "NOTHING_SENSED");
   static const nb::handle no_angles = nb::tuple().release();
-  const State& state = of.state();
-  const std::size_t row = of.Row(robot);
-  const auto& angles = state.contact_angles[row];
-  return record(RecordOf(state.true_pose[row]), state.true_twist[row], OdometryReading(state, row), ranges_m,
-                state.contact[row] != 0, angles.empty() ? nb::borrow(no_angles) : nb::tuple(nb::cast(angles)),
+  const State& state = of.WithRobot(robot);
+  const auto& angles = state.contact_angles[robot];
+  return record(RecordOf(state.true_pose[robot]), state.true_twist[robot], OdometryReading(state, robot), ranges_m,
+                state.contact[robot] != 0, angles.empty() ? nb::borrow(no_angles) : nb::tuple(nb::cast(angles)),
                 of.sensors.get(nb::int_(robot), nothing_sensed));
 }
 
@@ -120,14 +110,13 @@ nb::object ReadingOf(nb::handle self, std::size_t robot) {
 
 nb::list Readings(nb::handle self) {
   const auto& of = nb::cast<const MissionState&>(self);
-  const State& state = of.state();
+  const State& state = of.one();
   const std::size_t shape[2] = {state.robots, state.beams};
   // Rows of one array are several times as fast as an array for each robot.
-  const nb::object rows =
-      nb::cast(View<float>(&state.ranges_m[state.First(of.mission()) * state.beams], 2, shape, self));
+  const nb::object rows = nb::cast(View<float>(state.ranges_m.data(), 2, shape, self));
   nb::list readings;
   for (std::size_t i = 0; i < state.robots; ++i) {
-    const bool has_all_beams = state.beams_of[of.Row(i)] == state.beams;
+    const bool has_all_beams = state.beams_of[i] == state.beams;
     readings.append(ReadingWith(of, i, has_all_beams ? nb::object(rows[i]) : RangesOf(self, i)));
   }
   return readings;
@@ -135,10 +124,9 @@ nb::list Readings(nb::handle self) {
 
 nb::object VoiceOf(const MissionState& of, std::size_t robot) {
   static const nb::handle record = PythonObject("robotteamsim.sensing.readings", "VoiceReading");
-  const State& state = of.state();
-  const std::size_t row = of.Row(robot);
-  return record(state.voice_level_db[row], state.voice_heard[row] != 0, state.local_best[row],
-                state.local_best_level_db[row]);
+  const State& state = of.WithRobot(robot);
+  return record(state.voice_level_db[robot], state.voice_heard[robot] != 0, state.local_best[robot],
+                state.local_best_level_db[robot]);
 }
 
 nb::list Voices(const MissionState& of) {
@@ -184,8 +172,7 @@ constexpr std::array<const char*, 4> kPose{"x_m", "y_m", "qz", "qw"};
 
 // Writes what a robot measures, wherever it does; nothing if something is wrong with it.
 void PutReading(MissionState& of, std::size_t robot, nb::handle reading) {
-  State& state = *of.written();
-  const std::size_t row = of.Row(robot);
+  State& state = of.WithRobot(robot);
   const nb::object odometry = reading.attr("odometry"), sensors = reading.attr("sensors");
   const auto ranges_m = AttributeOf<std::vector<float>>(reading, "ranges_m");
   if (ranges_m.size() > state.beams) throw std::invalid_argument("ranges_m: more beams than the state has room for");
@@ -197,19 +184,18 @@ void PutReading(MissionState& of, std::size_t robot, nb::handle reading) {
   const auto twist_variances = TupleOf<state::TwistVariances>(odometry, "twist_variances");
   const auto angles = AttributeOf<std::vector<double>>(reading, "contact_angles_rad");
   const bool touches = TruthOf(reading, "in_contact");
-  state.true_pose[row] = pose;
-  state.positions[row] = {pose.x, pose.y};
-  state.true_twist[row] = twist;
-  state.odometry_pose[row] = in_odom;
-  state.odometry_twist[row] = measured_twist;
-  state.odometry_pose_covariance[row] = pose_covariance;
-  state.odometry_twist_variances[row] = twist_variances;
-  float* const ranges = &state.ranges_m[row * state.beams];
+  state.true_pose[robot] = pose;
+  state.true_twist[robot] = twist;
+  state.odometry_pose[robot] = in_odom;
+  state.odometry_twist[robot] = measured_twist;
+  state.odometry_pose_covariance[robot] = pose_covariance;
+  state.odometry_twist_variances[robot] = twist_variances;
+  float* const ranges = &state.ranges_m[robot * state.beams];
   std::fill(std::copy(ranges_m.begin(), ranges_m.end(), ranges), ranges + state.beams,
             std::numeric_limits<float>::infinity());
-  state.beams_of[row] = ranges_m.size();
-  state.contact[row] = touches ? 1 : 0;
-  state.contact_angles[row] = angles;
+  state.beams_of[robot] = ranges_m.size();
+  state.contact[robot] = touches ? 1 : 0;
+  state.contact_angles[robot] = angles;
   const nb::int_ id(robot);
   if (nb::len(sensors) > 0) {
     of.sensors[id] = sensors;
@@ -224,33 +210,32 @@ using Flags = Array<const bool, -1, -1>;
 // Writes the links of a mission, wherever they come from.
 void PutLinks(MissionState& of, const Cells& rssi_dbm, const Flags& adjacency, const Flags& endangered,
               const Array<const std::int32_t, -1, -1>& hop_count, double fiedler_value, std::int64_t version) {
-  State& state = *of.written();
-  const std::size_t cells = state.Matrix(of.mission()), robots = state.robots;
+  State& state = of.one();
+  const std::size_t robots = state.robots;
   const auto fits = [robots](const auto& matrix) { return matrix.shape(0) == robots && matrix.shape(1) == robots; };
   if (!fits(rssi_dbm) || !fits(adjacency) || !fits(endangered) || !fits(hop_count)) {
     throw std::invalid_argument("links must have one row and one column per robot");
   }
   state.NeedLinks(false);
-  std::copy_n(rssi_dbm.data(), robots * robots, &state.rssi_dbm[cells]);
-  std::copy_n(adjacency.data(), robots * robots, &state.adjacency[cells]);
-  std::copy_n(endangered.data(), robots * robots, &state.endangered[cells]);
-  std::copy_n(hop_count.data(), robots * robots, &state.hop_count[cells]);
-  state.fiedler_value[of.mission()] = fiedler_value;
-  state.links_version[of.mission()] = version;
-  state.links_source[of.mission()] = 0;
+  std::copy_n(rssi_dbm.data(), robots * robots, state.rssi_dbm.data());
+  std::copy_n(adjacency.data(), robots * robots, state.adjacency.data());
+  std::copy_n(endangered.data(), robots * robots, state.endangered.data());
+  std::copy_n(hop_count.data(), robots * robots, state.hop_count.data());
+  state.fiedler_value[0] = fiedler_value;
+  state.links_version[0] = version;
+  state.links_source[0] = 0;
 }
 
 // Writes what a robot hears.
 void PutVoice(MissionState& of, std::size_t robot, nb::handle voice) {
-  State& state = *of.written();
-  const std::size_t row = of.Row(robot);
+  State& state = of.WithRobot(robot);
   const auto level_db = AttributeOf<double>(voice, "level_db"),
              best_db = AttributeOf<double>(voice, "local_best_level_db");
   const auto place = AttributeOf<base::Point>(voice, "local_best_m");
-  state.voice_heard[row] = TruthOf(voice, "heard") ? 1 : 0;
-  state.voice_level_db[row] = level_db;
-  state.local_best[row] = place;
-  state.local_best_level_db[row] = best_db;
+  state.voice_heard[robot] = TruthOf(voice, "heard") ? 1 : 0;
+  state.voice_level_db[robot] = level_db;
+  state.local_best[robot] = place;
+  state.local_best_level_db[robot] = best_db;
 }
 
 }  // namespace
@@ -261,13 +246,13 @@ void BindState(nb::module_&& m) {
       .def(
           "__init__",
           [](MissionState* self, std::size_t robots, std::size_t beams) {
-            new (self) MissionState(std::make_shared<State>(1, robots, beams), 0);
+            new (self) MissionState(std::make_shared<State>(1, robots, beams), true);
           },
           "robots"_a, "beams"_a = 0)
       .def(
           "of",
           [](const MissionState& all, std::size_t mission) {
-            return MissionState(std::make_shared<State>(all.state().Of(mission)), 0);
+            return MissionState(std::make_shared<State>(all.state().Of(mission)), true);
           },
           "mission"_a)
       .def("__len__", [](const MissionState& of) { return of.state().robots; })
@@ -280,15 +265,23 @@ void BindState(nb::module_&& m) {
       .def("ranges_of", &RangesOf, "robot_id"_a, nb::sig("def ranges_of(self, robot_id: int) -> numpy.ndarray"))
       .def(
           "place",
-          [](MissionState& of, std::size_t robot, const base::Pose& pose) { of.written()->Place(of.Row(robot), pose); },
+          [](MissionState& of, std::size_t robot, const base::Pose& pose) {
+            of.WithRobot(robot).true_pose[robot] = state::ReadingOf(pose);
+          },
           "robot_id"_a, "pose"_a)
       .def("put_reading", &PutReading, "robot_id"_a, "reading"_a)
       .def("put_links", &PutLinks, "rssi_dbm"_a, "adjacency"_a, "endangered"_a, "hop_count"_a, "fiedler_value"_a,
            "version"_a)
       .def("put_voice", &PutVoice, "robot_id"_a, "voice"_a)
       .def_rw("sensors", &MissionState::sensors)
-      .def_prop_ro("fiedler_value", [](const MissionState& of) { return of.state().fiedler_value[of.mission()]; })
-      .def_prop_ro("links_version", [](const MissionState& of) { return of.state().links_version[of.mission()]; })
+      .def_prop_ro("fiedler_value", [](const MissionState& of) { return of.one().fiedler_value[0]; })
+      .def_prop_ro("links_version", [](const MissionState& of) { return of.one().links_version[0]; })
+      .def_prop_ro(
+          "positions_m",
+          [](nb::handle self) -> nb::object {
+            return self.attr("true_pose")[nb::make_tuple(nb::ellipsis(), nb::slice(2))];
+          },
+          nb::sig("def positions_m(self, /) -> numpy.ndarray"))
       .def_prop_ro("ranges_m",
                    [](const MissionState& of) {
                      return ViewOf<float>(of, of.state().ranges_m.data(), {of.state().robots, of.state().beams});
@@ -301,7 +294,6 @@ void BindState(nb::module_&& m) {
   bound.def_prop_ro("happened",
                     [](const MissionState& of) { return ViewOf<std::uint8_t>(of, of.state().happened.data(), {}); });
   BindRows<4>(&bound, "true_pose", &State::true_pose);
-  BindRows<2>(&bound, "positions_m", &State::positions);
   BindRows<3>(&bound, "true_twist", &State::true_twist);
   BindRows<4>(&bound, "odometry_pose", &State::odometry_pose);
   BindRows<3>(&bound, "odometry_twist", &State::odometry_twist);
@@ -321,9 +313,6 @@ void BindState(nb::module_&& m) {
   m.attr("VOICE_CHANGED") = nb::int_(static_cast<int>(state::kVoiceChanged));
   m.attr("CONTACT") = nb::int_(static_cast<int>(state::kContact));
   m.attr("DOOR_MOVED") = nb::int_(static_cast<int>(state::kDoorMoved));
-  nb::class_<States>(m, "States")
-      .def(nb::init<std::size_t, std::size_t, std::size_t>(), "missions"_a, "robots"_a, "beams"_a)
-      .def("next", [](States& states) { return MissionState(states.Next(), std::nullopt); });
 }
 
 }  // namespace robotteamsim::bindings

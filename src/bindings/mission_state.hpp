@@ -4,7 +4,6 @@
 
 #include <cstddef>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 #include <utility>
 
@@ -15,24 +14,20 @@ namespace robotteamsim::bindings {
 /// A state as Python has it: of all missions, whose arrays have a leading axis for them, or of one of them, without it.
 class MissionState {
  public:
-  MissionState(std::shared_ptr<state::State> state, std::optional<std::size_t> mission)
-      : state_(std::move(state)), mission_(mission) {
-    if (mission_.value_or(0) >= state_->missions) throw std::out_of_range("no such mission");
-  }
+  MissionState(std::shared_ptr<state::State> state, bool is_of_one) : state_(std::move(state)), is_of_one_(is_of_one) {}
 
   const state::State& state() const { return *state_; }
-  state::State* written() const { return state_.get(); }
-  bool is_of_one() const { return mission_.has_value(); }
+  bool is_of_one() const { return is_of_one_; }
 
-  /// The number of the mission. Throws std::invalid_argument if the state is of several.
-  std::size_t mission() const {
-    if (!mission_) throw std::invalid_argument("expected the state of one mission: state.of(mission)");
-    return *mission_;
+  /// The state of the mission. Throws std::invalid_argument if it is of several.
+  state::State& one() const {
+    if (!is_of_one_) throw std::invalid_argument("expected the state of one mission: state.of(mission)");
+    return *state_;
   }
-  /// The row of one of its robots.
-  std::size_t Row(std::size_t robot) const {
+  /// The state of the mission. Throws std::out_of_range, too, if it has no such robot.
+  state::State& WithRobot(std::size_t robot) const {
     if (robot >= state_->robots) throw std::out_of_range("no such robot");
-    return state_->First(mission()) + robot;
+    return one();
   }
 
   /// What each robot's additional sensors measured, by id and name.
@@ -40,7 +35,7 @@ class MissionState {
 
  private:
   std::shared_ptr<state::State> state_;
-  std::optional<std::size_t> mission_;
+  bool is_of_one_;
 };
 
 }  // namespace robotteamsim::bindings

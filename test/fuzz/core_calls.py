@@ -421,7 +421,6 @@ def _states() -> Iterator[Call]:
         ("voice_of", 1),
         ("ranges_of", 1),
     )
-    yield new("state.States", 2, 3, 4).of(("next",))
     totals = new("simulation.TeamTotals", 2)
     yield totals.of(("add_step", state, [False, True], True), ("totals",))
 

@@ -11,7 +11,7 @@
 #include "robotteamsim/network/team_links.hpp"
 #include "robotteamsim/sensing/team_sensors.hpp"
 #include "robotteamsim/sensing/voice_sensor.hpp"
-#include "robotteamsim/state/states.hpp"
+#include "robotteamsim/state/state.hpp"
 #include "robotteamsim/world/world.hpp"
 
 namespace robotteamsim::simulation {
@@ -57,11 +57,13 @@ class Batch {
 
   void CheckMissions(const std::vector<int>& missions) const;
   void ForEach(const std::vector<int>& missions, const std::function<void(int)>& job) const;
+  std::shared_ptr<state::State> UnusedState();
   void SenseOne(int mission, state::State* state);
 
   std::size_t robots_, beams_;
   int threads_;
-  state::States states_;
+  // The last ones, whose memory serves again: fresh pages cost large teams more than the numbers in them.
+  std::vector<std::shared_ptr<state::State>> states_;
   std::vector<Mission> missions_;
 };
 

@@ -49,7 +49,6 @@ struct State {
   std::size_t missions, robots, beams;
 
   std::vector<PoseReading> true_pose;               ///< in `map`
-  std::vector<base::Point> positions;               ///< those of true_pose
   std::vector<base::Twist> true_twist;              ///< the mean velocity in the step, in base_link
   std::vector<std::uint8_t> contact;                ///< whether it touches something: 0 or 1
   std::vector<std::vector<double>> contact_angles;  ///< directions of contacts in base_link, ascending in (-pi, pi]
@@ -91,8 +90,8 @@ struct State {
   /// Throws std::out_of_range if there is no such mission.
   State Of(std::size_t mission) const;
 
-  /// Sets where a robot is.
-  void Place(std::size_t row, const base::Pose& pose);
+  /// Returns the places of a mission's robots in `map` [m].
+  std::vector<base::Point> Positions(std::size_t mission) const;
 };
 
 }  // namespace robotteamsim::state

@@ -58,7 +58,7 @@ void TeamLinks::Step(state::State* state, std::size_t mission) {
   if (mission >= state->missions) throw std::invalid_argument("no such mission");
   state->NeedLinks(rule_.by_distance);
   const std::size_t robots = state->robots;
-  const base::Point* const at = state->positions.data() + state->First(mission);
+  const std::vector<base::Point> at = state->Positions(mission);
   std::vector<int> present;
   for (std::size_t i = 0; i < robots; ++i) {
     if (std::isnan(at[i].x)) continue;

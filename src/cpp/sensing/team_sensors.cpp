@@ -66,7 +66,7 @@ void TeamSensors::Read(const world::World& world, state::State* state, std::size
   const std::size_t first = state->First(mission);
   odometry_.Step(world.motions(), world.twists(), NextNoise(), state, first);
   for (std::size_t i = 0; i < robots(); ++i) {
-    state->Place(first + i, world.poses()[i]);
+    state->true_pose[first + i] = state::ReadingOf(world.poses()[i]);
     state->true_twist[first + i] = world.twists()[i];
     state->contact[first + i] = world.in_contact()[i] ? 1 : 0;
     state->contact_angles[first + i] = world.contact_angles(static_cast<int>(i));
@@ -90,7 +90,7 @@ void TeamSensors::Read(const Motion& motion, const std::vector<base::Table<const
   const std::size_t first = state->First(mission);
   odometry_.Step(motion.motions, motion.twists, NextNoise(), state, first);
   for (std::size_t i = 0; i < robots(); ++i) {
-    state->Place(first + i, motion.poses[i]);
+    state->true_pose[first + i] = state::ReadingOf(motion.poses[i]);
     state->true_twist[first + i] = motion.twists[i];
     state->contact[first + i] = motion.in_contact[i] ? 1 : 0;
     state->contact_angles[first + i] = motion.contact_angles[i];

@@ -25,7 +25,7 @@ void VoiceSensor::Hear(state::State* state, std::size_t mission) {
 }
 
 void VoiceSensor::HearAt(std::size_t row, std::optional<propagation::Cell>* last, state::State* state) const {
-  const base::Point& position = state->positions[row];
+  const base::Point position{state->true_pose[row].x, state->true_pose[row].y};
   state->voice_level_db[row] = 0.0;
   state->voice_heard[row] = 0;
   state->local_best[row] = position;

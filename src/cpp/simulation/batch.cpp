@@ -8,12 +8,18 @@
 #include "robotteamsim/base/parallel.hpp"
 
 namespace robotteamsim::simulation {
+namespace {
+
+// Two are in use while a step is made of the one before, and one by somebody who looks at the last record.
+constexpr std::size_t kMostKept = 3;
+
+}  // namespace
 
 Batch::Batch(std::size_t missions, std::size_t robots, std::size_t beams, int threads)
     : robots_(robots),
       beams_(beams),
       threads_(base::NumThreads(threads)),
-      states_(missions, robots, beams),
+      states_{std::make_shared<state::State>(missions, robots, beams)},
       missions_(missions) {}
 
 void Batch::Put(std::size_t mission, Team team) {
@@ -80,9 +86,18 @@ void Batch::Move(const base::Table<const double>& twists, const std::vector<int>
   });
 }
 
+std::shared_ptr<state::State> Batch::UnusedState() {
+  for (const std::shared_ptr<state::State>& state : states_) {
+    if (state.use_count() == 1) return state;
+  }
+  auto state = std::make_shared<state::State>(missions_.size(), robots_, beams_);
+  if (states_.size() < kMostKept) states_.push_back(state);
+  return state;
+}
+
 std::shared_ptr<state::State> Batch::Sense(const std::vector<int>& missions) {
   CheckMissions(missions);
-  std::shared_ptr<state::State> state = states_.Next();
+  std::shared_ptr<state::State> state = UnusedState();
   bool by_distance = false;
   for (const int mission : missions) by_distance |= missions_[mission].team.links->is_by_distance();
   state->NeedLinks(by_distance);  // here, because threads must not
@@ -94,13 +109,14 @@ void Batch::SenseOne(int mission, state::State* state) {
   Mission& own = missions_[mission];
   const Team& team = own.team;
   const std::size_t first = state->First(mission), robots = team.world->robots().size();
-  for (std::size_t row = first + robots; row < first + robots_; ++row) state->Place(row, world::kNowhere);
+  for (std::size_t row = first + robots; row < first + robots_; ++row) {
+    state->true_pose[row] = state::ReadingOf(world::kNowhere);
+  }
   team.sensors->Read(*team.world, state, mission);
   team.ear->Hear(state, mission);
   team.links->Step(state, mission);
   std::uint8_t happened = 0;
-  const base::Point* const at = state->positions.data() + first;
-  if (!team.places->Reached({at, at + robots}).empty()) happened |= state::kPlaceReached;
+  if (!team.places->Reached(state->Positions(mission)).empty()) happened |= state::kPlaceReached;
   if (state->links_version[mission] != own.links_version) happened |= state::kLinksChanged;
   own.links_version = state->links_version[mission];
   own.loudest.resize(robots, {0.0, 0.0});

@@ -30,7 +30,6 @@ State::State(std::size_t of_missions, std::size_t of_robots, std::size_t of_beam
   }
   const std::size_t rows = missions * robots;
   true_pose.assign(rows, {kNaN, kNaN, kNaN, kNaN});
-  positions.assign(rows, {kNaN, kNaN});
   true_twist.resize(rows);
   contact.resize(rows);
   contact_angles.resize(rows);
@@ -69,7 +68,6 @@ State State::Of(std::size_t mission) const {
     to->assign(begin, begin + static_cast<std::ptrdiff_t>(each));
   };
   take(true_pose, robots, &one.true_pose);
-  take(positions, robots, &one.positions);
   take(true_twist, robots, &one.true_twist);
   take(contact, robots, &one.contact);
   take(contact_angles, robots, &one.contact_angles);
@@ -95,9 +93,13 @@ State State::Of(std::size_t mission) const {
   return one;
 }
 
-void State::Place(std::size_t row, const base::Pose& pose) {
-  true_pose[row] = ReadingOf(pose);
-  positions[row] = {true_pose[row].x, true_pose[row].y};
+std::vector<base::Point> State::Positions(std::size_t mission) const {
+  std::vector<base::Point> positions(robots);
+  for (std::size_t i = 0; i < robots; ++i) {
+    const PoseReading& pose = true_pose[First(mission) + i];
+    positions[i] = {pose.x, pose.y};
+  }
+  return positions;
 }
 
 }  // namespace robotteamsim::state

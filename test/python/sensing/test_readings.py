@@ -8,10 +8,10 @@ import msgspec
 import numpy as np
 import pytest
 from robotteamsim._core.sensing import Lasers, RangeLimits, TeamSensors
-from robotteamsim._core.state import State, States
+from robotteamsim._core.state import State
 from robotteamsim._core.world import Fan, FanCaster
 
-from robotteamsim.geometry import Pose, PoseReading, Twist
+from robotteamsim.geometry import PoseReading, Twist
 from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading, state_of
 
 
@@ -66,32 +66,6 @@ def test_arrays_of_a_state_outlive_it_and_cannot_be_changed():
         pose[0] = 0.0
 
 
-def test_states_of_several_missions_have_an_axis_for_them():
-    state = States(3, 2, 4).next()
-    assert state.true_pose.shape == (3, 2, 4)
-    assert state.ranges_m.shape == (3, 2, 4)
-    alone = state.of(1)
-    alone.place(1, Pose(2.0, 3.0, 0.0))
-    assert alone.positions_m[1].tolist() == [2.0, 3.0]
-    assert np.isnan(state.positions_m).all()
-    with pytest.raises(IndexError, match="no such mission"):
-        state.of(3)
-    with pytest.raises(ValueError, match="one mission"):
-        state[0]
-
-
-def test_memory_of_a_state_is_used_again_only_after_nobody_holds_it():
-    states = States(1, 2, 3)
-    held = states.next()
-    place = held.true_pose.ctypes.data
-    assert states.next().true_pose.ctypes.data != place
-    row = held.ranges_m[0, 1]
-    del held
-    assert states.next().true_pose.ctypes.data != place
-    del row
-    assert states.next().true_pose.ctypes.data == place
-
-
 def test_reading_without_additional_sensors_replaces_those_that_were_there():
     state = state_of([reading(0), reading(1)])
     state.put_reading(1, msgspec.structs.replace(reading(0), sensors={}))
@@ -124,5 +98,3 @@ def test_robots_and_links_that_are_not_there_are_refused():
         _ = state.adjacency
     with pytest.raises(ValueError, match="more beams"):
         state.put_reading(0, reading(0))
-    with pytest.raises(ValueError, match="a mission"):
-        States(0, 2, 3)

@@ -7,6 +7,7 @@ import pytest
 from robotteamsim._core.simulation import Batch
 from robotteamsim._core.state import CONTACT, LINKS_CHANGED, PLACE_REACHED, VOICE_CHANGED, State
 
+from robotteamsim.geometry import Pose
 from robotteamsim.scenario import load
 from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation
@@ -96,6 +97,34 @@ def test_place_is_reached_and_links_are_new_only_when_they_are():
     assert batch.sense([0]).happened[0] & PLACE_REACHED
 
 
+def test_states_of_several_missions_have_an_axis_for_them():
+    simulations = [simulation_of("garage_sar") for _ in range(2)]
+    state, placed = batch_of(simulations).sense([0, 1]), Pose(2.0, 3.0, 0.0)
+    assert state.true_pose.shape == (2, 3, 4)
+    assert state.ranges_m.shape == (2, 3, simulations[0].sensors.core.beams)
+    alone, before_m = state.of(1), state.positions_m.copy()
+    alone.place(1, placed)
+    assert alone.positions_m[1].tolist() == [2.0, 3.0]
+    np.testing.assert_array_equal(state.positions_m, before_m)
+    with pytest.raises(IndexError, match="no such mission"):
+        state.of(2)
+    for read in (lambda: state[0], lambda: state.place(0, placed)):
+        with pytest.raises(ValueError, match="one mission"):
+            read()
+
+
+def test_memory_of_a_state_is_used_again_only_after_nobody_holds_it():
+    batch = batch_of([simulation_of("garage_sar")])
+    held = batch.sense([0])
+    place = held.true_pose.ctypes.data
+    assert batch.sense([0]).true_pose.ctypes.data != place
+    row = held.ranges_m[0, 1]
+    del held
+    assert batch.sense([0]).true_pose.ctypes.data != place
+    del row
+    assert batch.sense([0]).true_pose.ctypes.data == place
+
+
 def test_missions_that_are_not_named_stay_as_they_are():
     simulations = [simulation_of("garage_sar") for _ in range(2)]
     batch, before = batch_of(simulations), simulations[0].world.positions_m()
@@ -136,6 +165,8 @@ def test_teams_and_commands_that_do_not_fit_are_refused():
         batch.move(np.zeros((1, 2, 3)), [0])
     with pytest.raises(ValueError, match="mission 1: there is none"):
         batch.move(np.zeros((1, 3, 3)), [1])
+    with pytest.raises(ValueError, match="there must be a mission"):
+        Batch(0, 3, 181, 1)
     small = Batch(1, 2, 181, 1)
     links, ear = simulation.network.network.links, simulation.hearing.sensor.core()
     with pytest.raises(ValueError, match="more robots or beams"):
