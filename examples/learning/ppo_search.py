@@ -24,7 +24,7 @@ class RobotsVecEnv(VecEnv):
 
     def reset(self) -> np.ndarray:
         """Begin all missions."""
-        return self._rows(self.batch.reset(self.first_seed))
+        return self.batch.reset(self.first_seed).reshape(self.num_envs, -1)
 
     def step_async(self, actions: np.ndarray) -> None:
         """Keep the actions."""
@@ -34,7 +34,7 @@ class RobotsVecEnv(VecEnv):
         """Let all robots act."""
         batch = self.batch
         step = batch.step(self._actions.reshape(batch.num_envs, batch.num_robots, *batch.act.space.shape))
-        observations, rewards = self._rows(step.observations), step.rewards.ravel().copy()
+        observations, rewards = step.observations.reshape(self.num_envs, -1), step.rewards.ravel()
         is_over, is_terminated = np.repeat(step.is_over, batch.num_robots), step.terminated.ravel()
         is_done = is_terminated | step.truncated.ravel() | is_over  # also of a robot that left before
         is_cut = is_done & ~is_terminated
@@ -42,12 +42,9 @@ class RobotsVecEnv(VecEnv):
         for i in np.flatnonzero(is_done):
             infos[i] = {"terminal_observation": observations[i], "TimeLimit.truncated": bool(is_cut[i])}
         if step.is_over.any():
-            observations = self._rows(batch.begin(step.is_over))
+            observations = batch.begin(step.is_over).reshape(self.num_envs, -1)
         self.rewards = 0.99 * self.rewards + 0.01 * float(rewards.mean())
         return observations, rewards, is_done, infos
-
-    def _rows(self, observations: np.ndarray) -> np.ndarray:
-        return observations.reshape(self.num_envs, -1).copy()
 
     def close(self) -> None:
         """There is nothing to close."""

@@ -23,7 +23,7 @@ MOST_MISSIONS = 10_000
 
 
 class BatchStep(NamedTuple):
-    """What a step of many missions has led to. The arrays are always the same ones, which the next step changes.
+    """What a step of many missions has led to.
 
     observations: float32, shape (num_envs, robots, size); 0 for absent robots.
     rewards:      float32, shape (num_envs, robots).
@@ -86,14 +86,7 @@ class BatchEnv:
         self.num_envs, self.observe, self.act = int(num_envs), first.observe, first.act
         self.num_robots = max(len(group.robot_ids) for group in self._groups)
         """How many robots a mission has room for."""
-        shape = self.num_envs, self.num_robots
-        self._step = BatchStep(
-            np.zeros((*shape, *self.observe.space.shape), np.float32),
-            np.zeros(shape, np.float32),
-            np.zeros(shape, bool),
-            np.zeros(shape, bool),
-            np.zeros(self.num_envs, bool),
-        )
+        self._is_over = np.zeros(self.num_envs, bool)
 
     @property
     def stepped_together(self) -> np.ndarray:
@@ -143,10 +136,8 @@ class BatchEnv:
             raise LearningError(f"seed: {seed!r}; expected a whole number from 0 to {largest}")
         for i in range(self.num_envs):
             self._begin(i, None if seed is None else int(seed) + i)
-        for array in self._step[1:]:
-            array[:] = 0
-        self._perceive()
-        return self._step.observations
+        self._is_over = np.zeros(self.num_envs, bool)
+        return self._observations()
 
     def begin(self, which: ArrayLike) -> np.ndarray:
         """Begin some missions now instead of in the next step, and return the observations of all.
@@ -161,10 +152,8 @@ class BatchEnv:
             raise LearningError(f"{found}; expected bool, shape ({self.num_envs},)")
         for i in np.flatnonzero(chosen).tolist():
             self._begin(i)
-        for array in self._step[1:]:
-            array[chosen] = 0
-        self._perceive()
-        return self._step.observations
+        self._is_over = self._is_over & ~chosen
+        return self._observations()
 
     def step(self, actions: ArrayLike) -> BatchStep:
         """Let all robots act. Args: actions: shape (num_envs, robots, ...); those of absent robots are ignored.
@@ -172,26 +161,24 @@ class BatchEnv:
         Raises: RobotTeamSimError: one line: `reset` was not called, or an action is not of the space. After any other
                 error, such as one of a reward, only `reset` helps.
         """
-        step, given, present = self._step, array_of(actions), self.present
-        shape = self.num_envs, self.num_robots, *(self.act.space.shape or ())
-        if given.shape != shape:
-            raise LearningError(f"actions of shape {given.shape}; expected {shape}")
-        is_over = step.is_over.copy()
-        acting = (present & ~is_over[:, None]).reshape(*shape[:2], *(1,) * (len(shape) - 2))
+        given, present, was_over = array_of(actions), self.present, self._is_over
+        shape, of_action = (self.num_envs, self.num_robots), self.act.space.shape or ()
+        if given.shape != (*shape, *of_action):
+            raise LearningError(f"actions of shape {given.shape}; expected {(*shape, *of_action)}")
+        acting = (present & ~was_over[:, None]).reshape(*shape, *(1 for _ in of_action))
         given = np.where(acting, given, self.act.rest)
         commands = [self._commands(group, same, given) for group, same in self._grouped()]
-        for array in step[1:]:
-            array[:] = 0
-        for i in np.flatnonzero(is_over).tolist():
+        for i in np.flatnonzero(was_over).tolist():
             self._begin(i)
+        rewards, (terminated, truncated) = np.zeros(shape, np.float32), np.zeros((2, *shape), bool)
+        self._is_over = is_over = np.zeros(self.num_envs, bool)
         for (group, same), of_these in zip(self._grouped(), commands, strict=True):
-            which = np.flatnonzero(~is_over[same])
+            which = np.flatnonzero(~was_over[same])
             where = np.arange(self.num_envs)[same][which]
-            *of_agents, step.is_over[where] = group.step(which.tolist(), of_these)
-            for array, part in zip((step.rewards, step.terminated, step.truncated), of_agents, strict=True):
+            *of_agents, is_over[where] = group.step(which.tolist(), of_these)
+            for array, part in zip((rewards, terminated, truncated), of_agents, strict=True):
                 array[where, : part.shape[1]] = part
-        self._perceive()
-        return step
+        return BatchStep(self._observations(), rewards, terminated, truncated, is_over)
 
     def _grouped(self) -> Iterator[tuple[Missions, slice]]:
         return zip(self._groups, self._same, strict=True)
@@ -225,7 +212,9 @@ class BatchEnv:
                     raise LearningError(f"mission {i}: {error}") from None
             raise
 
-    def _perceive(self) -> None:
-        """Write the observations of all missions."""
+    def _observations(self) -> np.ndarray:
+        """Return the observations of all missions."""
+        observations = np.zeros((self.num_envs, self.num_robots, *self.observe.space.shape), np.float32)
         for group, same in self._grouped():
-            self._step.observations[same, : len(group.robot_ids)] = group.vectors()
+            observations[same, : len(group.robot_ids)] = group.vectors()
+        return observations

@@ -39,9 +39,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin all missions, see `BatchEnv.reset`."""
-        observations = self._observations(self.batch.reset(seed))
+        observations = self.batch.reset(seed)
         super().reset(seed=None if seed is None else int(seed))
-        return observations, self._info()
+        return observations.reshape(self.num_envs, -1), self._info()
 
     def step(self, actions: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray, dict[str, Any]]:
         """Let all robots act, see `BatchEnv.step`."""
@@ -55,12 +55,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[np.ndarray, np.ndarray, np.ndarray]):
         if not self._per_robot:
             rewards, truncated = step.rewards.sum(1) / np.maximum(was_present.sum(1), 1), step.truncated.max(1)
             terminated = step.is_over & ~truncated
-        # The arrays of a batch change in its next step.
-        rewards, terminated, truncated = rewards.copy(), terminated.copy(), truncated.copy()
-        return self._observations(step.observations), rewards, terminated, truncated, self._info()
-
-    def _observations(self, observations: np.ndarray) -> np.ndarray:
-        return observations.reshape(self.num_envs, -1).copy()
+        return step.observations.reshape(self.num_envs, -1), rewards, terminated, truncated, self._info()
 
     def _info(self) -> dict[str, Any]:
         info, masks = {"present": self.batch.present.reshape(self.num_envs, -1)}, self.batch.action_mask

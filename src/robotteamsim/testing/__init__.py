@@ -236,11 +236,11 @@ def check_env(scenario: str | Scenario, steps: int = 60, **rules: Any) -> None:
     batch = BatchEnv(scenario, 2, **rules)
     observations = batch.reset(6)
     generator, agents = stream(7, "check_env"), env.possible_agents
-    found = [{agent: (observations[1, row].copy(), 0.0) for row, agent in enumerate(agents)}]
+    found = [{agent: (observations[1, row], 0.0) for row, agent in enumerate(agents)}]
     while len(found) < len(alone):
         actions = np.stack([[batch.act.rest] * len(agents), _actions(env, generator)])
         step = batch.step(actions)
-        found.append({agent: (step.observations[1, k].copy(), step.rewards[1, k]) for k, agent in enumerate(agents)})
+        found.append({agent: (step.observations[1, k], step.rewards[1, k]) for k, agent in enumerate(agents)})
     _check_equal(alone, found, "as the second mission of a batch")
 
 

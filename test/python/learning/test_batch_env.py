@@ -42,8 +42,8 @@ def actions_of(env, steps, seed=0):
 
 def missions(env, actions, seed):
     """Return the steps of each mission: observations, rewards, terminations and truncations; the first is `reset`."""
-    steps = [(env.reset(seed).copy(), *np.zeros((3, env.num_envs, env.num_robots)))]
-    steps += [tuple(array.copy() for array in env.step(acts)[:4]) for acts in actions]
+    steps = [(env.reset(seed), *np.zeros((3, env.num_envs, env.num_robots)))]
+    steps += [env.step(acts)[:4] for acts in actions]
     return [[tuple(array[i] for array in step) for step in steps] for i in range(env.num_envs)]
 
 
@@ -274,6 +274,20 @@ def test_reward_of_a_vector_env_is_that_of_the_robots_that_acted():
     for _ in range(4):
         _, rewards, *_ = env.step(still)
         assert rewards[0] == pytest.approx(alone.step(still[0])[1], rel=1e-6)
+
+
+def test_arrays_of_a_step_may_be_kept():
+    env = BatchEnv(scenario(), 2, max_cycles=2)
+    begun = env.reset(1)
+    steps = [env.step(np.full((2, 3, 2), 0.5)) for _ in range(2)]
+    kept = [begun, *steps[0], *steps[1]]
+    copies = [array.copy() for array in kept]
+    env.begin(steps[1].is_over)
+    env.step(np.zeros((2, 3, 2)))
+    assert steps[1].is_over.all()
+    assert not np.array_equal(steps[0].observations, steps[1].observations)
+    for array, copied in zip(kept, copies, strict=True):
+        np.testing.assert_array_equal(array, copied)
 
 
 def test_actions_of_absent_robots_are_ignored():
