@@ -175,7 +175,7 @@ class BatchEnv:
         for (group, same), of_these in zip(self._grouped(), commands, strict=True):
             which = np.flatnonzero(~was_over[same])
             where = np.arange(self.num_envs)[same][which]
-            *of_agents, is_over[where] = group.step(which.tolist(), of_these)
+            *of_agents, is_over[where] = group.step(which, of_these)
             for array, part in zip((rewards, terminated, truncated), of_agents, strict=True):
                 array[where, : part.shape[1]] = part
         return BatchStep(self._observations(), rewards, terminated, truncated, is_over)

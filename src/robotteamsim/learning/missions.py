@@ -202,26 +202,25 @@ class Missions:
         if self.watch is not None and mission.record is not None:
             self.watch(mission.simulation, mission.record)
 
-    def step(self, which: Sequence[int], commands: Commands) -> Outcome:
+    def step(self, which: np.ndarray, commands: Commands) -> Outcome:
         """Let the agents of some missions act.
 
         Args:   which: their numbers, ascending; a mission that is left out begins again before its next step.
                 commands: of all missions, those of others are ignored.
         Raises: LearningError: one of them has not begun. After any other error, all must begin again.
         """
-        rows = self._rows(np.array(which, int))
-        together = [i for i in which if self.are_plain[i]]
-        for i in which:
+        for i in which.tolist():
             self.check_begun(i)
+        are_plain = self.are_plain[which]
         try:
-            if together:
-                self._step_together(np.array(together), commands)
-            for i in which:
-                if not self.are_plain[i]:
-                    self._step_alone(i, commands.of(i))
+            if are_plain.any():
+                self._step_together(which[are_plain], commands)
+            for i in which[~are_plain].tolist():
+                self._step_alone(i, commands.of(i))
         except BaseException:  # some missions have made a part of a step
             self.end()
             raise
+        rows = self._rows(which)
         self._cycles[rows] += 1
         was_present, present, is_late = self._was_present[rows].copy(), self.present[rows], self._is_late[rows]
         has_ended = self._has_ended[rows] & ~is_late
@@ -317,31 +316,30 @@ class Missions:
 
     def _step_together(self, which: np.ndarray, commands: Commands) -> None:
         """Let the agents of plain missions act."""
-        going, rows, senses = which, self._rows(which), self._senses
+        rows, senses = self._rows(which), self._senses
         sent = _Sent(commands, senses.percepts.poses[..., :2].copy())
         for k in range(self.rules.every):
-            self._judge_together(going, sent, is_first=k == 0)
-            self._core.move(commands.twists, going.tolist())
-            state = self._core.sense(going.tolist())
+            self._judge_together(which, sent, is_first=k == 0)
+            self._core.move(commands.twists, which.tolist())
+            state = self._core.sense(which.tolist())
             self._last = _Made(state, sent if k == 0 else None)
             self._must_judge[rows] = state.happened[rows] & _JUDGED != 0
             self._contact[rows], self._positions_m[rows] = state.contact[rows], state.positions_m[rows]
             self._times_ns[rows] += self.scenario.run.step_ns
             self._noise_left[rows] -= 1
-            for i in going[self._noise_left[rows] == 0].tolist():
+            for i in which[self._noise_left[rows] == 0].tolist():
                 self._noise_left[i] = self.check_begun(i).sensors.draw()
             if k == 0:
                 hears = state.hop_count[rows] > 0  # links are symmetric
                 senses.hear(rows, hears, sent.positions_m[rows], commands.say[rows], self._times_ns[rows])
-            if k + 1 == self.rules.every:
-                senses.perceive_together(rows, state, self._areas[rows], self._times_ns[rows])
-            elif (ended := self._has_ended[rows]).any():
-                done = going[ended]
+            is_done = self._has_ended[rows] | (k + 1 == self.rules.every)
+            if is_done.any():
+                done = self._rows(which[is_done])
                 senses.perceive_together(done, state, self._areas[done], self._times_ns[done])
-                going = going[~ended]
-                rows = self._rows(going)
-                if not going.size:
-                    break
+                which = which[~is_done]
+                rows = self._rows(which)
+            if not which.size:
+                break
 
     def _judge_together(self, which: np.ndarray, sent: _Sent, *, is_first: bool) -> None:
         """Complete the last step of plain missions, in which their agents decide this.

@@ -129,7 +129,7 @@ class TeamEnv(ParallelEnv[Agent, np.ndarray, Any]):  # type: ignore[misc]  # Pet
         rest = missions.act.rest
         chosen = [actions[agent] if agent in acting else rest for agent in self.possible_agents]
         commands = missions.act.commands(chosen)
-        outcome = missions.step([0], Commands(commands.twists[None], commands.say[None]))
+        outcome = missions.step(np.array([0]), Commands(commands.twists[None], commands.say[None]))
         if self._window is not None:
             self._window.publish()
         rewards, terminated, truncated = (
