@@ -28,7 +28,7 @@ from robotteamsim.scenario.shipped import (
     shipped_plan,
     shipped_scenario,
 )
-from robotteamsim.scenario.yaml_text import check_depth, is_file, mapping_of, read_mapping, shown, write
+from robotteamsim.scenario.yaml_text import check_depth, is_file, read_mapping, shown, write
 from robotteamsim.wording import counted
 
 _logger = logging.getLogger(__name__)
@@ -66,11 +66,6 @@ def load(path_or_name: str | os.PathLike[str], overrides: Sequence[str] = ()) ->
         path = shipped_scenario(place)
         place = path.name
     return _of_file(read_mapping(path, place, "a scenario"), path, place, overrides)
-
-
-def from_text(text: str, path: Path) -> Scenario:
-    """Return the scenario that `load` would return if the file had this text. Raises: as `load`."""
-    return _of_file(mapping_of(text, str(path), "a scenario"), path, str(path), ())
 
 
 def _of_file(data: dict[str, Any], path: Path, place: str, overrides: Sequence[str]) -> Scenario:

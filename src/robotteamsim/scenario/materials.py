@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Literal, get_args
+from typing import Literal
 
 from pydantic import Field
 
@@ -22,7 +22,6 @@ Substance = Literal[
     "metal",
 ]
 """Those of Table 3 of ITU-R P.2040-3 that buildings are made of, and air."""
-SUBSTANCES: tuple[Substance, ...] = get_args(Substance)
 
 
 class Layer(Model):

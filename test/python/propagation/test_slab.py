@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import get_args
 
 import numpy as np
 import pytest
@@ -15,11 +16,11 @@ from robotteamsim.propagation.faces import radio_faces
 from robotteamsim.propagation.slab import MOST_DB, permittivity, wall_loss_db
 from robotteamsim.scenario import from_mapping, load
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan, Wall
-from robotteamsim.scenario.materials import SUBSTANCES, Layer, Material
+from robotteamsim.scenario.materials import Layer, Material, Substance
 from robotteamsim.scenario.sections import Radio
 
 LAYERS = st.lists(
-    st.builds(Layer, of=st.sampled_from(SUBSTANCES), thickness_m=st.floats(1e-4, 0.3)), min_size=1, max_size=5
+    st.builds(Layer, of=st.sampled_from(get_args(Substance)), thickness_m=st.floats(1e-4, 0.3)), min_size=1, max_size=5
 )
 MHZ = st.floats(400.0, 40_000.0)
 

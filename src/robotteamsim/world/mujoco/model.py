@@ -10,7 +10,6 @@ from msgspec.structs import astuple
 from robotteamsim.errors import PhysicsError
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.mujoco import Mujoco
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import PlacedRobot, Run
@@ -42,7 +41,7 @@ def make_spec(
     """
     spec = mujoco.MjSpec()
     spec.modelname = plan.name
-    _set_options(spec, run.mujoco, run.step_s / run.physics_substeps / steps_per_substep(run))
+    _set_options(spec, run.step_s / run.physics_substeps / steps_per_substep(run))
     cameras = [camera for robot, _ in robots.values() for camera in cameras_of(robot)]
     set_appearance(spec, plan, cameras, run.mujoco.lights)
     add_lights(spec, run.mujoco.lights)
@@ -93,7 +92,7 @@ def mjcf(scenario: Scenario, team: Sequence[PlacedRobot]) -> str:
     return text
 
 
-def _set_options(spec: mujoco.MjSpec, settings: Mujoco, timestep_s: float) -> None:
+def _set_options(spec: mujoco.MjSpec, timestep_s: float) -> None:
     option = spec.option
     option.timestep = timestep_s
     # Motors of light wheels are stiff. The other integrators compute the friction of tyres as if they were not.
