@@ -17,6 +17,7 @@ import numpy as np
 from robotteamsim.analysis.report.statistics import bootstrap_mean, generator
 from robotteamsim.campaign.protocol import control_of
 from robotteamsim.learning import TASKS, task
+from robotteamsim.learning.observe import area_of
 from robotteamsim.learning.reward import Reward, Steps
 from robotteamsim.recording.idleness import IdlenessLog
 from robotteamsim.recording.measures import Measures
@@ -50,7 +51,11 @@ class Return(Observer):
 
     def step(self, record: StepRecord) -> None:
         """Add the mean reward of the agents."""
-        self.total += float(self._reward.of_step(Steps.of(record, self._reward.robot_ids)).mean())
+        ids, status, state = self._reward.robot_ids, record.mission, record.state
+        of_robots = record.present[ids], state.contact[ids], np.nan_to_num(state.positions_m[ids])
+        parts = *of_robots, status.areas_explored, status.victims_saved, area_of(status.task)
+        steps = Steps(lambda _: record, np.array([0]), *(np.array([part]) for part in parts))
+        self.total += float(self._reward.of_step(steps).mean())
 
 
 def run_trial(name: str, controller: str, seed: int) -> Row:

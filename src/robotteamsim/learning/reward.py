@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from robotteamsim.control.driving.known_map import UNREACHABLE_M, KnownMap, known_map
-from robotteamsim.learning.observe import area_of
 from robotteamsim.mission.status import VictimState
 from robotteamsim.recording.coverage import CoverageLog
 from robotteamsim.recording.idleness import IdlenessLog
@@ -37,16 +36,6 @@ class Steps(NamedTuple):
     explored: np.ndarray
     saved: np.ndarray
     areas: np.ndarray
-
-    @classmethod
-    def of(cls, record: StepRecord, robot_ids: Sequence[int]) -> Steps:
-        """Return a step of a single mission, with these robots as agents."""
-        status, ids = record.mission, list(robot_ids)
-        present = record.present[ids]
-        positions_m = np.where(present[:, None], record.state.positions_m[ids], 0.0)
-        of_robots = present, record.state.contact[ids], positions_m
-        of_team = status.areas_explored, status.victims_saved, area_of(status.task)
-        return cls(lambda _: record, np.array([0]), *(np.array([part]) for part in (*of_robots, *of_team)))
 
     @property
     def records(self) -> list[StepRecord]:

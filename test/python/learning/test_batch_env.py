@@ -27,7 +27,7 @@ from robotteamsim.learning.rules import Rules
 from robotteamsim.learning.senses import Said
 from robotteamsim.scenario import load
 from robotteamsim.setup import resolve
-from robotteamsim.simulation import Simulation, TrajectoryHash
+from robotteamsim.simulation import TrajectoryHash
 
 
 def scenario(name="garage_sar", *overrides):
@@ -121,13 +121,15 @@ def test_missions_that_are_stepped_together_have_the_records_of_single_ones(over
 
 
 def test_search_is_rewarded_while_all_robots_of_a_size_have_left():
-    setup = resolve(scenario("garage_sar", "schedule=[{at_s: 0.5, remove: 2}]"))
+    setup = resolve(scenario())
     larger = setup.robots[2].model_copy(update={"radius_m": 0.3})
     setup = dataclasses.replace(setup, robots=(*setup.robots[:2], larger))
-    simulation, reward = Simulation(setup), SearchReward(setup, [0, 1, 2])
-    rewards = [reward.of_step(Steps.of(simulation.step(), reward.robot_ids)) for _ in range(10)]
-    assert np.isfinite(rewards).all()
-    assert simulation.world.present.tolist() == [True, True, False]
+    positions_m = np.array([[robot.start_pose[:2] for robot in setup.robots]])
+    nothing, area = np.zeros(1, int), np.array([[1.0, *setup.scenario.mission.areas[0].center]])
+    parts = np.array([[True, True, False]]), np.zeros((1, 3), bool), positions_m, nothing, nothing, area
+    steps, reward = Steps(lambda _: None, np.array([0]), *parts), SearchReward(setup, [0, 1, 2])
+    for _ in range(2):
+        np.testing.assert_allclose(reward.of_step(steps), -0.002 * setup.scenario.run.step_s)
 
 
 def test_missions_with_a_schedule_are_stepped_alone():
