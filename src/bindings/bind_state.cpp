@@ -174,7 +174,7 @@ constexpr std::array<const char*, 4> kPose{"x_m", "y_m", "qz", "qw"};
 void PutReading(MissionState& of, std::size_t robot, nb::handle reading) {
   State& state = of.WithRobot(robot);
   const nb::object odometry = reading.attr("odometry"), sensors = reading.attr("sensors");
-  const auto ranges_m = AttributeOf<std::vector<float>>(reading, "ranges_m");
+  const auto ranges_m = AttributeOf<Array<const float, -1>>(reading, "ranges_m");
   if (ranges_m.size() > state.beams) throw std::invalid_argument("ranges_m: more beams than the state has room for");
   const auto pose = NumbersOf<state::PoseReading>(reading.attr("ground_truth"), kPose);
   const auto twist = AttributeOf<base::Twist>(reading, "twist");
@@ -191,7 +191,7 @@ void PutReading(MissionState& of, std::size_t robot, nb::handle reading) {
   state.odometry_pose_covariance[robot] = pose_covariance;
   state.odometry_twist_variances[robot] = twist_variances;
   float* const ranges = &state.ranges_m[robot * state.beams];
-  std::fill(std::copy(ranges_m.begin(), ranges_m.end(), ranges), ranges + state.beams,
+  std::fill(std::copy_n(ranges_m.data(), ranges_m.size(), ranges), ranges + state.beams,
             std::numeric_limits<float>::infinity());
   state.beams_of[robot] = ranges_m.size();
   state.contact[robot] = touches ? 1 : 0;

@@ -137,16 +137,10 @@ class Senses:
 
     def perceive_robot(self, observation: Observation, task: Task) -> None:
         """Let the only agent of the only mission perceive, by the observation of its controller."""
-        robot, voice = observation.robot, observation.voice
-        pose = robot.odometry.pose if self._by_odometry else robot.ground_truth
-        ranges_m = np.full(self._observe.beams, np.inf, np.float32)
-        ranges_m[: len(robot.ranges_m)] = robot.ranges_m
-        poses, twists = (np.array([msgspec.structs.astuple(one)]) for one in (pose, robot.odometry.twist))
-        heard, level_db, place_m = (
-            np.array([of]) for of in (voice.heard, voice.local_best_level_db, voice.local_best_m)
-        )
-        measured = ranges_m[None], poses, twists, heard, level_db, place_m
-        self._perceive_alone(0, measured, task, observation.sim_time_ns)
+        state = _core.state.State(1, self._observe.beams)
+        state.put_reading(0, observation.robot)
+        state.put_voice(0, observation.voice)
+        self._perceive_alone(0, self._measured(state, slice(None)), task, observation.sim_time_ns)
 
     def vectors(self, present: np.ndarray) -> np.ndarray:
         """Return the observation of each agent, float32, shape (missions, n, size of the space); 0 for absent ones.
