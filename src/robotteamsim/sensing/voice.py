@@ -6,12 +6,10 @@ import math
 from collections.abc import Collection, Sequence
 
 from robotteamsim import _core
-from robotteamsim.geometry import Pose
 from robotteamsim.propagation import FieldMap, VoiceField, VoiceSource
 from robotteamsim.rng import stream
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.sections import Victim, Voice
-from robotteamsim.sensing.readings import VoiceReading
 
 
 class VoiceSensor:
@@ -48,22 +46,13 @@ class VoiceSensor:
             self._map = self._field.map_db(calling)
         return self._map
 
-    def read(self, position_m: tuple[float, float]) -> VoiceReading:
-        """Return what a robot hears at a position in `map` [m]: the level of its cell, and the loudest cell nearby.
+    def hear(self, state: _core.state.State) -> None:
+        """Write what each robot hears where it is into a state: the level of its cell, and the loudest cell nearby.
 
         The loudest cell is the one with the highest level among those whose centre is within the local-best radius; of
-        equal ones, the one in the lowest row, then in the lowest column. Outside the map nothing is heard.
-        Raises: ValueError: the position is not finite.
-        """
-        state = _core.state.State(1)
-        state.place(0, Pose(*position_m, 0.0))
-        self.hear(state)
-        return state.voices()[0]
-
-    def hear(self, state: _core.state.State) -> None:
-        """Write the reading of `read` of each robot into a state, in which the robots are where they are.
-
-        An absent robot, whose position is NaN, hears nothing.
+        equal ones, the one in the lowest row, then in the lowest column. Outside the map nothing is heard, and an
+        absent robot, whose position is NaN, hears nothing.
+        Raises: ValueError: a position is not finite.
         """
         self.core().hear(state)
 

@@ -4,9 +4,12 @@ import math
 
 import numpy as np
 import pytest
+from robotteamsim._core.state import State
 
+from robotteamsim.geometry import Pose
 from robotteamsim.scenario.floor_plan import Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.sections import Victim, Voice
+from robotteamsim.sensing.readings import VoiceReading
 from robotteamsim.sensing.voice import VoiceSensor
 
 _ANN = Victim(name="ann", position=(3.0, 3.0))
@@ -23,6 +26,14 @@ def plan() -> FloorPlan:
     )
 
 
+def heard_at(sensor: VoiceSensor, position_m: tuple[float, float]) -> VoiceReading:
+    """Return what a robot hears at a position in `map` [m]."""
+    state = State(1)
+    state.place(0, Pose(*position_m, 0.0))
+    sensor.hear(state)
+    return state.voice_of(0)
+
+
 def test_the_call_of_a_victim_is_drawn_from_the_ranges_and_depends_on_seed_and_name_alone(plan):
     alone = VoiceSensor(plan, Voice(), [_BOB], seed=4).map().values
     second = VoiceSensor(plan, Voice(), [_ANN, _BOB], seed=4)
@@ -36,7 +47,7 @@ def test_the_call_of_a_victim_is_drawn_from_the_ranges_and_depends_on_seed_and_n
 def test_reading_is_the_own_cell_and_the_loudest_around(plan):
     sensor = VoiceSensor(plan, Voice(local_best_radius_m=1.5), [_ANN], seed=1)
     voice_map = sensor.map()
-    reading = sensor.read((6.1, 4.2))
+    reading = heard_at(sensor, (6.1, 4.2))
     assert reading.heard
     assert reading.level_db == voice_map.value_at(6.1, 4.2)
     assert reading.local_best_level_db == voice_map.value_at(*reading.local_best_m)
@@ -54,13 +65,13 @@ def test_reading_is_the_own_cell_and_the_loudest_around(plan):
 
 def test_nothing_is_heard_where_all_is_below_the_noise(plan):
     sensor = VoiceSensor(plan, Voice(noise_db=80.0), [_ANN], seed=1)
-    reading = sensor.read((18.0, 2.0))
+    reading = heard_at(sensor, (18.0, 2.0))
     assert (reading.level_db, reading.heard, reading.local_best_m) == (0.0, False, (18.0, 2.0))
     assert reading.local_best_level_db == 0.0
 
 
 def test_beyond_the_map_nothing_is_heard(plan):
-    assert not VoiceSensor(plan, Voice(), [_ANN], seed=1).read((40.0, 3.0)).heard
+    assert not heard_at(VoiceSensor(plan, Voice(), [_ANN], seed=1), (40.0, 3.0)).heard
 
 
 def test_walls_give_no_voice(plan):
@@ -96,7 +107,7 @@ def test_changes_count_what_changes_the_map_and_nothing_else(plan):
 def test_map_is_kept_until_a_change(plan):
     sensor = VoiceSensor(plan, Voice(), [_ANN], seed=1)
     kept = sensor.map()
-    sensor.read((3.0, 4.0))
+    heard_at(sensor, (3.0, 4.0))
     assert sensor.map() is kept
     sensor.set_door("gate", True)
     assert sensor.map() is not kept
@@ -104,9 +115,9 @@ def test_map_is_kept_until_a_change(plan):
 
 def test_moved_victim_calls_from_the_new_place_as_loud_as_before(plan):
     sensor = VoiceSensor(plan, Voice(), [_ANN], seed=1)
-    level_db = sensor.read((3.125, 3.125)).level_db
+    level_db = heard_at(sensor, (3.125, 3.125)).level_db
     sensor.set_victim("ann", (5.0, 5.0))
-    assert sensor.read((5.125, 5.125)).level_db == pytest.approx(level_db)
+    assert heard_at(sensor, (5.125, 5.125)).level_db == pytest.approx(level_db)
 
 
 def test_wrong_names_and_values_are_rejected(plan):
@@ -116,7 +127,7 @@ def test_wrong_names_and_values_are_rejected(plan):
     with pytest.raises(ValueError, match=r"^unknown door 'back'; known: gate$"):
         sensor.set_door("back", True)
     with pytest.raises(ValueError, match=r"^position_m must be finite, got \(inf, 1\)$"):
-        sensor.read((math.inf, 1.0))
+        heard_at(sensor, (math.inf, 1.0))
     with pytest.raises(ValueError, match=r"^position of victim 'ann' must be finite, got \(1.0, inf\)$"):
         sensor.set_victim("ann", (1.0, math.inf))
     with pytest.raises(ValueError, match="noise_db must be finite"):
