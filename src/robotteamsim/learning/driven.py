@@ -45,9 +45,9 @@ class DrivenControllers(TeamControllers):
         self._commanded[:] = [Decision(one.twist) for one in self._commanded]
         return decisions
 
-    def _controller(self, robot_id: int, setup: Setup, arrival: int) -> Controller:
-        scenario, is_driven = setup.scenario, robot_id in self._driven
+    def _controller(self, robot_id: int, arrival: int) -> Controller:
+        scenario, is_driven = self._setup.scenario, robot_id in self._driven
         if not is_driven and (robot_id != scenario.base or scenario.firefighters is not None):
-            return super()._controller(robot_id, setup, arrival)
+            return super()._controller(robot_id, arrival)
         controller = _Obeying(self._commanded, robot_id) if is_driven else StandingBase()
         return controller if scenario.base is None else with_base(controller, robot_id, scenario)

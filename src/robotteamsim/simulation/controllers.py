@@ -93,8 +93,8 @@ class TeamControllers:
         self._arrivals = arrivals
 
     def _guard(self, robot_id: int, arrival: int) -> Guard:
-        return Guard(robot_id, len(self._setup.robots), partial(self._controller, robot_id, self._setup, arrival))
+        return Guard(robot_id, len(self._setup.robots), partial(self._controller, robot_id, arrival))
 
-    def _controller(self, robot_id: int, setup: Setup, arrival: int) -> Controller:
+    def _controller(self, robot_id: int, arrival: int) -> Controller:
         """Make the controller of a robot. Args: arrival: how often it has arrived."""
-        return make_controller(robot_id, setup, arrival)
+        return make_controller(robot_id, self._setup, arrival)
