@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
@@ -112,6 +113,17 @@ class FaceSet {
   /// Returns the square of the distance of two points in the building [mm^2].
   double SquareBetween(PointMm a, PointMm b) const { return Between(a, b, 0).square_mm2; }
 
+  // The parts of a ray from a on storey `low` to b on storey `high`, which is above.
+
+  /// Returns the faces of a storey alone.
+  const FaceSet& OnStorey(std::size_t storey) const { return on_storey_[storey]; }
+  /// Returns where the ray leaves the lower storey: from a to there it crosses that storey's faces.
+  PointMm Leaving(std::size_t low, PointMm a, std::size_t high, PointMm b) const;
+  /// Returns where it enters the upper storey: from there to b it crosses that storey's faces.
+  PointMm Entering(std::size_t low, PointMm a, std::size_t high, PointMm b) const;
+  /// Returns its length, and what it crosses but the faces of these two storeys.
+  Ray BesideEnds(std::size_t low, PointMm a, std::size_t high, PointMm b) const;
+
  private:
   /// The bounding box of consecutive faces, edges included.
   struct Box {
@@ -122,7 +134,7 @@ class FaceSet {
   void NumberVertices();
   void BoxFaces();
   void CheckStoreys() const;
-  Ray BetweenStoreys(std::size_t low, PointMm a, std::size_t high, PointMm b, std::int64_t enough) const;
+  void DivideFaces();
 
   // One array per quantity, for the loop over all faces.
   std::vector<std::int64_t> start_x_;
@@ -136,6 +148,8 @@ class FaceSet {
   std::vector<std::array<std::size_t, 2>> vertices_of_face_;  // start, end
   std::int64_t total_weight_ = 0;
   std::vector<Storey> storeys_;
+  std::vector<FaceSet> on_storey_;                                    // if there are several
+  std::vector<std::pair<std::size_t, std::size_t>> place_on_storey_;  // of each face: its storey, and its index there
 };
 
 }  // namespace robotteamsim::propagation

@@ -84,6 +84,7 @@ FaceSet::FaceSet(const std::vector<std::array<std::int64_t, 4>>& ends, const std
   NumberVertices();
   BoxFaces();
   CheckStoreys();
+  if (storeys_.size() > 1) DivideFaces();
 }
 
 void FaceSet::NumberVertices() {
@@ -120,6 +121,9 @@ void FaceSet::SetActive(std::size_t face, bool active) {
     throw std::invalid_argument("no face " + std::to_string(face) + ", only " + std::to_string(Size()));
   }
   weight_[face] = active ? full_weight_[face] : 0;
+  if (on_storey_.empty()) return;
+  const auto& [storey, index] = place_on_storey_[face];
+  on_storey_[storey].SetActive(index, active);
 }
 
 std::int64_t FaceSet::WeightBetween(PointMm a, PointMm b) const {

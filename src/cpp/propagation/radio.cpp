@@ -75,38 +75,77 @@ void MirrorRows(Eigen::Index top, Eigen::Index end, Eigen::Ref<CellValues> matri
 }
 
 /// Writes the signals between robots on one storey.
-void WriteStoreySignals(const FaceSet& faces, const RadioModel& model, std::vector<PointMm> points,
+void WriteStoreySignals(const FaceSet& faces, const RadioModel& model, const std::vector<PointMm>& points,
                         Eigen::Ref<CellValues> rssi_dbm, base::Simd simd);
 
-/// Writes the signals between robots on several storeys: those of each storey together, the others one by one.
-void WriteBuildingSignals(const FaceSet& faces, const RadioModel& model, const std::vector<PointMm>& points,
-                          Eigen::Ref<CellValues> rssi_dbm, base::Simd simd) {
-  std::vector<std::vector<Eigen::Index>> on_storey(faces.storeys().size());
-  std::vector<std::size_t> storey_of;
-  std::vector<double> floors_db;
-  for (std::size_t k = 0; k <= on_storey.size(); ++k) floors_db.push_back(FloorLossDb(model, static_cast<int>(k)));
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    storey_of.push_back(faces.StoreyOf(points[i]));
-    on_storey[storey_of.back()].push_back(static_cast<Eigen::Index>(i));
+/// Writes the signals between robots on several storeys.
+class BuildingSignals {
+ public:
+  BuildingSignals(const FaceSet& faces, const RadioModel& model, const std::vector<PointMm>& points, base::Simd simd)
+      : faces_(faces), model_(model), simd_(simd), on_storey_(faces.storeys().size()) {
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      Team& team = on_storey_[faces.StoreyOf(points[i])];
+      team.robots.push_back(static_cast<Eigen::Index>(i));
+      team.points.push_back(points[i]);
+    }
+    for (std::size_t k = 0; k <= on_storey_.size(); ++k) floors_db_.push_back(FloorLossDb(model, static_cast<int>(k)));
   }
-  for (const std::vector<Eigen::Index>& robots : on_storey) {
-    std::vector<PointMm> places;
-    for (const Eigen::Index robot : robots) places.push_back(points[robot]);
-    const auto count = static_cast<Eigen::Index>(robots.size());
-    CellValues signals_dbm(count, count);
-    WriteStoreySignals(faces, model, std::move(places), signals_dbm, simd);
-    rssi_dbm(robots, robots) = signals_dbm;
-  }
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (std::size_t j = i + 1; j < points.size(); ++j) {
-      if (storey_of[i] == storey_of[j]) continue;
-      const Ray ray = faces.Between(points[i], points[j]);
-      const double loss_db = LossDb(model, ray.square_mm2, static_cast<double>(ray.weight)) + floors_db[ray.floors];
-      const auto row = static_cast<Eigen::Index>(i), col = static_cast<Eigen::Index>(j);
-      rssi_dbm(row, col) = rssi_dbm(col, row) = model.tx_power_dbm - loss_db;
+
+  void Write(Eigen::Ref<CellValues> rssi_dbm) const {
+    for (std::size_t i = 0; i < on_storey_.size(); ++i) {
+      const Team& team = on_storey_[i];
+      const auto count = static_cast<Eigen::Index>(team.robots.size());
+      CellValues signals_dbm(count, count);
+      WriteStoreySignals(faces_.OnStorey(i), model_, team.points, signals_dbm, simd_);
+      rssi_dbm(team.robots, team.robots) = signals_dbm;
+      for (std::size_t j = 0; j < on_storey_.size(); ++j) {
+        if (faces_.storeys()[i].floor_mm < faces_.storeys()[j].floor_mm) WriteBetween(i, j, rssi_dbm);
+      }
     }
   }
-}
+
+ private:
+  struct Team {
+    std::vector<Eigen::Index> robots;
+    std::vector<PointMm> points;
+  };
+
+  /// The weights of the walls of both storeys for many rays at once, then what else each ray meets.
+  void WriteBetween(std::size_t low, std::size_t high, Eigen::Ref<CellValues> rssi_dbm) const {
+    const Team &below = on_storey_[low], &above = on_storey_[high];
+    if (below.robots.empty() || above.robots.empty()) return;
+    CellValues weights(below.robots.size(), above.robots.size());
+    LinkWeights from_below(faces_.OnStorey(low), simd_), from_above(faces_.OnStorey(high), simd_);
+    std::vector<PointMm> ends;
+    for (std::size_t i = 0; i < below.points.size(); ++i) {
+      ends.clear();
+      for (const PointMm& to : above.points) ends.push_back(faces_.Leaving(low, below.points[i], high, to));
+      const LinkTargets found = from_below.From(below.points[i], ends.data(), ends.size());
+      for (std::size_t j = 0; j < ends.size(); ++j) weights(i, j) = found.Weight(j);
+    }
+    for (std::size_t j = 0; j < above.points.size(); ++j) {
+      ends.clear();
+      for (const PointMm& from : below.points) ends.push_back(faces_.Entering(low, from, high, above.points[j]));
+      const LinkTargets found = from_above.From(above.points[j], ends.data(), ends.size());
+      for (std::size_t i = 0; i < ends.size(); ++i) weights(i, j) += found.Weight(i);
+    }
+    for (std::size_t i = 0; i < below.robots.size(); ++i) {
+      for (std::size_t j = 0; j < above.robots.size(); ++j) {
+        const Ray rest = faces_.BesideEnds(low, below.points[i], high, above.points[j]);
+        const double loss_db =
+            LossDb(model_, rest.square_mm2, weights(i, j) + static_cast<double>(rest.weight)) + floors_db_[rest.floors];
+        const Eigen::Index row = below.robots[i], col = above.robots[j];
+        rssi_dbm(row, col) = rssi_dbm(col, row) = model_.tx_power_dbm - loss_db;
+      }
+    }
+  }
+
+  const FaceSet& faces_;
+  const RadioModel& model_;
+  const base::Simd simd_;
+  std::vector<Team> on_storey_;
+  std::vector<double> floors_db_;
+};
 
 PointMm RobotAt(const Eigen::Ref<const Positions>& positions, Eigen::Index robot) {
   const base::Point at{positions(robot, 0), positions(robot, 1)};
@@ -124,11 +163,11 @@ using Signals = void (*)(const RadioModel&, const LinkTargets&, double*, double*
   }
 ROBOTTEAMSIM_FOR_EACH_SIMD(ROBOTTEAMSIM_SIGNALS)
 
-void WriteStoreySignals(const FaceSet& faces, const RadioModel& model, std::vector<PointMm> points,
+void WriteStoreySignals(const FaceSet& faces, const RadioModel& model, const std::vector<PointMm>& points,
                         Eigen::Ref<CellValues> rssi_dbm, base::Simd simd) {
   const auto n = static_cast<Eigen::Index>(points.size());
   if (n <= kFewRobots) return WriteFewSignals(faces, model, points, rssi_dbm);
-  LinkWeights links(faces, std::move(points), simd);
+  LinkWeights links(faces, simd);
   const Signals write_signals = base::SimdVersion<Signals>(simd, PortableSignals, Avx2Signals, Avx512Signals);
   std::vector<double> signals_dbm(n + kLinkLanes);
   for (Eigen::Index top = 0; top < n; top += kMirroredRows) {
@@ -136,7 +175,8 @@ void WriteStoreySignals(const FaceSet& faces, const RadioModel& model, std::vect
     for (Eigen::Index i = top; i < end; ++i) {
       double* const diagonal = &rssi_dbm(i, i);
       *diagonal = 0.0;
-      write_signals(model, links.After(i), signals_dbm.data(), diagonal + 1);
+      const LinkTargets later = links.From(points[i], points.data() + i + 1, static_cast<std::size_t>(n - i - 1));
+      write_signals(model, later, signals_dbm.data(), diagonal + 1);
     }
     MirrorRows(top, end, rssi_dbm);
   }
@@ -181,8 +221,8 @@ void WriteRssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eig
   std::vector<PointMm> points;
   points.reserve(n);
   for (Eigen::Index i = 0; i < n; ++i) points.push_back(RobotAt(positions, i));
-  if (faces.storeys().size() > 1) return WriteBuildingSignals(faces, model, points, rssi_dbm, simd);
-  WriteStoreySignals(faces, model, std::move(points), rssi_dbm, simd);
+  if (faces.storeys().size() > 1) return BuildingSignals(faces, model, points, simd).Write(rssi_dbm);
+  WriteStoreySignals(faces, model, points, rssi_dbm, simd);
 }
 
 CellValues RssiMatrixDbm(const FaceSet& faces, const RadioModel& model, const Eigen::Ref<const Positions>& positions,

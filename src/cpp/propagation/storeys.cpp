@@ -1,7 +1,7 @@
 // Rays between the storeys of a building.
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -32,21 +32,21 @@ bool IsIn(const Storey& storey, PointMm point) {
   return storey.least.x <= point.x && point.x <= storey.most.x && storey.least.y <= point.y && point.y <= storey.most.y;
 }
 
-/// Returns the shares of the way from a to b between which it is in a storey's part of the plan; nothing if it is not.
-std::optional<std::pair<double, double>> Within(const Storey& storey, PointMm a, PointMm b) {
-  double from = 0.0, to = 1.0;
-  const auto cut = [&](std::int64_t start, std::int64_t end, std::int64_t least, std::int64_t most) {
-    const auto length = static_cast<double>(end - start);
-    if (length == 0.0) return least <= start && start <= most;
-    const double first = static_cast<double>(least - start) / length;
-    const double last = static_cast<double>(most - start) / length;
-    from = std::max(from, std::min(first, last));
-    to = std::min(to, std::max(first, last));
-    return from < to;
-  };
-  if (!cut(a.x, b.x, storey.least.x, storey.most.x) || !cut(a.y, b.y, storey.least.y, storey.most.y)) return {};
-  return std::pair{from, to};
-}
+/// How high a ray from a storey to one above is along its way.
+class Rise {
+ public:
+  Rise(const Storey& low, const Storey& high)
+      : from_mm_(low.floor_mm + FaceSet::kHeightMm), rise_mm_(static_cast<double>(high.floor_mm - low.floor_mm)) {}
+
+  double height_mm() const { return rise_mm_; }
+
+  /// Returns the share of the way at which the ray is at a height; not within 0 to 1 where it never is.
+  double ShareAt(std::int64_t height_mm) const { return static_cast<double>(height_mm - from_mm_) / rise_mm_; }
+
+ private:
+  std::int64_t from_mm_;
+  double rise_mm_;
+};
 
 /// Returns whether a point is in a polygon: whether a ray from it to the right crosses an odd number of its edges.
 bool IsInside(const std::vector<PointMm>& polygon, PointMm point) {
@@ -90,39 +90,62 @@ std::size_t FaceSet::StoreyOf(PointMm point) const {
   return nearest;
 }
 
-Ray FaceSet::Between(PointMm a, PointMm b, std::int64_t enough) const {
-  if (storeys_.size() > 1) {
-    const std::size_t of_a = StoreyOf(a), of_b = StoreyOf(b);
-    if (storeys_[of_a].floor_mm < storeys_[of_b].floor_mm) return BetweenStoreys(of_a, a, of_b, b, enough);
-    if (of_a != of_b) return BetweenStoreys(of_b, b, of_a, a, enough);
+void FaceSet::DivideFaces() {
+  std::vector<std::vector<std::array<std::int64_t, 4>>> ends(storeys_.size());
+  std::vector<std::vector<std::int32_t>> weights(storeys_.size());
+  for (std::size_t i = 0; i < Size(); ++i) {
+    const std::size_t storey = StoreyOf({start_x_[i], start_y_[i]});
+    place_on_storey_.emplace_back(storey, ends[storey].size());
+    ends[storey].push_back({start_x_[i], start_y_[i], end_x_[i], end_y_[i]});
+    weights[storey].push_back(full_weight_[i]);
   }
-  const auto dx = static_cast<double>(b.x - a.x), dy = static_cast<double>(b.y - a.y);
-  return {dx * dx + dy * dy, WeightBetween(a, b), 0};
+  for (std::size_t storey = 0; storey < storeys_.size(); ++storey)
+    on_storey_.emplace_back(ends[storey], weights[storey]);
 }
 
-Ray FaceSet::BetweenStoreys(std::size_t low, PointMm a, std::size_t high, PointMm b, std::int64_t enough) const {
-  const PointMm from = a - storeys_[low].origin, to = b - storeys_[high].origin;
-  const std::int64_t from_mm = storeys_[low].floor_mm + kHeightMm, to_mm = storeys_[high].floor_mm + kHeightMm;
-  const auto rise = static_cast<double>(to_mm - from_mm);
-  const auto dx = static_cast<double>(to.x - from.x), dy = static_cast<double>(to.y - from.y);
-  Ray ray{dx * dx + dy * dy + rise * rise, 0, 0};
-  const auto share_at = [&](std::int64_t height_mm) { return static_cast<double>(height_mm - from_mm) / rise; };
-  for (const Storey& storey : storeys_) {
-    if (storey.floor_mm <= from_mm || storey.floor_mm > to_mm || ray.weight >= enough) continue;
-    const PointMm through = Along(from, to, share_at(storey.floor_mm)) + storey.origin;
-    const auto is_around = [&](const std::vector<PointMm>& opening) { return IsInside(opening, through); };
-    if (!IsIn(storey, through) || std::any_of(storey.openings.begin(), storey.openings.end(), is_around)) continue;
-    ray.floors += storey.floor_weight == Storey::kCounted ? 1 : 0;
-    ray.weight += std::max(storey.floor_weight, 0);
+Ray FaceSet::Between(PointMm a, PointMm b, std::int64_t enough) const {
+  const std::size_t of_a = StoreyOf(a), of_b = StoreyOf(b);
+  if (of_a == of_b) {
+    const auto dx = static_cast<double>(b.x - a.x), dy = static_cast<double>(b.y - a.y);
+    return {dx * dx + dy * dy, storeys_.size() > 1 ? on_storey_[of_a].WeightBetween(a, b) : WeightBetween(a, b), 0};
   }
-  for (const Storey& storey : storeys_) {
-    const double first = std::max(0.0, share_at(storey.floor_mm)), last = std::min(1.0, share_at(storey.ceiling_mm));
-    if (first >= last || ray.weight >= enough) continue;
+  if (storeys_[of_a].floor_mm > storeys_[of_b].floor_mm) return Between(b, a, enough);
+  Ray ray = BesideEnds(of_a, a, of_b, b);
+  if (ray.weight < enough) ray.weight += on_storey_[of_a].WeightBetween(a, Leaving(of_a, a, of_b, b));
+  if (ray.weight < enough) ray.weight += on_storey_[of_b].WeightBetween(Entering(of_a, a, of_b, b), b);
+  return ray;
+}
+
+PointMm FaceSet::Leaving(std::size_t low, PointMm a, std::size_t high, PointMm b) const {
+  const double share = Rise(storeys_[low], storeys_[high]).ShareAt(storeys_[low].ceiling_mm);
+  return Along(a, b - storeys_[high].origin + storeys_[low].origin, std::clamp(share, 0.0, 1.0));
+}
+
+PointMm FaceSet::Entering(std::size_t low, PointMm a, std::size_t high, PointMm b) const {
+  const double share = Rise(storeys_[low], storeys_[high]).ShareAt(storeys_[high].floor_mm);
+  return Along(a - storeys_[low].origin + storeys_[high].origin, b, std::clamp(share, 0.0, 1.0));
+}
+
+Ray FaceSet::BesideEnds(std::size_t low, PointMm a, std::size_t high, PointMm b) const {
+  const Rise rise(storeys_[low], storeys_[high]);
+  const PointMm from = a - storeys_[low].origin, to = b - storeys_[high].origin;
+  const auto dx = static_cast<double>(to.x - from.x), dy = static_cast<double>(to.y - from.y);
+  Ray ray{dx * dx + dy * dy + rise.height_mm() * rise.height_mm(), 0, 0};
+  for (std::size_t i = 0; i < storeys_.size(); ++i) {
+    const Storey& storey = storeys_[i];
     const PointMm start = from + storey.origin, end = to + storey.origin;
-    const auto within = Within(storey, start, end);
-    if (!within || !(std::max(first, within->first) < std::min(last, within->second))) continue;
-    ray.weight += WeightBetween(Along(start, end, std::max(first, within->first)),
-                                Along(start, end, std::min(last, within->second)));
+    const double at_floor = rise.ShareAt(storey.floor_mm), at_ceiling = rise.ShareAt(storey.ceiling_mm);
+    if (at_floor > 0.0 && at_floor <= 1.0) {
+      const PointMm through = Along(start, end, at_floor);
+      const auto is_around = [&](const std::vector<PointMm>& opening) { return IsInside(opening, through); };
+      if (IsIn(storey, through) && std::none_of(storey.openings.begin(), storey.openings.end(), is_around)) {
+        ray.floors += storey.floor_weight == Storey::kCounted ? 1 : 0;
+        ray.weight += std::max(storey.floor_weight, 0);
+      }
+    }
+    if (i == low || i == high || at_ceiling <= 0.0 || at_floor >= 1.0) continue;
+    ray.weight += on_storey_[i].WeightBetween(Along(start, end, std::max(at_floor, 0.0)),
+                                              Along(start, end, std::min(at_ceiling, 1.0)));
   }
   return ray;
 }

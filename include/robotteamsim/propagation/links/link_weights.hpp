@@ -11,15 +11,17 @@
 
 namespace robotteamsim::propagation {
 
-/// The weights between a point and the points after it, in some order: the point i + 1 places after it is target
-/// places[i], in lane places[i] % kLinkLanes of block places[i] / kLinkLanes.
+/// The weights between a point and others, in some order: the i-th of these is target places[i], in lane places[i] %
+/// kLinkLanes of block places[i] / kLinkLanes.
 struct LinkTargets {
+  double Weight(std::size_t i) const { return blocks[places[i] / kLinkLanes].weight[places[i] % kLinkLanes]; }
+
   int count = 0;
   const TargetBlock* blocks = nullptr;
   const std::int32_t* places = nullptr;
 };
 
-/// The weights of the faces between all pairs of many points: equal to FaceSet::WeightBetween.
+/// The weights of the faces between points and many others: equal to FaceSet::WeightBetween.
 ///
 /// For each point, the others are sorted into bins by direction. A face shades the points between its two ends that are
 /// beyond its line, so only the bins from one end to the other are tested. The four faces of a convex ring are
@@ -29,10 +31,10 @@ class LinkWeights {
  public:
   /// Args: faces: must outlive this object and not change.
   /// Throws std::invalid_argument if this machine does not support the instruction set.
-  LinkWeights(const FaceSet& faces, std::vector<PointMm> points, base::Simd simd = base::BestSimd());
+  explicit LinkWeights(const FaceSet& faces, base::Simd simd = base::BestSimd());
 
-  /// Returns the points after a point with the weights between them; valid until the next call.
-  LinkTargets After(std::size_t source);
+  /// Returns targets from a point with the weights between them; valid until the next call.
+  LinkTargets From(PointMm source, const PointMm* targets, std::size_t count);
 
  private:
   /// Screens of one kind and the index of the first face of each.
@@ -46,16 +48,15 @@ class LinkWeights {
   void AddScreenAt(std::size_t first_face, std::optional<std::array<Face, 4>> ring);
   template <int kFaces>
   void AddScreen(std::size_t first_face, const std::array<Face, kFaces>& faces, bool is_box, Screens<kFaces>* screens);
-  void CountOneByOne(std::size_t source);
-  void SortTargets(std::size_t source);
+  void CountOneByOne(PointMm source, const PointMm* targets);
+  void SortTargets(PointMm source, const PointMm* targets);
   template <int kFaces>
-  void AddScreensAt(std::size_t source, const Screens<kFaces>& screens);
+  void AddScreensAt(PointMm source, const PointMm* targets, const Screens<kFaces>& screens);
 
   const FaceSet& face_set_;
-  const std::vector<PointMm> points_;
   const LinkKernels& kernels_;
   bool exact_in_doubles_ = true;
-  std::vector<double> point_x_, point_y_;  // [mm]
+  std::vector<double> target_x_, target_y_;  // [mm]
   Screens<1> faces_;
   Screens<4> rings_;
   Screens<4> boxes_;

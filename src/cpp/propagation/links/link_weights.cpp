@@ -48,15 +48,7 @@ bool IsAlongY(const Face& face) { return face.start.x == face.end.x; }
 
 }  // namespace
 
-LinkWeights::LinkWeights(const FaceSet& faces, std::vector<PointMm> points, base::Simd simd)
-    : face_set_(faces), points_(std::move(points)), kernels_(LinkKernelsFor(simd)) {
-  point_x_.reserve(points_.size());
-  point_y_.reserve(points_.size());
-  for (const PointMm& point : points_) {
-    exact_in_doubles_ = exact_in_doubles_ && IsExactInDoubles(point);
-    point_x_.push_back(static_cast<double>(point.x));
-    point_y_.push_back(static_cast<double>(point.y));
-  }
+LinkWeights::LinkWeights(const FaceSet& faces, base::Simd simd) : face_set_(faces), kernels_(LinkKernelsFor(simd)) {
   for (const PointMm& corner : faces.Vertices()) exact_in_doubles_ = exact_in_doubles_ && IsExactInDoubles(corner);
   if (exact_in_doubles_) AddFaces();
 }
@@ -105,52 +97,55 @@ void LinkWeights::AddScreen(std::size_t first_face, const std::array<Face, kFace
   }
 }
 
-LinkTargets LinkWeights::After(std::size_t source) {
-  const std::size_t count = points_.size() - source - 1;
+LinkTargets LinkWeights::From(PointMm source, const PointMm* targets, std::size_t count) {
   order_.resize(count);
   places_.resize(count);
   blocks_.resize(count / kLinkLanes + 1);
-  if (!exact_in_doubles_) {
-    CountOneByOne(source);
+  if (!exact_in_doubles_ || !IsExactInDoubles(source) || !std::all_of(targets, targets + count, IsExactInDoubles)) {
+    CountOneByOne(source, targets);
   } else {
-    SortTargets(source);
+    SortTargets(source, targets);
     const auto num_faces = static_cast<int>(faces_.blocks.size());
     const auto num_boxes = static_cast<int>(boxes_.blocks.size());
     const auto num_rings = static_cast<int>(rings_.blocks.size());
     if (kernels_.add_faces(seen_from_, faces_.blocks.data(), num_faces, scratch_.data(), blocks_.data())) {
-      AddScreensAt(source, faces_);
+      AddScreensAt(source, targets, faces_);
     }
     if (kernels_.add_rings(seen_from_, rings_.blocks.data(), num_rings, scratch_.data(), blocks_.data())) {
-      AddScreensAt(source, rings_);
+      AddScreensAt(source, targets, rings_);
     }
     if (kernels_.add_boxes(seen_from_, boxes_.blocks.data(), num_boxes, scratch_.data(), blocks_.data())) {
-      AddScreensAt(source, boxes_);
+      AddScreensAt(source, targets, boxes_);
     }
   }
   return {static_cast<int>(count), blocks_.data(), places_.data()};
 }
 
-void LinkWeights::CountOneByOne(std::size_t source) {
-  const PointMm from = points_[source];
+void LinkWeights::CountOneByOne(PointMm source, const PointMm* targets) {
   for (std::size_t k = 0; k < places_.size(); ++k) {
-    const PointMm to = points_[source + 1 + k];
+    const PointMm to = targets[k];
     TargetBlock& block = blocks_[k / kLinkLanes];
     const std::size_t lane = k % kLinkLanes;
     places_[k] = static_cast<std::int32_t>(k);
-    block.x[lane] = static_cast<double>(to.x - from.x);
-    block.y[lane] = static_cast<double>(to.y - from.y);
-    block.weight[lane] = static_cast<double>(face_set_.WeightBetween(from, to));
+    block.x[lane] = static_cast<double>(to.x - source.x);
+    block.y[lane] = static_cast<double>(to.y - source.y);
+    block.weight[lane] = static_cast<double>(face_set_.WeightBetween(source, to));
   }
 }
 
-void LinkWeights::SortTargets(std::size_t source) {
+void LinkWeights::SortTargets(PointMm source, const PointMm* targets) {
   const auto count = static_cast<std::int32_t>(places_.size());
+  target_x_.resize(count);
+  target_y_.resize(count);
+  for (std::int32_t i = 0; i < count; ++i) {
+    target_x_[i] = static_cast<double>(targets[i].x);
+    target_y_[i] = static_cast<double>(targets[i].y);
+  }
   int num_bins = kMinBins;
   while (num_bins < kMaxBins && 4 * num_bins < count) num_bins *= 2;
   bin_start_.assign(num_bins + 1, 0);
-  seen_from_ = {point_x_[source], point_y_[source], num_bins, bin_start_.data(), count};
-  const double* const x = point_x_.data() + source + 1;
-  const double* const y = point_y_.data() + source + 1;
+  seen_from_ = {static_cast<double>(source.x), static_cast<double>(source.y), num_bins, bin_start_.data(), count};
+  const double *const x = target_x_.data(), *const y = target_y_.data();
   directions_.resize(count);
   bins_.resize(count);
   kernels_.find_directions(seen_from_, x, y, directions_.data(), bins_.data());
@@ -167,14 +162,14 @@ void LinkWeights::SortTargets(std::size_t source) {
 }
 
 template <int kFaces>
-void LinkWeights::AddScreensAt(std::size_t source, const Screens<kFaces>& screens) {
+void LinkWeights::AddScreensAt(PointMm source, const PointMm* targets, const Screens<kFaces>& screens) {
   for (std::size_t s = 0; s < screens.first_face.size(); ++s) {
     if (screens.blocks[s / kLinkLanes].left_out[s % kLinkLanes] == 0.0) continue;
     for (int j = 0; j < kFaces; ++j) {
       const Face face = face_set_.At(screens.first_face[s] + j);
       const FaceSet alone({{face.start.x, face.start.y, face.end.x, face.end.y}}, {face.weight});
       for (std::size_t i = 0; i < places_.size(); ++i) {
-        const auto weight = alone.WeightBetween(points_[source], points_[source + 1 + i]);
+        const auto weight = alone.WeightBetween(source, targets[i]);
         blocks_[places_[i] / kLinkLanes].weight[places_[i] % kLinkLanes] += static_cast<double>(weight);
       }
     }

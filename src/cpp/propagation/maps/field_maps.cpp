@@ -138,7 +138,7 @@ void WriteHighestOfStoreys(const FaceSet& faces, const std::vector<FieldSource>&
     std::partition_copy(sources.begin(), sources.end(), std::back_inserter(here), std::back_inserter(elsewhere),
                         is_here);
     MapView values = map.block(cells.rows.first, cells.cols.first, part.rows, part.cols);
-    if (!here.empty()) WriteStorey(faces, here, part, values, work);
+    if (!here.empty()) WriteStorey(faces.OnStorey(i), here, part, values, work);
     base::ForEachInParallel(elsewhere.empty() ? 0 : part.rows, work.threads, [&](int row) {
       for (int col = 0; col < part.cols; ++col) {
         const PointMm center = centers.At(cells.rows.first + row, cells.cols.first + col);

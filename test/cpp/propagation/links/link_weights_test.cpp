@@ -26,9 +26,9 @@ std::vector<PointMm> Points(std::mt19937* generator, int count, std::int64_t wid
 void ExpectExact(const FaceSet& faces, const std::vector<PointMm>& points) {
   for (const base::Simd simd : {base::Simd::kPortable, base::Simd::kAvx2, base::Simd::kAvx512}) {
     if (!base::IsSupported(simd)) continue;
-    LinkWeights links(faces, points, simd);
+    LinkWeights links(faces, simd);
     for (std::size_t i = 0; i < points.size(); ++i) {
-      const LinkTargets targets = links.After(i);
+      const LinkTargets targets = links.From(points[i], points.data() + i + 1, points.size() - i - 1);
       ASSERT_EQ(targets.count, points.size() - i - 1);
       std::vector<bool> is_there(targets.count, false);
       for (int after = 0; after < targets.count; ++after) {
