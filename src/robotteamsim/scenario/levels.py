@@ -13,9 +13,22 @@ from pydantic import Field, model_validator
 from robotteamsim.scenario.base import Many, Model, Name, Point, wrong
 from robotteamsim.scenario.shapes import Bounds, check_polygon, shown_point
 
+Traveller = Literal["robots", "people"]
+"""Who goes over a passage: robots, or people and firefighters on foot."""
+
 MOST_LEVELS = 200
 _TOP_HEIGHT_M = 3.0
 """Of the highest level, above which nothing is."""
+
+_PLACES_BESIDE = 8
+"""Around a stop that is occupied."""
+
+_WALKING_MPS = 1.34
+"""Of adults [weidmann1993]: by it people compare lifts with paths on foot."""
+_STAIRS_SHARE = 0.77
+"""k of stairs with risers of 178 mm and treads of 279 mm over that of floor and ramps, 1.08 / 1.40 [gwynne2016]."""
+_PERSONS_PER_M_S = 1.32
+"""Most people that pass a metre of effective width of level floor, k / (4 a) = 1.40 / (4 * 0.266) [gwynne2016]."""
 
 
 class Level(Model):
@@ -66,19 +79,48 @@ class Passage(Model):
     length_m: float | None = Field(
         default=None, ge=0.1, le=1000.0, description="of the way between two stops; default: straight in space [m]"
     )
-    speed_mps: float = Field(default=0.5, ge=0.01, le=10.0, description="on this way [m/s]")
+    speed_mps: float = Field(default=0.5, ge=0.01, le=10.0, description="of lifts, and of robots on this way [m/s]")
     wait_s: float = Field(default=0.0, ge=0.0, le=600.0, description="before it, such as for doors of a lift [s]")
     robots: bool | None = Field(default=None, description="whether robots can use it; default: all but stairs")
+    people: bool | None = Field(
+        default=None, description="whether people and firefighters can use it; default: all but lifts, as in a fire"
+    )
+    walking_share: float | None = Field(
+        default=None,
+        ge=0.05,
+        le=2.0,
+        description="speed of people on stairs and ramps over their walking speed; default: 0.77 on stairs, 1 on ramps "
+        "[gwynne2016]",
+    )
+    width_m: float = Field(
+        default=1.0,
+        ge=0.1,
+        le=100.0,
+        description="effective width of stairs and ramps, which limits how many people enter per second [m]",
+    )
+
+    def takes(self, by: Traveller) -> bool:
+        """Whether robots, or people, can use it."""
+        if by == "robots":
+            return self.kind != "stairs" if self.robots is None else self.robots
+        return self.kind != "lift" if self.people is None else self.people
 
     @property
-    def takes_robots(self) -> bool:
-        """Whether robots can use it."""
-        return self.kind != "stairs" if self.robots is None else self.robots
+    def share(self) -> float:
+        """Speed of people on stairs and ramps over their walking speed."""
+        if self.walking_share is not None:
+            return self.walking_share
+        return _STAIRS_SHARE if self.kind == "stairs" else 1.0
+
+    @property
+    def headway_s(self) -> float:
+        """Least time between two people who enter it on the same level [s]."""
+        return 0.0 if self.kind == "lift" else 1.0 / (_PERSONS_PER_M_S * self.share * self.width_m)
 
 
 @dataclass(frozen=True, slots=True)
 class Way:
-    """A way between two stops of a passage, from the lower one to the higher one [m]."""
+    """A way from one stop of a passage to another [m]."""
 
     passage: Passage
     start: Point
@@ -86,14 +128,21 @@ class Way:
     length_m: float
 
     @property
-    def time_s(self) -> float:
-        """How long it takes [s]."""
-        return self.passage.wait_s + self.length_m / self.passage.speed_mps
+    def back(self) -> Way:
+        """The same way in the other direction."""
+        return Way(self.passage, self.end, self.start, self.length_m)
 
-    @property
-    def equivalent_m(self) -> float:
-        """The way at the passage's speed that takes as long, for whoever plans [m]."""
-        return self.time_s * self.passage.speed_mps
+    def time_s(self, walking_mps: float | None = None) -> float:
+        """Return how long it takes robots, or somebody on foot who walks at this speed on level floor [s]."""
+        on_foot = walking_mps is not None and self.passage.kind != "lift"
+        speed_mps = walking_mps * self.passage.share if on_foot and walking_mps else self.passage.speed_mps
+        return self.passage.wait_s + self.length_m / speed_mps
+
+    def equivalent_m(self, by: Traveller) -> float:
+        """Return the path on level floor that takes robots, or people, as long, for whoever plans [m]."""
+        if by == "robots":
+            return self.time_s() * self.passage.speed_mps
+        return self.time_s(_WALKING_MPS) * _WALKING_MPS
 
 
 def level_at(levels: Sequence[Level], point: Point) -> Level | None:
@@ -109,16 +158,37 @@ def ceiling_height_m(levels: Sequence[Level], level: Level) -> float:
     return min(above_m) - level.elevation_m if above_m else _TOP_HEIGHT_M
 
 
-def ways(levels: Sequence[Level], passages: Sequence[Passage]) -> tuple[Way, ...]:
-    """Return all ways upwards: of stairs and ramps from each stop to the next, of lifts to all above."""
+def ways(levels: Sequence[Level], passages: Sequence[Passage], by: Traveller) -> tuple[Way, ...]:
+    """Return all ways upwards for robots or people: of stairs and ramps from stop to stop, of lifts to all above."""
     found = []
     for passage in passages:
+        if not passage.takes(by):
+            continue
         pairs = (
             itertools.combinations(passage.stops, 2) if passage.kind == "lift" else itertools.pairwise(passage.stops)
         )
         for start, end in pairs:
             found.append(Way(passage=passage, start=start, end=end, length_m=_length_m(levels, passage, start, end)))
     return tuple(found)
+
+
+def both_ways(levels: Sequence[Level], passages: Sequence[Passage], by: Traveller) -> tuple[Way, ...]:
+    """Return all ways up and down for robots or people."""
+    return tuple(one for way in ways(levels, passages, by) for one in (way, way.back))
+
+
+def places_at_end(way: Way, position: Point) -> list[Point]:
+    """Return where somebody who left from a position may arrive [m]: as far from the stop, at it, or beside it."""
+    (x_m, y_m), radius_m = way.end, way.passage.radius_m
+    angles = [math.tau * k / _PLACES_BESIDE for k in range(_PLACES_BESIDE)]
+    beside = [(radius_m * math.cos(angle), radius_m * math.sin(angle)) for angle in angles]
+    offsets = ((position[0] - way.start[0], position[1] - way.start[1]), (0.0, 0.0), *beside)
+    return [(x_m + dx_m, y_m + dy_m) for dx_m, dy_m in offsets]
+
+
+def portals(levels: Sequence[Level], passages: Sequence[Passage], by: Traveller) -> list[tuple[Point, Point, float]]:
+    """Return the ends and the equivalent length of all ways, as a `PlanningGrid` takes them [m]."""
+    return [(way.start, way.end, way.equivalent_m(by)) for way in ways(levels, passages, by)]
 
 
 def _length_m(levels: Sequence[Level], passage: Passage, start: Point, end: Point) -> float:

@@ -13,6 +13,7 @@ from robotteamsim.scenario.controllers.swarms import RdpsoControl
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.firefighters import Firefighters
 from robotteamsim.scenario.floor_plan import Block, FloorPlan, Wall
+from robotteamsim.scenario.levels import Traveller
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.origin import Origin
 from robotteamsim.scenario.people import People
@@ -264,6 +265,10 @@ class Scenario(Model):
         if robot_id in self.firefighter_ids:
             return "firefighter"
         return "command_centre" if self.command_centre is not None and robot_id == self.base else "robot"
+
+    def travels_as(self, robot_id: int) -> Traveller:
+        """Return whose passages a member of the team uses: firefighters, and the centre that sends them, people's."""
+        return "robots" if self.role_of(robot_id) == "robot" else "people"
 
     @property
     def roles(self) -> tuple[Role, ...]:

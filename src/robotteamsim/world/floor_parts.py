@@ -85,7 +85,7 @@ def _reached(plan: FloorPlan, shapes: Sequence[shapely.Polygon], starts: Sequenc
 def _joined(plan: FloorPlan, shapes: Sequence[shapely.Polygon], reached: set[int]) -> set[int]:
     """Return the indices of these parts of the floor and of those to which passages lead from them."""
     found, size = set(reached), -1
-    stops = [passage.stops for passage in plan.passages if passage.takes_robots]
+    stops = [passage.stops for passage in plan.passages if passage.takes("robots")]
     on = [[i for i, shape in enumerate(shapes) if shape.intersects(shapely.MultiPoint(places))] for places in stops]
     while len(found) != size:
         size = len(found)

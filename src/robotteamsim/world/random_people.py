@@ -37,7 +37,7 @@ def with_drawn_people(scenario: Scenario, building: Building) -> Scenario:
     radius_m, mission = scenario.people.radius_m, scenario.mission
     robots = [robot for robot in placed_robots(scenario, building) if robot.present]
     starts = tuple(way.center for way in mission.exits) or tuple(robot.start_pose[:2] for robot in robots)
-    cells_m = building.shared(reachable_cells_m, radius_m, starts, True)
+    cells_m = building.shared(reachable_cells_m, radius_m, starts, "people", through_doors=True)
     for way in mission.exits:
         cells_m = cells_m[np.hypot(*(cells_m - way.center).T) > way.radius_m]
     taken: list[_Disc] = [(*robot.start_pose[:2], robot.reach_m) for robot in robots]

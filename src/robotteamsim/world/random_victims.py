@@ -8,6 +8,7 @@ from robotteamsim import _core, rng
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.building import Building
+from robotteamsim.scenario.levels import Traveller, portals
 from robotteamsim.scenario.plan import FREE
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.victims import Victim
@@ -26,9 +27,9 @@ _NEAR_M = 1.0
 def with_random_victims(scenario: Scenario, building: Building) -> Scenario:
     """Return a scenario with the victims of `mission.random_victims` at their places; the same if there are none.
 
-    Each is at the centre of a cell, uniformly drawn from all cells that a robot present at the start can reach. The
-    places depend on the plan, the reachable floor and the seed, but not on the controller, the noise or the number of
-    robots.
+    Each is at the centre of a cell, uniformly drawn from all cells that a robot present at the start can reach; if
+    firefighters save, by the passages of people. The places depend on the plan, the reachable floor and the seed, but
+    not on the controller, the noise or the number of robots.
 
     Raises: PlacementError: a robot has no room. ScenarioError: fewer cells can be reached than there are victims.
     """
@@ -37,7 +38,8 @@ def with_random_victims(scenario: Scenario, building: Building) -> Scenario:
         return scenario
     robots = [robot for robot in placed_robots(scenario, building) if robot.present]
     starts = tuple(robot.start_pose[:2] for robot in robots)
-    cells_m = building.shared(reachable_cells_m, min(robot.reach_m for robot in robots), starts)
+    by: Traveller = "people" if scenario.mission.saved_by == "firefighter" else "robots"
+    cells_m = building.shared(reachable_cells_m, min(robot.reach_m for robot in robots), starts, by)
     if len(cells_m) < count:
         line = (
             f"{key}: {count} victims, but robots can reach {len(cells_m)} free cells of {CELL_M:g} m from their start"
@@ -53,14 +55,16 @@ def with_random_victims(scenario: Scenario, building: Building) -> Scenario:
 
 
 def reachable_cells_m(
-    building: Building, reach_m: float, starts: tuple[Point, ...], through_doors: bool = False
+    building: Building, reach_m: float, starts: tuple[Point, ...], by: Traveller, through_doors: bool = False
 ) -> np.ndarray:
     """Return the centres of all cells that a body of this radius can reach from any start, shape (n, 2), row by row.
 
-    Args: through_doors: False: doors are as at the start; True: as if all were open.
+    Args: by:            who goes between levels.
+          through_doors: False: doors are as at the start; True: as if all were open.
     """
     occupancy = building.grid_without_doors(CELL_M) if through_doors else building.grid(CELL_M)
-    grid = _core.plan.PlanningGrid(occupancy.cells != FREE, occupancy.origin_m, CELL_M, reach_m + MARGIN_M)
+    by_passages = portals(building.plan.levels, building.plan.passages, by)
+    grid = _core.plan.PlanningGrid(occupancy.cells != FREE, occupancy.origin_m, CELL_M, reach_m + MARGIN_M, by_passages)
     reached = np.zeros(occupancy.cells.shape, dtype=bool)
     for start in starts:
         place = grid.nearest_free(start, _NEAR_M)

@@ -58,7 +58,7 @@ def test_victims_are_spread_uniformly(hall_scenario):
 
 
 def test_cells_are_the_floor_less_the_clearance(hall_scenario):
-    cells_m = reachable_cells_m(Building(hall_scenario().plan), 0.2, ((3.0, 4.0),))
+    cells_m = reachable_cells_m(Building(hall_scenario().plan), 0.2, ((3.0, 4.0),), "robots")
     # Walls of 0.2 m; cells whose centres are nearer to them than 0.25 m are two more rows and columns on each side.
     assert len(cells_m) == (196 - 4) * (96 - 4)
 

@@ -9,7 +9,7 @@ from robotteamsim.control.driving.known_map import UNREACHABLE_M, KnownMap, know
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.levels import ways as passage_ways
+from robotteamsim.scenario.levels import portals
 from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
 
@@ -77,13 +77,12 @@ def _lattice(building: Building, robot_radius_m: float, spacing_m: float, longes
             if free or math.dist(places[column, row], places[other]) + 1e-6 < length_m <= longest_edge * spacing_m:
                 ways[column, row].append((other, length_m))
                 ways[other].append(((column, row), length_m))
-    for way in passage_ways(building.plan.levels, building.plan.passages):
-        if places and way.passage.takes_robots:
-            (start, to_start_m), (end, to_end_m) = (_nearest(known, places, stop) for stop in (way.start, way.end))
-            length_m = to_start_m + way.equivalent_m + to_end_m
-            if start != end and math.isfinite(length_m):
-                ways[start].append((end, length_m))
-                ways[end].append((start, length_m))
+    for start_m, end_m, passage_m in portals(building.plan.levels, building.plan.passages, "robots") if places else ():
+        (start, to_start_m), (end, to_end_m) = (_nearest(known, places, stop) for stop in (start_m, end_m))
+        length_m = to_start_m + passage_m + to_end_m
+        if start != end and math.isfinite(length_m):
+            ways[start].append((end, length_m))
+            ways[end].append((start, length_m))
     kept = _largest_part(ways)
     index = {node: i for i, node in enumerate(kept)}
     edges = tuple(tuple((index[other], length_m) for other, length_m in ways[node]) for node in kept)

@@ -12,6 +12,7 @@ from robotteamsim.interface.discovery import Discovery
 from robotteamsim.interface.payload import Index, Point, Update, update_reader
 from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.fire import BLOCK_M, Block
+from robotteamsim.scenario.levels import Traveller
 from robotteamsim.swarm import Vector
 
 CELL_M = BLOCK_M
@@ -27,9 +28,9 @@ Disc = tuple[Vector, float]
 class _Floor:
     """The cells of a plan for a robot of one size; expensive results are cached."""
 
-    def __init__(self, building: Building, robot_radius_m: float) -> None:
+    def __init__(self, building: Building, robot_radius_m: float, by: Traveller) -> None:
         plan = building.plan
-        self.grid = known_map(building, robot_radius_m).grid
+        self.grid = known_map(building, robot_radius_m, by=by).grid
         self.origin_m = low_m = plan.bounds.min
         columns, rows = (math.ceil((high - low) / CELL_M) for low, high in zip(low_m, plan.bounds.max, strict=True))
         self.shape = rows, columns
@@ -68,8 +69,11 @@ class _Floor:
 class FloorCover:
     """The floor as cells of 1 m; a cell is covered once a robot was within `radius_m` of its centre and saw it."""
 
-    def __init__(self, building: Building, robot_radius_m: float, start: Vector, radius_m: float) -> None:
-        self._floor = building.shared(_Floor, robot_radius_m)
+    def __init__(
+        self, building: Building, robot_radius_m: float, start: Vector, radius_m: float, by: Traveller = "robots"
+    ) -> None:
+        """Args: by: who goes between levels: robots, or people and firefighters."""
+        self._floor = building.shared(_Floor, robot_radius_m, by)
         self._open = self._floor.reachable(start)
         self._radius_m = radius_m
         self._covered = np.zeros_like(self._open)

@@ -49,6 +49,7 @@ class Driver:
         self._looks = bool(body.sensors) or control.localisation != "ground_truth"
         """Whether it needs the readings of each step, of a thermal camera or of odometry."""
         self._building, self._reach_m = setup.building, body.reach_m
+        self._by = setup.scenario.travels_as(robot_id)
         self._own_pose = OwnPose(robot_id, setup)
         self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
         self.hot = HotPlaces(setup.scenario.plan, setup.scenario.hot_for_c(robot_id))
@@ -56,7 +57,7 @@ class Driver:
         self.doors: Doors = ()
         """The doors that differ from the plan in `map`."""
         self._kept_out: Disc | None = None
-        self.map = known_map(setup.building, body.reach_m)
+        self.map = known_map(setup.building, body.reach_m, by=self._by)
         """Free space, with doors and hot places as believed at the last update."""
 
     def update_map(self, sim_time_ns: int, doors: Doors = (), kept_out: Disc | None = None) -> bool:
@@ -67,7 +68,7 @@ class Driver:
         if not self.hot.update(sim_time_ns) and (doors, kept_out) == (self.doors, self._kept_out):
             return False
         self.doors, self._kept_out = doors, kept_out
-        self.map = known_map(self._building, self._reach_m, doors, self.hot.blocked, kept_out)
+        self.map = known_map(self._building, self._reach_m, doors, self.hot.blocked, kept_out, self._by)
         return True
 
     def closed_area(self, task: Task, position: Vector) -> Vector | None:

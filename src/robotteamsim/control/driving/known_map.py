@@ -9,7 +9,7 @@ from robotteamsim import _core
 from robotteamsim.control.driving.hot_places import with_hot_blocks
 from robotteamsim.scenario.building import Building, Doors
 from robotteamsim.scenario.fire import Block
-from robotteamsim.scenario.levels import ways
+from robotteamsim.scenario.levels import Traveller, portals
 from robotteamsim.scenario.plan import FREE, Grid, OccupancyGrid
 from robotteamsim.swarm import Vector
 
@@ -38,6 +38,7 @@ class KnownMap:
     Results depend only on places and doors, not on earlier calls. Distance maps are cached because they are expensive.
 
     layout: where the cells are in `map`.
+    by:     who goes between levels by the passages: robots, or people and firefighters.
     grid:   which cells are free for the robot's centre, and paths through them and by passages between levels.
     """
 
@@ -48,6 +49,7 @@ class KnownMap:
         doors: Doors,
         hot: tuple[Block, ...] = (),
         kept_out: Disc | None = None,
+        by: Traveller = "robots",
     ) -> None:
         occupancy, clearance_m = building.grid(GRID_RESOLUTION_M, doors), robot_radius_m + MARGIN_M
         cells = with_hot_blocks(occupancy, hot) if hot else occupancy.cells
@@ -55,9 +57,8 @@ class KnownMap:
         if kept_out is not None:
             blocked |= _within(occupancy, kept_out, clearance_m)
         self.layout = Grid(occupancy.origin_m, GRID_RESOLUTION_M)
-        found = ways(building.plan.levels, building.plan.passages)
-        portals = [(way.start, way.end, way.equivalent_m) for way in found if way.passage.takes_robots]
-        self.grid = _core.plan.PlanningGrid(blocked, occupancy.origin_m, GRID_RESOLUTION_M, clearance_m, portals)
+        by_passages = portals(building.plan.levels, building.plan.passages, by)
+        self.grid = _core.plan.PlanningGrid(blocked, occupancy.origin_m, GRID_RESOLUTION_M, clearance_m, by_passages)
         self._distance_maps: dict[Vector, np.ndarray | None] = {}
         self._pieces: dict[tuple[Vector, float], list[np.ndarray]] = {}
 
@@ -135,14 +136,17 @@ def known_map(
     doors: Doors = (),
     hot: tuple[Block, ...] = (),
     kept_out: Disc | None = None,
+    by: Traveller = "robots",
 ) -> KnownMap:
     """Return the map for a building and a robot's radius [m], with doors that are believed to differ from the plan.
 
     Robots share it: its contents depend only on these values.
 
-    Args: hot: places that count as occupied.  kept_out: a disc that the robot's centre enters by at most one cell.
+    Args: hot:      places that count as occupied.
+          kept_out: a disc that the robot's centre enters by at most one cell.
+          by:       who goes between levels: robots, or people and firefighters.
     """
-    return building.shared(KnownMap, robot_radius_m, doors, hot, kept_out)
+    return building.shared(KnownMap, robot_radius_m, doors, hot, kept_out, by)
 
 
 def _within(occupancy: OccupancyGrid, disc: Disc, clearance_m: float) -> np.ndarray:

@@ -105,7 +105,7 @@ class DispatchController:
         self._search = FloorSearch(robot_id, setup, scenario.firefighters.floor_search)
         """Which floor has been searched, passed on to those who have not heard it from each other."""
         self._building, self._reach_m = setup.building, scenario.firefighters.reach_m
-        self._map = known_map(self._building, self._reach_m)
+        self._map = known_map(self._building, self._reach_m, by="people")
         self._hot = HotPlaces(scenario.plan, scenario.firefighters.block_c)
         self._news: dict[str, _News] = {}
         """Of the victims who wait, by name."""
@@ -125,7 +125,7 @@ class DispatchController:
         time_s = observation.sim_time_ns * 1e-9
         self._note(inbox, task, time_s)
         if self._hot.update(observation.sim_time_ns):
-            self._map = known_map(self._building, self._reach_m, (), self._hot.blocked)
+            self._map = known_map(self._building, self._reach_m, (), self._hot.blocked, by="people")
             self._has_news = True
         iteration = observation.sim_time_ns // self._iteration_ns
         is_due = self._has_news or iteration != self._iteration
