@@ -21,6 +21,11 @@ struct type_caster<hazards::Crossing>
 };
 
 template <>
+struct type_caster<hazards::OpeningCell>
+    : TupleCaster<hazards::OpeningCell, &hazards::OpeningCell::above, &hazards::OpeningCell::below,
+                  &hazards::OpeningCell::share, &hazards::OpeningCell::area_m2, &hazards::OpeningCell::rise_m> {};
+
+template <>
 struct type_caster<hazards::DoorModel>
     : TupleCaster<hazards::DoorModel, &hazards::DoorModel::closed, &hazards::DoorModel::open_share,
                   &hazards::DoorModel::closed_share, &hazards::DoorModel::endures_s> {};
@@ -49,22 +54,24 @@ plan::GridShape ShapeOf(const Values& values, const base::Point& origin_m, doubl
 }
 
 void InitFloor(BurningFloor* self, const Mask& east, const Mask& north, std::vector<hazards::Crossing> crossings,
-               std::vector<hazards::DoorModel> doors, std::vector<hazards::Fuel> fuels, const Kinds& fuel_of_cell,
-               double gap_m, double cell_m, double diffusivity_m2_s, double ambient_c, double heat_kj_m2_k,
+               std::vector<hazards::DoorModel> doors, std::vector<hazards::OpeningCell> openings,
+               std::vector<hazards::Fuel> fuels, const Kinds& fuel_of_cell, double gap_m, double cell_m,
+               double diffusivity_m2_s, double height_m, double ambient_c, double heat_kj_m3_k,
                double convection_kw_m2_k, double emissivity, double soot_g_kj, double convective_share) {
   hazards::Links links(static_cast<int>(east.shape(0)), static_cast<int>(east.shape(1)), ValuesOf<std::uint8_t>(east),
                        ValuesOf<std::uint8_t>(north), std::move(crossings), static_cast<int>(doors.size()));
   hazards::Fire fire(links, std::move(fuels), ValuesOf<int>(fuel_of_cell), gap_m / cell_m);
-  const hazards::AirModel air{cell_m,       diffusivity_m2_s,   ambient_c + 273.15,
-                              heat_kj_m2_k, convection_kw_m2_k, emissivity};
-  new (self) BurningFloor(std::move(links), std::move(fire), air, {soot_g_kj, convective_share}, std::move(doors));
+  const hazards::AirModel air{
+      cell_m, diffusivity_m2_s, ambient_c + 273.15, heat_kj_m3_k * height_m, convection_kw_m2_k, emissivity, height_m};
+  new (self) BurningFloor(std::move(links), std::move(fire), air, {soot_g_kj, convective_share}, std::move(doors),
+                          std::move(openings));
 }
 
 void BindBurningFloor(nb::module_& m) {
   nb::class_<BurningFloor>(m, "BurningFloor")
-      .def("__init__", &InitFloor, "east"_a, "north"_a, "crossings"_a, "doors"_a, "fuels"_a, "fuel_of_cell"_a,
-           nb::kw_only(), "gap_m"_a, "cell_m"_a, "diffusivity_m2_s"_a, "ambient_c"_a, "heat_kj_m2_k"_a,
-           "convection_kw_m2_k"_a, "emissivity"_a, "soot_g_kj"_a, "convective_share"_a)
+      .def("__init__", &InitFloor, "east"_a, "north"_a, "crossings"_a, "doors"_a, "openings"_a, "fuels"_a,
+           "fuel_of_cell"_a, nb::kw_only(), "gap_m"_a, "cell_m"_a, "diffusivity_m2_s"_a, "height_m"_a, "ambient_c"_a,
+           "heat_kj_m3_k"_a, "convection_kw_m2_k"_a, "emissivity"_a, "soot_g_kj"_a, "convective_share"_a)
       .def("ignite", &BurningFloor::Ignite, "cell"_a)
       .def("set_door", &BurningFloor::SetDoor, "door"_a, "closed"_a)
       .def("advance", &BurningFloor::Advance, "seconds"_a)

@@ -22,11 +22,13 @@ struct Yields {
   double warmth = 0.7;  ///< share of the heat that warms the air
 };
 
-/// Fire, smoke, heat and doors of one floor.
+/// Fire, smoke, heat and doors of one plan.
 class BurningFloor {
  public:
-  /// Args: doors: as many as the links have.  Throws std::invalid_argument: a number is wrong.
-  BurningFloor(Links links, Fire fire, const AirModel& air, const Yields& yields, std::vector<DoorModel> doors);
+  /// Args: doors: as many as the links have.  openings: between levels, for the air.
+  /// Throws std::invalid_argument: a number is wrong.
+  BurningFloor(Links links, Fire fire, const AirModel& air, const Yields& yields, std::vector<DoorModel> doors,
+               std::vector<OpeningCell> openings = {});
 
   /// Ignites a cell, row * cols + column; returns false if it cannot burn.
   bool Ignite(int cell);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <stdexcept>
+#include <utility>
 
 #include "robotteamsim/base/checks.hpp"
 
@@ -15,7 +16,8 @@ constexpr double kLargestShare = 2.0 / 3.0;           // of what a cell has that
 constexpr double kLongestCooling = 1.0;               // [s]
 constexpr float kNothing = 1e-9F;                     // [K]
 constexpr double kSmallest = 1e-3;
-constexpr double kHottest = 1e4;  // [K]
+constexpr double kHottest = 1e4;      // [K]
+constexpr double kGravity = 9.80665;  // [m/s^2]
 // Radiation multiplies three temperatures, and a density divides soot by a height: both fit in single precision.
 constexpr float kMostExcess = 1e12F;  // [K]
 constexpr double kMostSoot = 1e28;    // [g/m^2]
@@ -28,6 +30,7 @@ AirModel Checked(const AirModel& model) {
   base::CheckPositive(model.heat_capacity_kj_m2_k, "heat_capacity_kj_m2_k");
   base::CheckNotNegative(model.convection_kw_m2_k, "convection");
   base::CheckNotNegative(model.emissivity, "emissivity");
+  base::CheckPositive(model.height_m, "height_m");
   // Temperatures have single precision and must stay finite.
   if (model.cell_m < kSmallest || model.heat_capacity_kj_m2_k < kSmallest || model.ambient_k > kHottest) {
     throw std::invalid_argument("cell_m and heat_capacity_kj_m2_k must be at least 0.001, ambient_k at most 10000");
@@ -75,10 +78,36 @@ void CoolCells(float convection, float radiation, float ambient, int count, floa
   }
 }
 
+/// Returns openings whose cells are those of arrays with a border.
+std::vector<OpeningCell> WithBorder(std::vector<OpeningCell> openings, const Links& links) {
+  const int cells = links.rows() * links.cols();
+  for (OpeningCell& opening : openings) {
+    base::CheckPositive(opening.share, "the share of an opening");
+    base::CheckPositive(opening.area_m2, "the area of an opening");
+    base::CheckPositive(opening.rise_m, "the rise of an opening");
+    const auto is_cell = [&](int cell) { return cell >= 0 && cell < cells; };
+    if (!is_cell(opening.above) || !is_cell(opening.below) || opening.above == opening.below) {
+      throw std::invalid_argument("an opening must be between two cells of the grid");
+    }
+    opening.above = links.Padded(opening.above);
+    opening.below = links.Padded(opening.below);
+  }
+  return openings;
+}
+
+/// Returns how much air a square metre of an opening lets up, and as much down, by buoyancy [m/s]: Cooper's exchange
+/// flow without a difference of pressure, as in CFAST 7 (ventcf in flowvertical.f90). Of ideal gases at one pressure,
+/// the difference of the densities over their mean is that of the temperatures.
+double BuoyantExchange(double area_m2, double above_k, double below_k) {
+  if (below_k <= above_k) return 0.0;
+  return 0.1 * std::sqrt(std::sqrt(area_m2)) * std::sqrt(2.0 * kGravity * (below_k - above_k) / (below_k + above_k));
+}
+
 }  // namespace
 
-Air::Air(const AirModel& model, const Links& links)
+Air::Air(const AirModel& model, const Links& links, std::vector<OpeningCell> openings)
     : model_(Checked(model)),
+      openings_(WithBorder(std::move(openings), links)),
       rows_(links.rows()),
       soot_(links.PaddedSize(), 0.0),
       excess_(links.PaddedSize(), 0.0F),
@@ -108,7 +137,10 @@ void Air::Advance(const Links& links, double seconds) {
   if (!(passes <= kMostPasses)) throw std::invalid_argument("seconds are too many for cells of this size");
   Spread(links, total / passes, static_cast<int>(passes));
   const int coolings = std::max(1, static_cast<int>(std::min(std::ceil(seconds / kLongestCooling), 1e6)));
-  for (int i = 0; i < coolings; ++i) Cool(links.stride(), seconds / coolings);
+  for (int i = 0; i < coolings; ++i) {
+    Exchange(links.stride(), seconds / coolings);
+    Cool(links.stride(), seconds / coolings);
+  }
 }
 
 void Air::Spread(const Links& links, double share, int passes) {
@@ -131,6 +163,28 @@ void Air::Spread(const Links& links, double share, int passes) {
                       soot_.data() + south, soot_from_south_.data(), excess_after_.data() + south,
                       excess_.data() + south, excess_from_south_.data());
     }
+  }
+}
+
+void Air::Exchange(int stride, double seconds) {
+  for (const OpeningCell& opening : openings_) {
+    const int row_above = opening.above / stride, row_below = opening.below / stride;
+    const auto is_reached = [&](int row) { return first_ <= row && row <= last_; };
+    if (!is_reached(row_above) && !is_reached(row_below)) continue;
+    first_ = std::min({first_, row_above, row_below});
+    last_ = std::max({last_, row_above, row_below});
+    const double above_k = model_.ambient_k + excess_[opening.above],
+                 below_k = model_.ambient_k + excess_[opening.below];
+    const double flow_mps =
+        model_.diffusivity_m2_s / opening.rise_m + BuoyantExchange(opening.area_m2, above_k, below_k);
+    // The difference of the two cells decays exponentially: stable for any duration.
+    const double moved = -0.5 * std::expm1(-2.0 * opening.share * flow_mps * seconds / model_.height_m);
+    const double soot = moved * (soot_[opening.below] - soot_[opening.above]);
+    soot_[opening.above] += soot;
+    soot_[opening.below] -= soot;
+    const auto excess = static_cast<float>(moved * (below_k - above_k));
+    excess_[opening.above] += excess;
+    excess_[opening.below] -= excess;
   }
 }
 

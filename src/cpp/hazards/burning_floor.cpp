@@ -26,10 +26,10 @@ std::vector<Value> WithoutBorder(const Links& links, const Function& value_of) {
 }  // namespace
 
 BurningFloor::BurningFloor(Links links, Fire fire, const AirModel& air, const Yields& yields,
-                           std::vector<DoorModel> doors)
+                           std::vector<DoorModel> doors, std::vector<OpeningCell> openings)
     : links_(std::move(links)),
       fire_(std::move(fire)),
-      air_(air, links_),
+      air_(air, links_, std::move(openings)),
       cell_area_m2_(air.cell_m * air.cell_m),
       yields_(yields),
       doors_(std::move(doors)),

@@ -49,13 +49,15 @@ class Hazards:
                 _door(door, doorway, self._fire)
                 for door, doorway in zip(self._plan.doors, self._cells.doorways, strict=True)
             ],
+            list(self._cells.openings),
             _fuels(self._fire, stream(scenario.run.seed, "fire")),
             self._fuel,
             gap_m=self._fire.gap_m,
             cell_m=self._fire.cell_m,
             diffusivity_m2_s=self._fire.soot.diffusivity_m2_s,
+            height_m=self._fire.soot.height_m,
             ambient_c=self._fire.heat.ambient_c,
-            heat_kj_m2_k=_AIR_KJ_M3_K * self._fire.soot.height_m,
+            heat_kj_m3_k=_AIR_KJ_M3_K,
             convection_kw_m2_k=self._fire.heat.convection_w_m2_k / 1e3,
             emissivity=self._fire.heat.emissivity,
             soot_g_kj=self._fire.soot.yield_g_g / self._fire.soot.heat_kj_g,

@@ -9,6 +9,7 @@ import numpy as np
 import shapely
 
 from robotteamsim.errors import PlacementError
+from robotteamsim.hazards.between_levels import OpeningCell, levels_of_cells, opening_cells
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.fire import MAX_CELLS, Fire, Fuel
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
@@ -58,6 +59,7 @@ class Topology(Grid):
     crossings:   of doors: the door's index in the plan, the cell's (row * cols + column), and whether the leaf is
                  between it and its eastern neighbour, not its northern one.
     doorways:    of the doors of the plan, in its order.
+    openings:    the cells that exchange air through openings in floors.
     """
 
     east: np.ndarray
@@ -65,6 +67,7 @@ class Topology(Grid):
     in_solid: np.ndarray
     crossings: tuple[tuple[int, int, bool], ...]
     doorways: tuple[Doorway, ...]
+    openings: tuple[OpeningCell, ...]
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -120,6 +123,10 @@ def topology(plan: FloorPlan, cell_m: float) -> Topology:
     lines = _lines(centres, east=True), _lines(centres, east=False)
     for links, along in zip((east[:, :-1], north[:-1]), lines, strict=True):
         links[np.unravel_index(still.query(along, predicate="intersects")[0], links.shape)] = False
+    if plan.levels:
+        level_of = levels_of_cells(plan, centres)
+        east[:, :-1] &= level_of[:, :-1] == level_of[:, 1:]
+        north[:-1] &= level_of[:-1] == level_of[1:]
     in_solid = np.zeros((rows, cols), dtype=bool)
     in_solid.flat[still.query(shapely.points(centres).ravel(), predicate="intersects")[0]] = True
     crossings = []
@@ -132,7 +139,8 @@ def topology(plan: FloorPlan, cell_m: float) -> Topology:
             free = [(cell, is_east)]
         crossings += [(index, cell, is_east) for cell, is_east in free]
         doorways.append(_doorway(door, free, cell_m))
-    return Topology(grid.origin_m, cell_m, east, north, in_solid, tuple(crossings), tuple(doorways))
+    openings = opening_cells(plan, grid, in_solid)
+    return Topology(grid.origin_m, cell_m, east, north, in_solid, tuple(crossings), tuple(doorways), openings)
 
 
 def _lines(centres: np.ndarray, east: bool) -> np.ndarray:

@@ -150,6 +150,16 @@ def level_at(levels: Sequence[Level], point: Point) -> Level | None:
     return next((level for level in levels if level.bounds.contains(point)), None)
 
 
+def point_below(levels: Sequence[Level], level: Level, point: Point) -> tuple[Level, Point] | None:
+    """Return the next lower level under a point of the plan on a level, and the point there; None: there is none."""
+    x_m, y_m = point[0] - level.origin[0], point[1] - level.origin[1]
+    for below in sorted(levels, key=lambda one: one.elevation_m, reverse=True):
+        place = x_m + below.origin[0], y_m + below.origin[1]
+        if below.elevation_m < level.elevation_m and below.bounds.contains(place):
+            return below, place
+    return None
+
+
 def ceiling_height_m(levels: Sequence[Level], level: Level) -> float:
     """Return the height of a level's ceiling above its floor [m]."""
     if level.height_m is not None:

@@ -116,6 +116,45 @@ TEST(Air, CoolsByConvectionAtTheRateOfItsModel) {
   EXPECT_NEAR(air.excess()[links.Padded(0)], 100.0 * std::pow(1.0 / 1.01, 60), 1e-3);
 }
 
+// Two cells without links, one above the other.
+const Links kApart(1, 2, {0, 0}, {0, 0}, {}, 0);
+
+TEST(Air, ExchangesSootThroughAnOpeningByTheDiffusivity) {
+  // A quarter of the cell is open: 0.25 m^2/s over 3 m carry a quarter of it to and fro, of air of 2.6 m.
+  Air air(WithoutLosses(), kApart, {{0, 1, 0.25, 4.0, 3.0}});
+  air.Add(kApart.Padded(1), 8.0, 0.0);
+  for (int second = 0; second < 100; ++second) air.Advance(kApart, 1.0);
+  const double above = air.soot()[kApart.Padded(0)], below = air.soot()[kApart.Padded(1)];
+  EXPECT_NEAR(above + below, 8.0, 1e-12);
+  EXPECT_NEAR(below - above, 8.0 * std::exp(-2.0 * 0.25 * 0.25 / 3.0 / 2.6 * 100.0), 1e-9);
+}
+
+TEST(Air, HotAirRisesThroughAnOpeningAsInCfast) {
+  // 100 K in the cell below. vex of CFAST's ventcf in terms of densities, of air at 1 atm.
+  const double density_above = 353.0 / 293.15, density_below = 353.0 / 393.15;
+  const double by_buoyancy = 0.1 *
+                             std::sqrt(2.0 * 9.80665 * (density_above - density_below) * std::sqrt(std::pow(4.0, 5)) /
+                                       (density_above + density_below)) /
+                             4.0;
+  for (const bool is_hot_below : {true, false}) {
+    Air air(WithoutLosses(), kApart, {{0, 1, 1.0, 4.0, 3.0}});
+    const int hot = kApart.Padded(is_hot_below ? 1 : 0), other = kApart.Padded(is_hot_below ? 0 : 1);
+    air.Add(hot, 1.0, 200.0);
+    air.Advance(kApart, 1e-3);
+    const double flow_mps = 0.25 / 3.0 + (is_hot_below ? by_buoyancy : 0.0);
+    EXPECT_NEAR(air.soot()[other], flow_mps / 2.6 * 1e-3, 1e-7);
+    EXPECT_NEAR(air.excess()[other], 100.0 * flow_mps / 2.6 * 1e-3, 1e-5);
+    EXPECT_NEAR(air.excess()[hot] + air.excess()[other], 100.0, 1e-4);
+  }
+}
+
+TEST(Air, RejectsOpeningsThatJoinNoTwoCells) {
+  EXPECT_THROW(Air(AirModel(), kApart, {{0, 2, 1.0, 1.0, 3.0}}), std::invalid_argument);
+  EXPECT_THROW(Air(AirModel(), kApart, {{1, 1, 1.0, 1.0, 3.0}}), std::invalid_argument);
+  EXPECT_THROW(Air(AirModel(), kApart, {{0, 1, 0.0, 1.0, 3.0}}), std::invalid_argument);
+  EXPECT_THROW(Air(AirModel(), kApart, {{0, 1, 1.0, 1.0, -3.0}}), std::invalid_argument);
+}
+
 TEST(Air, RejectsImpossibleNumbers) {
   const Links links(1, 1, {1}, {1}, {}, 0);
   AirModel model;
