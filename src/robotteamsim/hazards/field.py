@@ -9,7 +9,7 @@ import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.scenario.base import Point
-from robotteamsim.scenario.fire import Fire
+from robotteamsim.scenario.fire import BLOCK_M, Block, Fire
 from robotteamsim.scenario.plan import Grid
 
 NOT_BURNING, BURNING, BURNT_OUT = 0, 1, 2
@@ -74,6 +74,12 @@ class HazardField(Grid):
         """Return the carbon monoxide at some places [ppm]; it spreads as soot does."""
         soot = self.fire.soot
         return self.soot(positions_m) * (soot.co_yield_g_g / soot.yield_g_g * _CO_PPM_PER_G_M3)
+
+    def hot_blocks(self, limit_c: float) -> set[Block]:
+        """Return the blocks with a cell that is at least as hot [degC]."""
+        hot = np.argwhere(self.temperatures_c >= limit_c) + 0.5
+        rows = np.floor(hot * self.resolution_m / BLOCK_M).astype(int).tolist()
+        return {(row, column) for row, column in rows}
 
     def _values_at(self, values: np.ndarray, positions_m: np.ndarray, outside: float) -> np.ndarray:
         # NaN, of an absent robot, is nowhere.

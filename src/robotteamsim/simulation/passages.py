@@ -3,21 +3,30 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple, Protocol
 
-from robotteamsim.control.driving.known_map import UNREACHABLE_M, known_map
+from robotteamsim.control.driving.known_map import UNREACHABLE_M, KnownMap, known_map
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
+from robotteamsim.hazards import HazardField
 from robotteamsim.interface import Decision, Task
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.levels import Traveller, Way, both_ways, places_at_end
 from robotteamsim.scenario.problems import suggestion
 from robotteamsim.setup import Setup
 from robotteamsim.world.contract import AnyWorld
+from robotteamsim.world.doors import DoorStates
 
 _EQUAL_M = 1e-3
 """Paths whose lengths differ by less are equal: lengths are float32."""
+
+
+class _WithField(Protocol):
+    """What has fire and smoke as of the last update; None if nothing can burn."""
+
+    @property
+    def field(self) -> HazardField | None: ...
 
 
 class _Trip(NamedTuple):
@@ -34,11 +43,14 @@ class PassageStage:
     A robot at a stop leaves it if the shortest way to its goal (`Decision.goal_m`) leads over this passage, or to its
     area if the stop itself is its goal, or if it was told to by `take`. It stands at the stop for as long as the way
     takes, and is then at the other stop, or beside it if that is occupied. It goes back only after it has left that.
-    Firefighters use the passages of people, at their walking speed or, with a victim, their escort speed.
+
+    What robots believe is not known here: the shortest way is that of the plan, or that with doors and hot places as
+    they are. Firefighters use the passages of people, at their walking speed or, with a victim, their escort speed.
     """
 
-    def __init__(self, setup: Setup, world: AnyWorld) -> None:
+    def __init__(self, setup: Setup, world: AnyWorld, hazards: _WithField) -> None:
         plan = setup.scenario.plan
+        self._hazards, self._at_start = hazards, DoorStates.at_start(plan)
         self._setup, self._world, self._levels = setup, world, plan.levels
         travellers: tuple[Traveller, ...] = ("robots", "people")
         self._ways = {by: both_ways(plan.levels, plan.passages, by) for by in travellers}
@@ -109,12 +121,24 @@ class PassageStage:
             goal = task.area_center_m if decision.area < 0 else self._areas[decision.area]
         if goal is None:
             return None
-        known = known_map(self._setup.building, self._setup.robots[robot_id].reach_m, by=by)
-        lengths_m = [way.equivalent_m(by) + known.distance_m(goal, way.end) for way in here]
-        length_m, best = min(zip(lengths_m, here, strict=True), key=lambda pair: pair[0])
-        is_shortest = length_m <= known.distance_m(goal, best.start) + _EQUAL_M
-        goes_back = came_by is not None and best.end == came_by.start
-        return best if is_shortest and length_m < UNREACHABLE_M and not goes_back else None
+        for known in self._maps(robot_id, by):
+            lengths_m = [way.equivalent_m(by) + known.distance_m(goal, way.end) for way in here]
+            length_m, best = min(zip(lengths_m, here, strict=True), key=lambda pair: pair[0])
+            is_shortest = length_m <= known.distance_m(goal, best.start) + _EQUAL_M
+            goes_back = came_by is not None and best.end == came_by.start
+            if is_shortest and length_m < UNREACHABLE_M and not goes_back:
+                return best
+        return None
+
+    def _maps(self, robot_id: int, by: Traveller) -> Iterator[KnownMap]:
+        """Yield the map of the plan and, where they differ, that with doors and hot places as they are."""
+        building, reach_m = self._setup.building, self._setup.robots[robot_id].reach_m
+        yield known_map(building, reach_m, by=by)
+        doors = tuple(self._world.door_states().closed_since(self._at_start).items())
+        field = self._hazards.field
+        hot = () if field is None else field.hot_blocks(self._setup.scenario.hot_for_c(robot_id))
+        if doors or hot:
+            yield known_map(building, reach_m, doors, tuple(sorted(hot)), by=by)
 
     def _arrives(self, robot_id: int, way: Way, pose: Pose) -> bool:
         """Set a robot to the other stop of a way as it stood at this one, or beside it; whether there was room."""

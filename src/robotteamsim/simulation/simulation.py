@@ -68,7 +68,7 @@ class Simulation:
         self.world = make_world(scenario, robots)
         self.hazards = NoHazards() if scenario.fire is None else FireStage(setup, self.world)
         """Fire and smoke."""
-        self.passages = PassageStage(setup, self.world) if scenario.plan.passages else None
+        self.passages = PassageStage(setup, self.world, self.hazards) if scenario.plan.passages else None
         """The robots that go from level to level; None if no way leads to another."""
         self.people = PeopleStage(setup, self.world)
         """The victims who move."""

@@ -9,8 +9,6 @@ from collections import deque
 from collections.abc import Collection, Mapping, Sequence
 from typing import Protocol
 
-import numpy as np
-
 from robotteamsim import _core
 from robotteamsim.errors import PlacementError
 from robotteamsim.geometry import Pose, Twist
@@ -21,7 +19,7 @@ from robotteamsim.mission.status import OUT_OF_DANGER, VictimState
 from robotteamsim.network import Message, Network, NetworkState
 from robotteamsim.propagation import FieldMap, RadioField
 from robotteamsim.scenario.base import Point
-from robotteamsim.scenario.fire import BLOCK_M, REPLAN_NS, Block
+from robotteamsim.scenario.fire import REPLAN_NS, Block
 from robotteamsim.scenario.schedule import ScheduledEvent, in_order
 from robotteamsim.sensing.voice import VoiceSensor
 from robotteamsim.setup import Setup
@@ -229,9 +227,7 @@ class PeopleStage:
         if sim_time_ns < self._next_ns:
             return
         self._next_ns = sim_time_ns + REPLAN_NS
-        hot = np.argwhere(field.temperatures_c >= field.fire.heat.block_c) + 0.5
-        blocks = np.floor(hot * field.resolution_m / BLOCK_M).astype(int).tolist()
-        known = self._hot | {(row, column) for row, column in blocks}
+        known = self._hot | field.hot_blocks(field.fire.heat.block_c)
         if known != self._hot:
             self._hot = known
             people.avoid(tuple(sorted(known)))

@@ -168,3 +168,23 @@ def test_firefighters_are_as_fast_on_stairs_as_they_walk() -> None:
 def test_a_mission_over_levels_is_the_same_to_the_bit_with_the_same_seed() -> None:
     hashes = [Simulation(rescue(run={"seed": seed})).run().trajectory_hash for seed in (1, 1, 2)]
     assert hashes[0] == hashes[1] != hashes[2]
+
+
+def test_firefighters_who_see_heat_take_other_stairs() -> None:
+    """The nearest stairs burn; with a thermal camera, a firefighter goes up by those in the far corner."""
+    near = {"name": "near", "kind": "stairs", "stops": [[5, 5], [25, 5]], "length_m": 6.0}
+    far = {"name": "far", "kind": "stairs", "stops": [[9, 1], [29, 1]], "length_m": 12.0}
+    fire = {
+        "fuel": [{"name": "bin", "center": [5.25, 5.25], "radius_m": 0.8, "hrr": [[0, 500]]}],
+        "ignitions": [{"position": [5.25, 5.25]}],
+    }
+    mission = {"saved_by": "firefighter", "victims": [{"name": "eve", "position": [26, 6]}], "time_limit_s": 200.0}
+    crew = {"count": 1, "start": [3.0, 8.0, 0.0], "sensors": [{"kind": "heat", "range_m": 8}]}
+    simulation = Simulation(rescue(plan=tower(near, far), fire=fire, firefighters=crew, mission=mission))
+    simulation.mission.start()
+    while (record := simulation.step()).mission.state == "running":
+        x_m, y_m = record.state.positions_m[1].tolist()
+        assert math.dist((x_m, y_m), (5.0, 5.0)) > 1.0
+        if x_m > 15.0:
+            break
+    assert math.dist((x_m, y_m), (29.0, 1.0)) <= 0.5
