@@ -50,6 +50,10 @@ def test_merged_keys_may_be_replaced() -> None:
         ('a: !!int ""', "x.yaml: tags such as !!int are not supported"),
         ('a: !!bool "x"', "x.yaml: tags such as !!int are not supported"),
         ("!x\na: 1", "x.yaml:1: tags such as !!int are not supported"),
+        # libyaml accepts these:
+        ("a: 1\nb\t: 2\n", "x.yaml:2: found character '\\t' that cannot start any token"),
+        ("a: {nam? e: 1}", "x.yaml: expected ',' or '}', but got '?'"),
+        (">#", "x.yaml: expected chomping or indentation indicators, but found '#'"),
     ],
 )
 def test_bad_yaml_is_rejected_with_its_line(text: str, message: str) -> None:
