@@ -65,13 +65,14 @@ def view(options: argparse.Namespace) -> None:
     targets = [options.target, *([options.compare] if options.compare else [])]
     _check(options, targets)
     if options.html:
-        check_outputs({"--html": options.html}, _inputs(options, targets))
-        write_atomically(options.html, _page(options, targets))
+        loaded = _loaded(options, targets)
+        check_outputs({"--html": options.html}, _inputs(options, targets, loaded))
+        write_atomically(options.html, _page(options, targets, loaded))
         print(options.html)
     elif options.compare or _is_recorded(options.target):
         from robotteamsim.view.server import ViewServer
 
-        _serve(options, ViewServer(options.port, _page(options, targets), host=options.host))
+        _serve(options, ViewServer(options.port, _page(options, targets, _loaded(options, targets)), host=options.host))
     else:
         _show_live(options)
 
@@ -96,16 +97,20 @@ def _check(options: argparse.Namespace, targets: list[str]) -> None:
         raise UsageError(f"{changed[0]}: has no effect on recordings: {', '.join(targets)}")
 
 
-def _inputs(options: argparse.Namespace, targets: list[str]) -> list[str | Path]:
+def _loaded(options: argparse.Namespace, targets: list[str]) -> dict[str, scenario.Scenario]:
+    """Return the scenarios among the targets, by name. Raises: ScenarioError."""
+    return {target: load_scenario(options, target) for target in targets if not _is_recorded(target)}
+
+
+def _inputs(options: argparse.Namespace, targets: list[str], loaded: dict[str, scenario.Scenario]) -> list[str | Path]:
     """Return the files of bags, folders and scenarios. Raises: ScenarioError."""
     files: list[str | Path] = []
     for target in map(Path, targets):
         # All files of a recorded mission belong together, although only one is read.
         is_mission = target.is_dir() and not is_bag(target)
         files += [target / FILE_NAME, *(target / TRAJECTORIES).glob("*")] if is_mission else files_of(target)
-    loaded = [load_scenario(options, target) for target in targets if not _is_recorded(target)]
-    loaded += [scenario.load(options.scenario)] if options.scenario else []
-    return [*files, *(file for one in loaded for file in one.origin.files)]
+    scenarios = [*loaded.values(), *([scenario.load(options.scenario)] if options.scenario else [])]
+    return [*files, *(file for one in scenarios for file in one.origin.files)]
 
 
 def _show_live(options: argparse.Namespace) -> None:
@@ -138,10 +143,10 @@ def _serve(options: argparse.Namespace, server: ViewServer) -> None:
         server.serve_forever(poll_interval=0.1)
 
 
-def _page(options: argparse.Namespace, targets: list[str]) -> str:
+def _page(options: argparse.Namespace, targets: list[str], loaded: dict[str, scenario.Scenario]) -> str:
     from robotteamsim.view.html import mission_page
 
-    recordings = [_recording(options, target) for target in targets]
+    recordings = [_recording(options, target, loaded.get(target)) for target in targets]
     title = recordings[0].title if len(recordings) == 1 else " and ".join(one.title for one in recordings)
     return mission_page(recordings, title, compare=len(recordings) > 1)
 
@@ -150,21 +155,20 @@ def _is_recorded(target: str) -> bool:
     return Path(target).is_dir() or is_bag(target)
 
 
-def _recording(options: argparse.Namespace, target: str) -> Recording:
-    """Read a bag, or simulate a scenario or the mission of a folder again."""
+def _recording(options: argparse.Namespace, target: str, loaded: scenario.Scenario | None) -> Recording:
+    """Simulate a scenario, read a bag, or simulate the mission of a folder again."""
     from robotteamsim.view.recorder import record_mission
 
+    if loaded is not None:
+        check_code(options, loaded)
+        return record_mission(loaded)[0]
     if is_bag(target):
         from robotteamsim.recording.replay.reading import read_run
         from robotteamsim.view.from_bag import recording_of
 
         building = scenario.load(options.scenario) if options.scenario else None
         return recording_of(read_run([Path(target)], options.odometry), building)
-    if Path(target).is_dir():
-        return _repeated(options, Path(target))
-    loaded = load_scenario(options, target)
-    check_code(options, loaded)
-    return record_mission(loaded)[0]
+    return _repeated(options, Path(target))
 
 
 def _repeated(options: argparse.Namespace, folder: Path) -> Recording:
