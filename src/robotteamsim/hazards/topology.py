@@ -13,7 +13,7 @@ from robotteamsim.hazards.between_levels import OpeningCell, levels_of_cells, op
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.fire import MAX_CELLS, Fire, Fuel
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
-from robotteamsim.scenario.plan import Grid, Solid, door_corners, grid_shape, solids
+from robotteamsim.scenario.plan import Grid, Solid, door_corners, footprints, grid_shape, solids
 
 Link = tuple[int, bool]
 """Index of a cell (row * cols + column), and whether the link is to its eastern neighbour, not its northern one."""
@@ -117,7 +117,7 @@ def topology(plan: FloorPlan, cell_m: float) -> Topology:
         plan.bounds.min[0] + cell_m * (np.arange(cols) + 0.5), plan.bounds.min[1] + cell_m * (np.arange(rows) + 0.5)
     )
     centres = np.stack([x, y], axis=-1)
-    still = shapely.STRtree([solid.polygon for solid in solids(plan.model_copy(update={"doors": ()}))])
+    still = shapely.STRtree(footprints(solids(plan.model_copy(update={"doors": ()}))))
     east, north = np.ones((rows, cols), dtype=bool), np.ones((rows, cols), dtype=bool)
     east[:, -1], north[-1] = False, False
     lines = _lines(centres, east=True), _lines(centres, east=False)

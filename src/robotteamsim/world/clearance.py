@@ -7,7 +7,7 @@ from robotteamsim.errors import PlacementError
 from robotteamsim.scenario.base import PlanarPose
 from robotteamsim.scenario.body import Body
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.plan import Solid, solids
+from robotteamsim.scenario.plan import Solid, footprints, solids
 from robotteamsim.scenario.sections import Robot
 
 TOUCH_M = 1e-6
@@ -19,7 +19,7 @@ class Solids:
 
     def __init__(self, plan: FloorPlan, doors: bool = True) -> None:
         self._solids = [solid for solid in solids(plan) if doors or solid.kind != "door"]
-        self._shapes = [solid.polygon for solid in self._solids]
+        self._shapes = footprints(self._solids)
 
     def at_point(self, point: tuple[float, float]) -> Solid | None:
         """Return the first solid that contains a point; None if the point is free."""

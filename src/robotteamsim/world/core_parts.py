@@ -8,7 +8,7 @@ from robotteamsim import _core
 from robotteamsim.geometry import Pose
 from robotteamsim.scenario.floor_plan import Door, FloorPlan
 from robotteamsim.scenario.objects import MovableObject
-from robotteamsim.scenario.plan import Corners, Solid, door_corners, solids
+from robotteamsim.scenario.plan import Corners, Solid, door_corners, footprints, solids
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.scenario.sensors.base import Fan
 
@@ -23,7 +23,7 @@ _MIN_AREA_M2 = 1e-9
 def still_solids(plan: FloorPlan) -> tuple[tuple[Solid, ...], shapely.STRtree]:
     """Return the solids of a plan without doors, and their polygons as a tree; worlds of the same plan share them."""
     still = solids(plan.model_copy(update={"doors": ()}))
-    return still, shapely.STRtree([solid.polygon for solid in still])
+    return still, shapely.STRtree(footprints(still))
 
 
 @functools.lru_cache(maxsize=16)

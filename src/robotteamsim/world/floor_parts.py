@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -93,6 +94,7 @@ def _joined(plan: FloorPlan, shapes: Sequence[shapely.Polygon], reached: set[int
     return found
 
 
+@functools.lru_cache(maxsize=4)  # a check needs it for places and for parts
 def _all_shapes(plan: FloorPlan, radius_m: float) -> tuple[list[shapely.Polygon], shapely.Geometry]:
     """Return where the centre of a disc can be if all doors are open, the largest part first; and the whole page."""
     walls = obstacles(plan.model_copy(update={"doors": ()}))

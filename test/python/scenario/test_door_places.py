@@ -63,6 +63,15 @@ def test_leaf_more_than_half_in_a_wall_is_reported_with_the_wall(leaf) -> None:
     assert text.endswith("lies in wall 'left'; expected a gap")
 
 
+def test_length_in_walls_that_overlap_counts_once() -> None:
+    bounds, door = Bounds(max=(10.0, 8.0)), Door(name="gate", start=(3.0, 4.0), end=(6.0, 7.0))
+    walls = tuple(Wall(name=f"wall_{i}", start=(2.0, 3.0), end=(4.0 + i, 5.0 + i)) for i in (0.0, 0.2, 0.4))
+    assert misplaced_doors(FloorPlan(name="p", bounds=bounds, walls=walls, doors=(door,))) == []  # 2.0 m of 4.2 m
+    longer = (*walls, Wall(name="longer", start=(2.0, 3.0), end=(4.6, 5.6)))
+    ((_, text),) = misplaced_doors(FloorPlan(name="p", bounds=bounds, walls=longer, doors=(door,)))
+    assert "lies in wall 'longer'" in text
+
+
 def test_leaf_across_a_wall_is_good_where_most_of_it_is_free() -> None:
     assert _mistakes(((3.0, 3.95), (3.0, 5.5))) == []
 
