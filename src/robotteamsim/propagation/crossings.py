@@ -29,9 +29,10 @@ def round_outwards(ends_mm: np.ndarray, rings: np.ndarray, edges_mm: np.ndarray)
     vertices, here, there = ends_mm[:, 2:], lines, lines[following]
     is_off = (_left(here, vertices) != 0) | (_left(there, vertices) != 0)
     is_notch = _left(ends_mm, ends_mm[following, 2:]) < 0
-    moved = vertices.copy()
-    for i in np.flatnonzero(is_off).tolist():
-        moved[i] = _outside(vertices[i], here[i], there[i], _IN_NOTCHES_MM if is_notch[i] else _NEAR_MM)
+    moved, off = vertices.copy(), np.flatnonzero(is_off)
+    moved[off], found = _outside(vertices[off], here[off], there[off], _NEAR_MM)
+    for i in off[~found & is_notch[off]].tolist():
+        moved[i], _ = _outside(vertices[i], here[i], there[i], _IN_NOTCHES_MM)
     starts = np.empty_like(moved)
     starts[following] = moved
     return np.hstack([starts, moved])
@@ -71,25 +72,31 @@ def _left(lines: np.ndarray, points: np.ndarray) -> np.ndarray:
     return np.asarray(along[..., 0] * offset[..., 1] - along[..., 1] * offset[..., 0])
 
 
-def _outside(vertex: np.ndarray, first: np.ndarray, second: np.ndarray, farthest_mm: int) -> np.ndarray:
-    """Return the lattice point nearest to the crossing of two lines that is to the left of neither; else the vertex."""
-    for reach_mm in sorted({_NEAR_MM, farthest_mm}):
-        steps = np.arange(-reach_mm, reach_mm + 1)
-        candidates = vertex + np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
-        outside = candidates[(_left(first, candidates) <= 0) & (_left(second, candidates) <= 0)]
-        if len(outside):
-            away = np.sum((outside - _crossing(vertex, first, second)) ** 2, axis=1)
-            return np.asarray(outside[np.argmin(away)])
-    return vertex
+def _outside(
+    vertices: np.ndarray, first: np.ndarray, second: np.ndarray, reach_mm: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the lattice points nearest to crossings of two lines that are to the left of neither, and if there is one.
+
+    Args:    vertices, first, second: int64, shape (..., 2), (..., 4) and (..., 4).
+    Returns: int64, shape (..., 2), the vertex where no point within reach is outside; bool, shape (...).
+    """
+    steps = np.arange(-reach_mm, reach_mm + 1)
+    offsets = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
+    candidates = vertices[..., None, :] + offsets
+    outside = (_left(first[..., None, :], candidates) <= 0) & (_left(second[..., None, :], candidates) <= 0)
+    away = np.sum((candidates - _crossings(vertices, first, second)[..., None, :]) ** 2, axis=-1)
+    nearest = np.argmin(np.where(outside, away, np.inf), axis=-1)
+    found = np.any(outside, axis=-1)
+    return np.where(found[..., None], vertices + offsets[nearest], vertices), found
 
 
-def _crossing(vertex: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Return where two lines cross at a vertex [mm]; the vertex if they cross elsewhere."""
-    d1, d2 = (first[2:] - first[:2]).astype(float), (second[2:] - second[:2]).astype(float)
-    turn = d1[0] * d2[1] - d1[1] * d2[0]
-    if turn == 0.0:
-        return vertex
-    offset = (second[:2] - vertex).astype(float), (first[:2] - vertex).astype(float)
-    fraction = ((offset[0][0] - offset[1][0]) * d2[1] - (offset[0][1] - offset[1][1]) * d2[0]) / turn
-    crossing = offset[1] + fraction * d1
-    return vertex + crossing if np.abs(crossing).max() <= _NEAR_MM else vertex
+def _crossings(vertices: np.ndarray, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Return where two lines cross at each vertex [mm]; the vertex if they cross elsewhere."""
+    d1, d2 = (first[..., 2:] - first[..., :2]).astype(float), (second[..., 2:] - second[..., :2]).astype(float)
+    turn = d1[..., 0] * d2[..., 1] - d1[..., 1] * d2[..., 0]
+    begin = (first[..., :2] - vertices).astype(float)
+    ahead = (second[..., :2] - vertices).astype(float) - begin
+    fraction = (ahead[..., 0] * d2[..., 1] - ahead[..., 1] * d2[..., 0]) / np.where(turn == 0.0, np.inf, turn)
+    crossing = begin + fraction[..., None] * d1
+    is_near = (turn != 0.0) & (np.abs(crossing).max(axis=-1) <= _NEAR_MM)
+    return np.where(is_near[..., None], vertices + crossing, vertices)

@@ -1,7 +1,7 @@
 """The faces of a floor plan: the losses of rays at the outlines of walls, blocks and doors."""
 
 import functools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,7 @@ from robotteamsim.propagation.slab import wall_loss_db
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.floor_plan import Block, Door, FloorPlan, Wall
 from robotteamsim.scenario.levels import Level, ceiling_height_m
-from robotteamsim.scenario.plan import Solid, solids
+from robotteamsim.scenario.plan import Solid, footprints, solids
 from robotteamsim.scenario.sections import Radio
 
 MM_PER_M = 1000.0
@@ -145,17 +145,13 @@ def _faces(
     Args: weights: half of the loss of each static solid, 0 if it does not attenuate.  door_weights: of its doors.
           floor_weights: of the floors of its levels, see `storeys`.
     """
-    walls: list[tuple[shapely.Polygon, int]] = []
-    others: list[tuple[shapely.Polygon, int]] = []
-    for solid, weight in zip(_static_solids(plan), weights, strict=True):
-        if weight > 0:
-            is_wall = solid.kind != "pillar" and solid.element.thickness_m is not None
-            (walls if is_wall else others).append((solid.polygon, weight))
-    outlines_mm, outline_weights = _separate_outlines(others)
-    parts = [(outlines_mm, outline_weights)]
+    static = list(enumerate(zip(_static_solids(plan), weights, strict=True)))
+    walls = {i: weight for i, (solid, weight) in static if weight > 0 and _is_wall(solid)}
+    others = {i: weight for i, (solid, weight) in static if weight > 0 and not _is_wall(solid)}
+    parts = [_separate_outlines(plan, others)]
     below = 0
-    for level in sorted({weight for _, weight in walls}):  # the changes at the outline of all walls of so high a loss
-        outline_mm = _union_outline([polygon for polygon, weight in walls if weight >= level])
+    for level in sorted(set(walls.values())):  # the changes at the outline of all walls of so high a loss
+        outline_mm = _union_outline(plan, tuple(i for i, weight in walls.items() if weight >= level))
         parts.append((outline_mm, np.full(len(outline_mm), level - below, dtype=np.int32)))
         below = level
     ends_mm, face_weights = _merged(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
@@ -167,23 +163,34 @@ def _faces(
     return Faces(all_ends_mm, all_weights, doors, storeys(plan, floor_weights))
 
 
-def _snapped(polygons: Sequence[shapely.Polygon]) -> np.ndarray:
-    """Return polygons in whole millimetres; those without an area are empty."""
-    in_mm = shapely.transform(np.array(polygons, dtype=object), lambda points_m: _whole(points_m * MM_PER_M))
+def _is_wall(solid: Solid) -> bool:
+    return solid.kind != "pillar" and solid.element.thickness_m is not None
+
+
+def _snapped(plan: FloorPlan, static: Sequence[int]) -> np.ndarray:
+    """Return some of the static solids in whole millimetres; those without an area are empty."""
+    polygons = footprints(_static_solids(plan))[list(static)]
+    in_mm = shapely.transform(polygons, lambda points_m: _whole(points_m * MM_PER_M))
     return np.asarray(shapely.set_precision(in_mm, 1.0))
 
 
-def _separate_outlines(solids_of: Sequence[tuple[shapely.Polygon, int]]) -> tuple[np.ndarray, np.ndarray]:
-    """Return ends [mm] and weights of the outlines of solids, each of which counts for itself."""
-    ends_mm, _, solid = _edges(shapely.orient_polygons(_snapped([polygon for polygon, _ in solids_of])))
-    return ends_mm, np.array([weight for _, weight in solids_of], dtype=np.int32)[solid]
+def _separate_outlines(plan: FloorPlan, weights: Mapping[int, int]) -> tuple[np.ndarray, np.ndarray]:
+    """Return ends [mm] and weights of the outlines of static solids, each of which counts for itself."""
+    ends_mm, _, solid = _edges(shapely.orient_polygons(_snapped(plan, list(weights))))
+    return ends_mm, np.array(list(weights.values()), dtype=np.int32)[solid]
 
 
-def _union_outline(polygons: Sequence[shapely.Polygon]) -> np.ndarray:
-    """Return the ends [mm] of the outline of the polygons' union, its crossings rounded outwards."""
-    snapped = _snapped(polygons)
-    ends_mm, ring, _ = _edges(shapely.orient_polygons(shapely.union_all(snapped, grid_size=1.0)))
+@functools.lru_cache(maxsize=16)  # radio and voice have the same outline of all walls
+def _union_outline(plan: FloorPlan, static: tuple[int, ...]) -> np.ndarray:
+    """Return the ends [mm] of the outline of the union of static solids, its crossings rounded outwards."""
+    snapped = _snapped(plan, static)
     edges_mm, _, _ = _edges(snapped)
+    if np.all(np.any(edges_mm[:, :2] == edges_mm[:, 2:], axis=1)):
+        # Crossings are whole already; a union that rounds takes four times as long.
+        union = shapely.union_all(shapely.set_precision(snapped, 0.0))
+    else:
+        union = shapely.union_all(snapped, grid_size=1.0)
+    ends_mm, ring, _ = _edges(shapely.orient_polygons(union))
     rounded_mm = round_outwards(ends_mm, ring, edges_mm)
     return rounded_mm[np.any(rounded_mm[:, :2] != rounded_mm[:, 2:], axis=1)]
 
