@@ -329,7 +329,7 @@ def _centres_inside(starts: np.ndarray, ends: np.ndarray, rows: int, columns: in
     column = np.clip(np.ceil(x - 0.5), 0, columns).astype(int)
     change = np.zeros((rows, columns + 1), dtype=np.int32)
     np.add.at(change, (row, column), np.where(y1 < y0, 1, -1))
-    return np.cumsum(change, axis=1)[:, :columns] > 0
+    return np.asarray(np.cumsum(change, axis=1, out=change)[:, :columns] > 0)
 
 
 def _cells_crossed(starts: np.ndarray, ends: np.ndarray, rows: int, columns: int) -> np.ndarray:
@@ -350,4 +350,4 @@ def _cells_crossed(starts: np.ndarray, ends: np.ndarray, rows: int, columns: int
     runs = last_column >= first_column
     np.add.at(change, (row[runs], first_column[runs]), 1)
     np.add.at(change, (row[runs], last_column[runs] + 1), -1)
-    return np.cumsum(change, axis=1)[:, :columns] > 0
+    return np.asarray(np.cumsum(change, axis=1, out=change)[:, :columns] > 0)

@@ -50,7 +50,8 @@ class _Values(Composer, SafeConstructor, Resolver):  # type: ignore[misc]  # PyY
         event = self.peek_event()
         if getattr(event, "tag", None) is not None:
             raise yaml.MarkedYAMLError(problem="tags such as !!int are not supported", problem_mark=event.start_mark)
-        if re.search("[\ud800-\udfff]", getattr(event, "value", "")):
+        value = getattr(event, "value", "")
+        if not value.isascii() and re.search("[\ud800-\udfff]", value):
             problem = "half of a surrogate pair, such as \\ud800, is not a character"
             raise yaml.MarkedYAMLError(problem=problem, problem_mark=event.start_mark)
         self._depth += 1
