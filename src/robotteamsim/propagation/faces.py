@@ -10,16 +10,17 @@ import shapely
 from robotteamsim import _core
 from robotteamsim.errors import ScenarioError
 from robotteamsim.propagation.crossings import round_outwards
+from robotteamsim.propagation.mass_law import mass_law_loss_db
 from robotteamsim.propagation.slab import wall_loss_db
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.floor_plan import Block, Door, FloorPlan, Wall
 from robotteamsim.scenario.levels import Level, ceiling_height_m
 from robotteamsim.scenario.plan import Solid, footprints, solids
-from robotteamsim.scenario.sections import Radio
+from robotteamsim.scenario.sections import Radio, Voice
 
 MM_PER_M = 1000.0
-_UNITS_PER_DB = 20
-"""Radio weights are in units of 0.05 dB: losses are multiples of 0.1 dB, so half a loss is a whole number of units."""
+UNITS_PER_DB = 20
+"""Weights of losses are in units of 0.05 dB: a loss is a multiple of 0.1 dB, so half of it is a whole number."""
 
 _CLASS_LIMITS_MM = (200, 400, 600)
 """Thickest wall of each of the first three classes of Table 3; all thicker walls are in the fourth, ]60,80] cm."""
@@ -125,6 +126,19 @@ def storeys(plan: FloorPlan, floor_units: Sequence[int]) -> tuple[_core.propagat
         )
         for level, units in zip(plan.levels, floor_units, strict=True)
     )
+
+
+def material_faces(plan: FloorPlan, voice: Voice) -> Faces:
+    """Return the faces that attenuate voices by the mass of their material, in units of 0.05 dB.
+
+    Elements without a material of the plan, and closed doors, lose `voice.wall_loss_db`, and floors without one
+    `voice.floor_loss_db`.
+    """
+    losses_db = {one.name: mass_law_loss_db(one.layers, voice.frequency_hz) for one in plan.materials}
+    materials = [None if isinstance(e := solid.element, Door) else e.material for solid in _static_solids(plan)]
+    half_losses = tuple(_units(losses_db.get(name or "", voice.wall_loss_db)) // 2 for name in materials)
+    floors = tuple(_units(losses_db.get(level.floor_material or "", voice.floor_loss_db)) for level in plan.levels)
+    return _faces(plan, half_losses, (_units(voice.wall_loss_db),) * len(plan.doors), floors)
 
 
 def _static_solids(plan: FloorPlan) -> list[Solid]:
@@ -262,7 +276,7 @@ def _whole(values: np.ndarray | float) -> np.ndarray:
 
 
 def _units(loss_db: float) -> int:
-    return round(loss_db * _UNITS_PER_DB)
+    return round(loss_db * UNITS_PER_DB)
 
 
 # Cached for the next trial: the pillars of the garage take 2 ms.

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from robotteamsim import _core
-from robotteamsim.propagation.faces import Faces, thickness_faces, voice_faces
+from robotteamsim.propagation.faces import UNITS_PER_DB, Faces, material_faces, thickness_faces, voice_faces
 from robotteamsim.propagation.field_map import FieldMap, map_array
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import OCCUPIED, OccupancyGrid, occupancy_grid
@@ -44,7 +44,9 @@ class VoiceSource:
 
 
 def voice_obstacles(plan: FloorPlan, voice: Voice) -> tuple[Faces, float]:
-    """Return the faces that attenuate voices by `voice.wall_model`, eqs. (5) and (6), and the loss of one unit [dB]."""
+    """Return the faces that attenuate voices by `voice.wall_model`, and the loss of one unit [dB]."""
+    if voice.wall_model == "material":
+        return material_faces(plan, voice), 1.0 / UNITS_PER_DB
     by_thickness = voice.wall_model == "thickness"
     unit_db = _HALF_MM_DB * voice.attenuation_per_cm if by_thickness else voice.wall_loss_db / 2.0
     floor_units = round(voice.floor_loss_db / unit_db) if unit_db > 0.0 else 0
@@ -65,7 +67,8 @@ class VoiceField:
     """Voice levels on one floor [dissertation, eq. 7]; docs/propagation.md defines them.
 
     level(d) = -l_c - 10 gamma log10(d) - walls. With `voice.wall_model: count` the walls, blocks, pillars and closed
-    doors on the straight line cost K l_w (6); with `thickness`, 20 log10(e) mu d, d being their thicknesses (5).
+    doors on the straight line cost K l_w (6); with `thickness`, 20 log10(e) mu d, d being their thicknesses (5); with
+    `material`, those of the plan's materials what their mass makes them lose, see `material_faces`.
     Positions are rounded to whole millimetres.
     """
 

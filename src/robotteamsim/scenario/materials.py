@@ -1,4 +1,4 @@
-"""What walls are made of: layers of substances, from which their radio loss follows."""
+"""What walls are made of: layers of substances, from which their losses of radio and voices follow."""
 
 from __future__ import annotations
 

@@ -90,10 +90,14 @@ class Voice(Model):
     exponent: Interval[Exponent] = Field(
         default=(5.0, 6.0), description="gamma is drawn from this range per victim; 2 in free field"
     )
-    wall_model: Literal["count", "thickness"] = Field(
-        default="count", description="loss per wall: the same for all (eq. 6), or by thickness (eq. 5)"
+    wall_model: Literal["count", "thickness", "material"] = Field(
+        default="count",
+        description="loss per wall: the same for all (eq. 6), by thickness (eq. 5), or by the mass of its material",
     )
-    wall_loss_db: LossDb = Field(default=2.0, description="l_w, any wall or closed door, for `count` [dB]")
+    wall_loss_db: LossDb = Field(
+        default=2.0, description="l_w, any wall or closed door, for `count`; for `material` those without one [dB]"
+    )
+    frequency_hz: float = Field(default=500.0, ge=100.0, le=4000.0, description="of speech, for `material` [Hz]")
     attenuation_per_cm: float = Field(
         default=0.0115, ge=0.0, le=1.0, description="mu, for `thickness`; concrete has 0.01 .. 0.035 [1/cm]"
     )
