@@ -114,7 +114,7 @@ def replaced(node: Any, path: tuple[Any, ...], value: Any) -> Any:
 
 _CELLS = np.zeros((8, 12), np.bool_)
 _CELLS[3, 2:9] = True
-_GRID = new("plan.PlanningGrid", _CELLS, (-1.0, 2.0), 0.5, 0.3)
+_GRID = new("plan.PlanningGrid", _CELLS, (-1.0, 2.0), 0.5, 0.3, [((-0.6, 2.4), (4.2, 5.6), 3.0)])
 _FROM, _TO, _SOLID = (-0.6, 2.4), (4.2, 5.6), (1.0, 3.7)
 _MAP = np.linspace(0.0, 5.0, 96, dtype=np.float32).reshape(8, 12)
 
@@ -210,6 +210,20 @@ def _control() -> Iterator[Call]:
 
 
 _FACES = new("propagation.FaceSet", [(1000, 0, 1000, 3000), (2000, 3000, 4000, 3000)], [20, 40])
+_LEVELS = [
+    new(
+        "propagation.Storey",
+        least_mm=(x_mm, -1000),
+        most_mm=(x_mm + 2200, 6000),
+        origin_mm=(x_mm, 0),
+        floor_mm=floor_mm,
+        ceiling_mm=floor_mm + 2500,
+        floor_weight=weight,
+        openings_mm=[[(x_mm, 0), (x_mm + 900, 0), (x_mm, 800)]],
+    )
+    for x_mm, floor_mm, weight in ((-100, 0, -1), (2200, 3000, 290), (4500, 7000, -1))
+]
+_BUILDING = new("propagation.FaceSet", [(1000, 0, 1000, 3000), (2500, 3000, 4000, 3000)], [20, 40], _LEVELS)
 _CELL_GRID = {"origin_m": (-1.0, 2.0), "cell_m": 1.0, "rows": 4, "columns": 6}
 _LOSSES = new(
     "control.VoiceLosses",
@@ -268,12 +282,16 @@ def _signals() -> Iterator[Call]:
     yield new("propagation.path_loss_db", _FACES, _RADIO, (0.0, 1.0), (3.0, 1.0), 2)
     yield new("propagation.rssi_matrix_dbm", _FACES, _RADIO, _TEAM)
     yield new("propagation.rssi_matrix_dbm", _FACES, _RADIO, np.tile(_TEAM, (4, 1)))
-    radio = (_FACES, _RADIO, [(0.2, 0.3), (3.0, 2.0)], 1, _ORIGIN, _RESOLUTION_M)
-    yield new("propagation.write_best_rssi_map_dbm", *radio, _CELLS_OUT, 1)
-    yield new("propagation.write_rssi_maps_dbm", *radio, Output((12, 8)), 1)
-    yield new("propagation.voice_level_db", _FACES, _VOICE, _CALLER, (3.0, 2.0))
+    yield new("propagation.path_loss_db", _BUILDING, _RADIO, (0.0, 1.0), (5.0, 1.0))
+    yield new("propagation.rssi_matrix_dbm", _BUILDING, _RADIO, np.tile(2.0 * _TEAM, (4, 1)))
     solid = np.zeros((6, 8), np.bool_)
-    yield new("propagation.write_voice_map_db", _FACES, _VOICE, [_CALLER], _ORIGIN, _RESOLUTION_M, solid, _CELLS_OUT, 1)
+    for faces in (_FACES, _BUILDING):
+        radio = (faces, _RADIO, [(0.2, 0.3), (3.0, 2.0)], 1, _ORIGIN, _RESOLUTION_M)
+        yield new("propagation.write_best_rssi_map_dbm", *radio, _CELLS_OUT, 1)
+        yield new("propagation.write_rssi_maps_dbm", *radio, Output((12, 8)), 1)
+        yield new("propagation.voice_level_db", faces, _VOICE, _CALLER, (3.0, 2.0))
+        grid = (_ORIGIN, _RESOLUTION_M, solid, _CELLS_OUT)
+        yield new("propagation.write_voice_map_db", faces, _VOICE, [_CALLER], *grid, 1)
     yield new("network.hop_count", _LINKED)
     yield new("network.fiedler_value", _LINKED)
     links = new(

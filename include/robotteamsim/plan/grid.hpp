@@ -21,9 +21,9 @@ struct GridShape {
 struct Portal {
   base::Point a;
   base::Point b;
-  double length_m = 0.0;  ///< at most kLongestPortal
+  double length_m = 0.0;  ///< at most kLongestPortal cells
 };
-constexpr double kLongestPortal = 1e5;
+constexpr double kLongestPortal = 1e6;
 
 /// The cells that are free for the centre of one robot, and the paths through them, also by portals.
 ///

@@ -105,6 +105,9 @@ void CellPaths::LinkPortals() {
     const int a = StartOf(portal.a), b = StartOf(portal.b);
     if (a == kNone || b == kNone || a == b) continue;
     const double length = Distance(portal.a, *places_[a]) + portal.length_m + Distance(portal.b, *places_[b]);
+    if (length > plan::kLongestPortal * cells_.resolution_m) {
+      throw std::invalid_argument("a portal is longer than a million cells");
+    }
     jumps_.push_back({a, b, static_cast<float>(length)});
     jumps_.push_back({b, a, static_cast<float>(length)});
   }

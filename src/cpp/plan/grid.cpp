@@ -81,7 +81,9 @@ PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_
     base::Check(portal.a, "an end of a portal");
     base::Check(portal.b, "an end of a portal");
     base::CheckPositive(portal.length_m, "the length of a portal");
-    if (portal.length_m > kLongestPortal) throw std::invalid_argument("a portal is longer than 100 km");
+    if (portal.length_m > kLongestPortal * shape.resolution_m) {
+      throw std::invalid_argument("a portal is longer than a million cells");
+    }
     const int a = FreeCellOf(portal.a), b = FreeCellOf(portal.b);
     if (a < 0 || b < 0 || a == b) continue;
     portals_.push_back(portal);

@@ -101,7 +101,7 @@ def test_coarse_paths_lead_over_portals() -> None:
         (((0.2, 0.2), (1.2, 1.2), 0.0), "the length of a portal"),
         (((0.2, 0.2), (1.2, 1.2), math.nan), "the length of a portal"),
         (((0.2, math.inf), (1.2, 1.2), 1.0), "an end of a portal"),
-        (((0.2, 0.2), (1.2, 1.2), 1e6), "longer than 100 km"),
+        (((0.2, 0.2), (1.2, 1.2), 1e6), "longer than a million cells"),
     ],
 )
 def test_portals_without_a_length_or_a_place_are_refused(portal: tuple, problem: str) -> None:
