@@ -58,6 +58,9 @@ struct Ray {
   int floors = 0;           ///< number of other floors that it crosses
 };
 
+/// Returns the point at a share of the way from a to b, rounded to whole millimetres.
+PointMm Along(PointMm a, PointMm b, double share);
+
 /// Returns whether a point is to the left of a face, seen from its start to its end, with the tie rule of FaceSet.
 bool IsLeftOf(const Face& face, PointMm point);
 
@@ -113,16 +116,34 @@ class FaceSet {
   /// Returns the square of the distance of two points in the building [mm^2].
   double SquareBetween(PointMm a, PointMm b) const { return Between(a, b, 0).square_mm2; }
 
-  // The parts of a ray from a on storey `low` to b on storey `high`, which is above.
+  /// A storey that rays between two others pass, and between which shares of their way.
+  struct Passed {
+    std::size_t storey;
+    double from;
+    double to;
+  };
+
+  /// What rays from a storey to one above have in common.
+  struct Rise {
+    double square_mm2 = 0.0;         ///< of the difference of heights
+    double leaving = 0.0;            ///< share of the way at which they leave the lower storey
+    double entering = 0.0;           ///< .. and enter the upper one
+    std::vector<Passed> floors;      ///< the floors that they cross, all at `from`
+    std::vector<Passed> in_between;  ///< the storeys whose faces they cross besides
+  };
 
   /// Returns the faces of a storey alone.
   const FaceSet& OnStorey(std::size_t storey) const { return on_storey_[storey]; }
-  /// Returns where the ray leaves the lower storey: from a to there it crosses that storey's faces.
-  PointMm Leaving(std::size_t low, PointMm a, std::size_t high, PointMm b) const;
-  /// Returns where it enters the upper storey: from there to b it crosses that storey's faces.
-  PointMm Entering(std::size_t low, PointMm a, std::size_t high, PointMm b) const;
-  /// Returns its length, and what it crosses but the faces of these two storeys.
-  Ray BesideEnds(std::size_t low, PointMm a, std::size_t high, PointMm b) const;
+  const Rise& RiseOf(std::size_t low, std::size_t high) const { return rises_[low * storeys_.size() + high]; }
+
+  /// Returns a point of one storey as if it were on another, exactly above or below.
+  PointMm Moved(PointMm point, std::size_t from, std::size_t to) const {
+    const PointMm a = storeys_[from].origin, b = storeys_[to].origin;
+    return {point.x - a.x + b.x, point.y - a.y + b.y};
+  }
+
+  /// Returns the length of a ray from a to b above, and what the floors cost.
+  Ray ThroughFloors(std::size_t low, PointMm a, std::size_t high, PointMm b) const;
 
  private:
   /// The bounding box of consecutive faces, edges included.
@@ -135,6 +156,7 @@ class FaceSet {
   void BoxFaces();
   void CheckStoreys() const;
   void DivideFaces();
+  Rise RiseBetween(std::size_t low, std::size_t high) const;
 
   // One array per quantity, for the loop over all faces.
   std::vector<std::int64_t> start_x_;
@@ -148,7 +170,8 @@ class FaceSet {
   std::vector<std::array<std::size_t, 2>> vertices_of_face_;  // start, end
   std::int64_t total_weight_ = 0;
   std::vector<Storey> storeys_;
-  std::vector<FaceSet> on_storey_;                                    // if there are several
+  std::vector<Rise> rises_;                                           // from each storey to each, if there are several
+  std::vector<FaceSet> on_storey_;                                    // likewise
   std::vector<std::pair<std::size_t, std::size_t>> place_on_storey_;  // of each face: its storey, and its index there
 };
 

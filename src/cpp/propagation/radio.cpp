@@ -110,34 +110,43 @@ class BuildingSignals {
     std::vector<PointMm> points;
   };
 
-  /// The weights of the walls of both storeys for many rays at once, then what else each ray meets.
   void WriteBetween(std::size_t low, std::size_t high, Eigen::Ref<CellValues> rssi_dbm) const {
     const Team &below = on_storey_[low], &above = on_storey_[high];
     if (below.robots.empty() || above.robots.empty()) return;
-    CellValues weights(below.robots.size(), above.robots.size());
-    LinkWeights from_below(faces_.OnStorey(low), simd_), from_above(faces_.OnStorey(high), simd_);
-    std::vector<PointMm> ends;
-    for (std::size_t i = 0; i < below.points.size(); ++i) {
-      ends.clear();
-      for (const PointMm& to : above.points) ends.push_back(faces_.Leaving(low, below.points[i], high, to));
-      const LinkTargets found = from_below.From(below.points[i], ends.data(), ends.size());
-      for (std::size_t j = 0; j < ends.size(); ++j) weights(i, j) = found.Weight(j);
-    }
-    for (std::size_t j = 0; j < above.points.size(); ++j) {
-      ends.clear();
-      for (const PointMm& from : below.points) ends.push_back(faces_.Entering(low, from, high, above.points[j]));
-      const LinkTargets found = from_above.From(above.points[j], ends.data(), ends.size());
-      for (std::size_t i = 0; i < ends.size(); ++i) weights(i, j) += found.Weight(i);
+    const FaceSet::Rise& rise = faces_.RiseOf(low, high);
+    CellValues weights = WeightsTo(low, below.points, low, above.points, high, rise.leaving);
+    weights += WeightsTo(high, above.points, high, below.points, low, 1.0 - rise.entering).transpose();
+    for (const FaceSet::Passed& passed : rise.in_between) {
+      const CellValues before = WeightsTo(passed.storey, below.points, low, above.points, high, passed.from);
+      weights += (WeightsTo(passed.storey, below.points, low, above.points, high, passed.to) - before).cwiseMax(0.0);
     }
     for (std::size_t i = 0; i < below.robots.size(); ++i) {
       for (std::size_t j = 0; j < above.robots.size(); ++j) {
-        const Ray rest = faces_.BesideEnds(low, below.points[i], high, above.points[j]);
-        const double loss_db =
-            LossDb(model_, rest.square_mm2, weights(i, j) + static_cast<double>(rest.weight)) + floors_db_[rest.floors];
-        const Eigen::Index row = below.robots[i], col = above.robots[j];
-        rssi_dbm(row, col) = rssi_dbm(col, row) = model_.tx_power_dbm - loss_db;
+        const Ray ray = faces_.ThroughFloors(low, below.points[i], high, above.points[j]);
+        const double units = weights(i, j) + static_cast<double>(ray.weight);
+        const double signal_dbm =
+            model_.tx_power_dbm - (LossDb(model_, ray.square_mm2, units) + floors_db_[ray.floors]);
+        rssi_dbm(below.robots[i], above.robots[j]) = rssi_dbm(above.robots[j], below.robots[i]) = signal_dbm;
       }
     }
+  }
+
+  /// Returns the weights of the faces of a storey between points of one storey and a share of the way to those of
+  /// another, all as if they were on that storey.
+  CellValues WeightsTo(std::size_t storey, const std::vector<PointMm>& from, std::size_t from_storey,
+                       const std::vector<PointMm>& to, std::size_t to_storey, double share) const {
+    CellValues weights(from.size(), to.size());
+    LinkWeights links(faces_.OnStorey(storey), simd_);
+    std::vector<PointMm> ends(to.size());
+    for (std::size_t i = 0; i < from.size(); ++i) {
+      const PointMm start = faces_.Moved(from[i], from_storey, storey);
+      for (std::size_t j = 0; j < to.size(); ++j) {
+        ends[j] = Along(start, faces_.Moved(to[j], to_storey, storey), share);
+      }
+      const LinkTargets found = links.From(start, ends.data(), ends.size());
+      for (std::size_t j = 0; j < to.size(); ++j) weights(i, j) = found.Weight(j);
+    }
+    return weights;
   }
 
   const FaceSet& faces_;

@@ -22,31 +22,12 @@ bool IsValid(const Storey& storey) {
          is_near(storey.floor_mm) && is_near(storey.ceiling_mm);
 }
 
-/// Returns the point at a share of the way from a to b, rounded to whole millimetres.
-PointMm Along(PointMm a, PointMm b, double share) {
-  return {a.x + std::llround(share * static_cast<double>(b.x - a.x)),
-          a.y + std::llround(share * static_cast<double>(b.y - a.y))};
-}
+/// Returns the nearest whole number, halves away from zero; unlike std::llround, it is no call of a function.
+std::int64_t Rounded(double value) { return static_cast<std::int64_t>(value + (value < 0.0 ? -0.5 : 0.5)); }
 
 bool IsIn(const Storey& storey, PointMm point) {
   return storey.least.x <= point.x && point.x <= storey.most.x && storey.least.y <= point.y && point.y <= storey.most.y;
 }
-
-/// How high a ray from a storey to one above is along its way.
-class Rise {
- public:
-  Rise(const Storey& low, const Storey& high)
-      : from_mm_(low.floor_mm + FaceSet::kHeightMm), rise_mm_(static_cast<double>(high.floor_mm - low.floor_mm)) {}
-
-  double height_mm() const { return rise_mm_; }
-
-  /// Returns the share of the way at which the ray is at a height; not within 0 to 1 where it never is.
-  double ShareAt(std::int64_t height_mm) const { return static_cast<double>(height_mm - from_mm_) / rise_mm_; }
-
- private:
-  std::int64_t from_mm_;
-  double rise_mm_;
-};
 
 /// Returns whether a point is in a polygon: whether a ray from it to the right crosses an odd number of its edges.
 bool IsInside(const std::vector<PointMm>& polygon, PointMm point) {
@@ -61,6 +42,10 @@ bool IsInside(const std::vector<PointMm>& polygon, PointMm point) {
 }
 
 }  // namespace
+
+PointMm Along(PointMm a, PointMm b, double share) {
+  return {a.x + Rounded(share * static_cast<double>(b.x - a.x)), a.y + Rounded(share * static_cast<double>(b.y - a.y))};
+}
 
 void FaceSet::CheckStoreys() const {
   for (std::size_t i = 0; i < storeys_.size(); ++i) {
@@ -99,8 +84,28 @@ void FaceSet::DivideFaces() {
     ends[storey].push_back({start_x_[i], start_y_[i], end_x_[i], end_y_[i]});
     weights[storey].push_back(full_weight_[i]);
   }
-  for (std::size_t storey = 0; storey < storeys_.size(); ++storey)
-    on_storey_.emplace_back(ends[storey], weights[storey]);
+  for (std::size_t i = 0; i < storeys_.size(); ++i) on_storey_.emplace_back(ends[i], weights[i]);
+  for (std::size_t low = 0; low < storeys_.size(); ++low) {
+    for (std::size_t high = 0; high < storeys_.size(); ++high) rises_.push_back(RiseBetween(low, high));
+  }
+}
+
+FaceSet::Rise FaceSet::RiseBetween(std::size_t low, std::size_t high) const {
+  const std::int64_t from_mm = storeys_[low].floor_mm + kHeightMm;
+  const auto height_mm = static_cast<double>(storeys_[high].floor_mm - storeys_[low].floor_mm);
+  if (height_mm <= 0.0) return {};
+  const auto share_at = [&](std::int64_t at_mm) { return static_cast<double>(at_mm - from_mm) / height_mm; };
+  Rise rise;
+  rise.square_mm2 = height_mm * height_mm;
+  rise.leaving = std::clamp(share_at(storeys_[low].ceiling_mm), 0.0, 1.0);
+  rise.entering = std::clamp(share_at(storeys_[high].floor_mm), 0.0, 1.0);
+  for (std::size_t i = 0; i < storeys_.size(); ++i) {
+    const double at_floor = share_at(storeys_[i].floor_mm), at_ceiling = share_at(storeys_[i].ceiling_mm);
+    if (at_floor > 0.0 && at_floor <= 1.0) rise.floors.push_back({i, at_floor, at_floor});
+    if (i == low || i == high || at_ceiling <= 0.0 || at_floor >= 1.0) continue;
+    rise.in_between.push_back({i, std::max(at_floor, 0.0), std::min(at_ceiling, 1.0)});
+  }
+  return rise;
 }
 
 Ray FaceSet::Between(PointMm a, PointMm b, std::int64_t enough) const {
@@ -110,42 +115,36 @@ Ray FaceSet::Between(PointMm a, PointMm b, std::int64_t enough) const {
     return {dx * dx + dy * dy, storeys_.size() > 1 ? on_storey_[of_a].WeightBetween(a, b) : WeightBetween(a, b), 0};
   }
   if (storeys_[of_a].floor_mm > storeys_[of_b].floor_mm) return Between(b, a, enough);
-  Ray ray = BesideEnds(of_a, a, of_b, b);
-  if (ray.weight < enough) ray.weight += on_storey_[of_a].WeightBetween(a, Leaving(of_a, a, of_b, b));
-  if (ray.weight < enough) ray.weight += on_storey_[of_b].WeightBetween(Entering(of_a, a, of_b, b), b);
+  const Rise& rise = RiseOf(of_a, of_b);
+  Ray ray = ThroughFloors(of_a, a, of_b, b);
+  const auto add = [&](const FaceSet& faces, PointMm from, PointMm to) {
+    const std::int64_t weight = ray.weight < enough ? faces.WeightBetween(from, to) : 0;
+    ray.weight += weight;
+    return weight;
+  };
+  add(on_storey_[of_a], a, Along(a, Moved(b, of_b, of_a), rise.leaving));
+  add(on_storey_[of_b], b, Along(b, Moved(a, of_a, of_b), 1.0 - rise.entering));
+  for (const Passed& passed :
+       rise.in_between) {  // up to where the ray leaves the storey, less up to where it enters it
+    const PointMm from = Moved(a, of_a, passed.storey), to = Moved(b, of_b, passed.storey);
+    const std::int64_t before = on_storey_[passed.storey].WeightBetween(from, Along(from, to, passed.from));
+    ray.weight -= std::min(before, add(on_storey_[passed.storey], from, Along(from, to, passed.to)));
+  }
   return ray;
 }
 
-PointMm FaceSet::Leaving(std::size_t low, PointMm a, std::size_t high, PointMm b) const {
-  const double share = Rise(storeys_[low], storeys_[high]).ShareAt(storeys_[low].ceiling_mm);
-  return Along(a, b - storeys_[high].origin + storeys_[low].origin, std::clamp(share, 0.0, 1.0));
-}
-
-PointMm FaceSet::Entering(std::size_t low, PointMm a, std::size_t high, PointMm b) const {
-  const double share = Rise(storeys_[low], storeys_[high]).ShareAt(storeys_[high].floor_mm);
-  return Along(a - storeys_[low].origin + storeys_[high].origin, b, std::clamp(share, 0.0, 1.0));
-}
-
-Ray FaceSet::BesideEnds(std::size_t low, PointMm a, std::size_t high, PointMm b) const {
-  const Rise rise(storeys_[low], storeys_[high]);
+Ray FaceSet::ThroughFloors(std::size_t low, PointMm a, std::size_t high, PointMm b) const {
+  const Rise& rise = RiseOf(low, high);
   const PointMm from = a - storeys_[low].origin, to = b - storeys_[high].origin;
   const auto dx = static_cast<double>(to.x - from.x), dy = static_cast<double>(to.y - from.y);
-  Ray ray{dx * dx + dy * dy + rise.height_mm() * rise.height_mm(), 0, 0};
-  for (std::size_t i = 0; i < storeys_.size(); ++i) {
-    const Storey& storey = storeys_[i];
-    const PointMm start = from + storey.origin, end = to + storey.origin;
-    const double at_floor = rise.ShareAt(storey.floor_mm), at_ceiling = rise.ShareAt(storey.ceiling_mm);
-    if (at_floor > 0.0 && at_floor <= 1.0) {
-      const PointMm through = Along(start, end, at_floor);
-      const auto is_around = [&](const std::vector<PointMm>& opening) { return IsInside(opening, through); };
-      if (IsIn(storey, through) && std::none_of(storey.openings.begin(), storey.openings.end(), is_around)) {
-        ray.floors += storey.floor_weight == Storey::kCounted ? 1 : 0;
-        ray.weight += std::max(storey.floor_weight, 0);
-      }
-    }
-    if (i == low || i == high || at_ceiling <= 0.0 || at_floor >= 1.0) continue;
-    ray.weight += on_storey_[i].WeightBetween(Along(start, end, std::max(at_floor, 0.0)),
-                                              Along(start, end, std::min(at_ceiling, 1.0)));
+  Ray ray{dx * dx + dy * dy + rise.square_mm2, 0, 0};
+  for (const Passed& floor : rise.floors) {
+    const Storey& storey = storeys_[floor.storey];
+    const PointMm through = Along(from, to, floor.from) + storey.origin;
+    const auto is_around = [&](const std::vector<PointMm>& opening) { return IsInside(opening, through); };
+    if (!IsIn(storey, through) || std::any_of(storey.openings.begin(), storey.openings.end(), is_around)) continue;
+    ray.floors += storey.floor_weight == Storey::kCounted ? 1 : 0;
+    ray.weight += std::max(storey.floor_weight, 0);
   }
   return ray;
 }

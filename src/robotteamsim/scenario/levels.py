@@ -16,7 +16,7 @@ from robotteamsim.scenario.shapes import Bounds, check_polygon, shown_point
 Traveller = Literal["robots", "people"]
 """Who goes over a passage: robots, or people and firefighters on foot."""
 
-MOST_LEVELS = 200
+MOST_LEVELS = 100
 _TOP_HEIGHT_M = 3.0
 """Of the highest level, above which nothing is."""
 
