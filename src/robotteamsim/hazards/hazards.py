@@ -202,9 +202,10 @@ def _burning_cell(plan: FloorPlan, key: str, position: Point, cells: Topology, k
 
 def _door(door: Door, doorway: Doorway, fire: Fire) -> tuple[bool, float, float, float]:
     """Return whether a door is closed at the start, the shares of air that pass, and how long it endures flames [s]."""
-    if not fire.burns_through(door):
-        return door.closed, doorway.open_share, 0.0, -1.0
-    return door.closed, doorway.open_share, doorway.closed_share(fire.soot.door_leakage), fire.heat.door_endures_s
+    endures_s = fire.endures_s(door)
+    is_tight = endures_s is None or door.kind == "fireproof"
+    closed_share = 0.0 if is_tight else doorway.closed_share(fire.soot.door_leakage)
+    return door.closed, doorway.open_share, closed_share, -1.0 if endures_s is None else endures_s
 
 
 def _fuels(fire: Fire, random: np.random.Generator) -> list[tuple[float, float, float, _Curve]]:

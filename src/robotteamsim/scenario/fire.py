@@ -205,7 +205,8 @@ class Fire(Model):
     fuel: Many[Fuel] = Field(default=(), max_length=1000, description="what burns, by place; the rest does not burn")
     ignitions: Many[Ignition] = Field(default=(), max_length=1000, description="where and when it starts to burn")
     fireproof: Many[str] = Field(
-        default=(), description="names of doors that never burn through; doors of kind fireproof never do"
+        default=(),
+        description="names of doors that never burn through, as those of kind fireproof without a rating",
     )
     cell_m: float = Field(
         default=0.5, ge=0.1, le=5.0, description="size of a cell; doorways in oblique walls must be wider [m]"
@@ -250,7 +251,15 @@ class Fire(Model):
 
     def burns_through(self, door: Door) -> bool:
         """Whether flames open this door if it is closed. Those of FDS open none."""
-        return self.fds is None and door.kind != "fireproof" and door.name not in self.fireproof
+        return self.fds is None and self.endures_s(door) is not None
+
+    def endures_s(self, door: Door) -> float | None:
+        """Return for how long a closed door resists flames next to it [s]; None: for ever."""
+        if door.name in self.fireproof:
+            return None
+        if door.fire_resistance_min is not None:
+            return 60.0 * door.fire_resistance_min
+        return None if door.kind == "fireproof" else self.heat.door_endures_s
 
     def updates_at(self, sim_time_ns: int, step_ns: int) -> bool:
         """Whether fire and smoke advance in the step with this stamp [ns]; never in the first step.

@@ -72,6 +72,13 @@ class Door(Model):
     end: Point = Field(validation_alias="to", serialization_alias="to", description="other side of the leaf [m]")
     kind: Literal["normal", "fireproof"] = Field(default="normal", description="Table 3: 1.4 dB or 10.2 dB when closed")
     closed: bool = Field(default=False, description="state at the start")
+    fire_resistance_min: float | None = Field(
+        default=None,
+        ge=1.0,
+        le=360.0,
+        description="when closed, 30 for a door of class EI 30 [en13501_2]; default: heat.door_endures_s of the fire, "
+        "or for ever if fireproof [min]",
+    )
     thickness_m: float = Field(default=0.06, ge=SMALLEST, le=0.2, description="of the leaf as a body [m]")
     height_m: float = Field(default=2.1, ge=SMALLEST, le=20.0, description="for 3D views [m]")
     motion: Literal["instant", "swing", "slide"] = Field(

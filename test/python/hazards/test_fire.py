@@ -139,6 +139,22 @@ def test_normal_door_burns_through_after_its_time_next_to_flames():
     assert (hazards.field.states[:, 12:] == BURNING).any()
 
 
+@pytest.mark.parametrize(
+    ("kind", "named", "beside_until_s"), [("normal", [], 120), ("fireproof", [], 120), ("normal", ["door"], 300)]
+)
+def test_door_with_a_fire_resistance_endures_it_and_one_named_fireproof_for_ever(kind, named, beside_until_s):
+    rated = {"kind": kind, "fire_resistance_min": 2.0}
+    plan = {**ROOMS, "doors": [{**door, **rated} for door in ROOMS["doors"]]}
+    fuel = [everywhere(ROOMS, growth="ultra_fast", load_mj_m2=5000)]
+    hazards, doors, begin, beside_s = fire_of(plan, {"fuel": fuel, **LEFT, "fireproof": named}), Doors(door=True), 1, 0
+    while not hazards.burnt_doors() and beside_s < 300:
+        if kind == "fireproof":
+            assert not hazards.field.soot_g_m3[:, 12:].any()
+        begin = advance(hazards, 1, doors, begin)
+        beside_s += bool((hazards.field.states[5:7, 11] == BURNING).any())
+    assert beside_s == beside_until_s
+
+
 def test_fire_does_not_pass_a_door_that_closes_before_it_is_there_nor_wait_behind_one():
     fuel = [everywhere(ROOMS, growth="ultra_fast", load_mj_m2=5000)]
     hazards, doors = fire_of(door_of_kind("fireproof"), {"fuel": fuel, **LEFT, "cell_m": 0.25}), Doors(door=False)
