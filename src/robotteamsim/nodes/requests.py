@@ -53,6 +53,7 @@ CHANGES_OF_BODIES: Mapping[str, Change] = {
     "remove_object": lambda simulation, request: simulation.world.remove_object(request.name),
     "lift_object": lambda simulation, request: simulation.lift_object(request.robot_id, request.name),
     "drop_object": lambda simulation, request: simulation.drop_object(request.robot_id),
+    "take_passage": lambda simulation, request: simulation.take_passage(request.robot_id, request.level),
     "set_light": lambda simulation, request: simulation.set_light(request.name, request.lit),
     "ignite": lambda simulation, request: simulation.ignite(_position_m(request)),
 }

@@ -13,7 +13,7 @@ from robotteamsim.scenario.controllers.swarms import RdpsoControl
 from robotteamsim.scenario.fire import Fire
 from robotteamsim.scenario.firefighters import Firefighters
 from robotteamsim.scenario.floor_plan import Block, FloorPlan, Wall
-from robotteamsim.scenario.levels import Traveller
+from robotteamsim.scenario.levels import Traveller, served_levels
 from robotteamsim.scenario.objects import MovableObject
 from robotteamsim.scenario.origin import Origin
 from robotteamsim.scenario.people import People
@@ -113,7 +113,8 @@ class Scenario(Model):
             raise wrong("robots", "none of them is present at the start")
         doors = [door.name for door in self.plan.doors]
         lights = [light.name for light in self.run.mujoco.lights]
-        check_schedule(self.schedule, self.present_at_start, doors, lights)
+        levels = served_levels(self.plan.levels, self.plan.passages)
+        check_schedule(self.schedule, self.present_at_start, doors, lights, levels)
         self._check_fire(doors)
         base, last = self.mission.base, self.num_robots - 1
         if base is not None and base > last:

@@ -1,4 +1,4 @@
-"""What changes at given times: robots, doors, lights, noise, victims and fire."""
+"""What changes at given times: robots, their levels, doors, lights, noise, victims and fire."""
 
 from __future__ import annotations
 
@@ -9,14 +9,17 @@ from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, mod
 
 from robotteamsim.scenario.base import Model, Name, NoiseDb, PlanarPose, Point, wrong
 
-EventKind = Literal["remove", "spawn", "door", "light", "noise_db", "victim", "ignite"]
+EventKind = Literal["remove", "spawn", "take_passage", "door", "light", "noise_db", "victim", "ignite"]
 EVENTS: tuple[EventKind, ...] = get_args(EventKind)
-DETAILS: dict[str, EventKind] = {"pose": "spawn", "closed": "door", "lit": "light", "position": "victim"}
+DETAILS: dict[str, EventKind] = {
+    **{"pose": "spawn", "level": "take_passage", "closed": "door"},
+    **{"lit": "light", "position": "victim"},
+}
 """Keys that are only allowed with one kind of event."""
 
 
 class ScheduledEvent(Model):
-    """One change: exactly one of `remove`, `spawn`, `door`, `light`, `noise_db`, `victim` and `ignite`."""
+    """One change: exactly one of the keys in `EVENTS`, with its details."""
 
     at_s: float = Field(ge=0.0, le=1e6, description="takes effect in the first step that begins then or later [s]")
     remove: int | None = Field(default=None, ge=0, le=2999, description="id of the robot to remove")
@@ -26,6 +29,10 @@ class ScheduledEvent(Model):
     pose: PlanarPose | None = Field(
         default=None, description="[x, y, yaw] of the spawned robot; default: its start pose [m, m, rad, map]"
     )
+    take_passage: int | None = Field(
+        default=None, ge=0, le=2999, description="id of the robot to go to a level, from a stop that leads there"
+    )
+    level: str | None = Field(default=None, description="name of the level to which it goes")
     door: str | None = Field(default=None, description="name of the door to close or open")
     closed: bool | None = Field(default=None, description="whether the door closes (true) or opens (false)")
     light: str | None = Field(default=None, description="name of the light to switch; only in `run.world: mujoco`")
@@ -44,6 +51,8 @@ class ScheduledEvent(Model):
         for key, kind in DETAILS.items():
             if getattr(self, key) is not None and kind != given[0]:
                 raise wrong(key, f"only allowed with {kind}")
+        if self.take_passage is not None and self.level is None:
+            raise wrong("level", "missing; expected the name of a level")
         if self.door is not None and self.closed is None:
             raise wrong("closed", "missing; expected true or false")
         if self.light is not None and self.lit is None:
@@ -67,8 +76,8 @@ class ScheduledEvent(Model):
 
     @property
     def robot_id(self) -> int | None:
-        """The robot that leaves or arrives; None for other kinds."""
-        return self.spawn if self.remove is None else self.remove
+        """The robot that leaves, arrives or takes a passage; None for other kinds."""
+        return next((one for one in (self.remove, self.spawn, self.take_passage) if one is not None), None)
 
 
 def in_order(schedule: Sequence[ScheduledEvent]) -> list[tuple[int, ScheduledEvent]]:
@@ -77,11 +86,16 @@ def in_order(schedule: Sequence[ScheduledEvent]) -> list[tuple[int, ScheduledEve
 
 
 def check_schedule(
-    schedule: Sequence[ScheduledEvent], present: Sequence[bool], doors: Sequence[str], lights: Sequence[str]
+    schedule: Sequence[ScheduledEvent],
+    present: Sequence[bool],
+    doors: Sequence[str],
+    lights: Sequence[str],
+    levels: Sequence[str],
 ) -> None:
     """Raise the error of a schedule that contradicts itself, the team or the plan.
 
     Args: present: at the start, per robot.  doors, lights: the names of the plan's doors, and of the lights.
+          levels:  the names of those to which robots can go.
     """
     for index, event in enumerate(schedule):
         if event.door is not None and event.door not in doors:
@@ -90,6 +104,9 @@ def check_schedule(
         if event.light is not None and event.light not in lights:
             known = ", ".join(lights) or "none"
             raise wrong(f"schedule.{index}.light", f"there is no light '{event.light}'; known: {known}")
+        if event.level is not None and event.level not in levels:
+            known = ", ".join(levels) or "none"
+            raise wrong(f"schedule.{index}.level", f"there is no passage to level '{event.level}'; known: {known}")
     there = list(present)
     for index, event in in_order(schedule):
         robot_id, arrives = event.robot_id, event.spawn is not None
@@ -100,4 +117,4 @@ def check_schedule(
             raise wrong(key, f"there is no robot {robot_id}; expected 0 to {len(there) - 1}")
         if there[robot_id] == arrives:
             raise wrong(key, f"robot {robot_id} is {'already' if arrives else 'not'} present at {event.at_s:g} s")
-        there[robot_id] = arrives
+        there[robot_id] = event.remove is None

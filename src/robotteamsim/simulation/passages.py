@@ -12,7 +12,7 @@ from robotteamsim.geometry import Pose, Twist
 from robotteamsim.hazards import HazardField
 from robotteamsim.interface import Decision, Task
 from robotteamsim.scenario.base import Point
-from robotteamsim.scenario.levels import Traveller, Way, both_ways, places_at_end
+from robotteamsim.scenario.levels import Traveller, Way, both_ways, level_at, places_at_end, served_levels
 from robotteamsim.scenario.problems import suggestion
 from robotteamsim.setup import Setup
 from robotteamsim.world.contract import AnyWorld
@@ -54,6 +54,7 @@ class PassageStage:
         self._setup, self._world, self._levels = setup, world, plan.levels
         travellers: tuple[Traveller, ...] = ("robots", "people")
         self._ways = {by: both_ways(plan.levels, plan.passages, by) for by in travellers}
+        self._served = {by: served_levels(plan.levels, plan.passages, by) for by in travellers}
         self._areas = [area.center for area in setup.scenario.mission.areas]
         self._trips: dict[int, _Trip] = {}
         self._came_by: dict[int, Way] = {}
@@ -63,14 +64,17 @@ class PassageStage:
     def take(self, robot_id: int, level: str) -> None:
         """Let a robot that is at a stop go to a level, or the next time that it is at a stop from which it can.
 
-        Raises: ValueError: no such robot, it is absent, or no such level.
+        Raises: ValueError: no such robot, it is absent or on this level, or no passage leads there.
         """
         if robot_id not in range(self._world.num_robots) or not self._world.present[robot_id]:
             raise ValueError(f"take_passage: robot {robot_id!r:.60} is not there")
-        names = [one.name for one in self._levels]
-        if level not in names:
-            known = f"expected one of {', '.join(names)}{suggestion(str(level), names)}"
-            raise ValueError(f"take_passage: there is no level {level!r:.60}; {known}")
+        served = self._served[self._setup.scenario.travels_as(robot_id)]
+        if level not in served:
+            known = f"expected {' or '.join(served) or 'none'}{suggestion(str(level), served)}"
+            raise ValueError(f"take_passage: there is no passage to level {level!r:.60}; {known}")
+        here = level_at(self._levels, tuple(self._world.positions_m()[robot_id].tolist()))
+        if here is not None and here.name == level:
+            raise ValueError(f"take_passage: robot {robot_id} is on level {level} already")
         self._told[robot_id] = level
 
     def held(self, twists: Sequence[Twist]) -> Sequence[Twist]:
@@ -115,7 +119,8 @@ class PassageStage:
             return None
         if told := self._told.get(robot_id):
             level = next(one for one in self._levels if one.name == told)
-            return next((way for way in here if level.bounds.contains(way.end)), None)
+            if there := next((way for way in here if level.bounds.contains(way.end)), None):
+                return there
         goal = decision.goal_m
         if goal is not None and math.dist(goal, here[0].start) <= 2.0 * here[0].passage.radius_m:
             goal = task.area_center_m if decision.area < 0 else self._areas[decision.area]

@@ -34,6 +34,7 @@ class _Changeable(Protocol):
 
     def remove_robot(self, robot_id: int) -> None: ...
     def spawn_robot(self, robot_id: int, pose: Pose | None = None) -> None: ...
+    def take_passage(self, robot_id: int, level: str) -> None: ...
     def set_door(self, name: str, closed: bool) -> None: ...
     def set_light(self, name: str, lit: bool) -> None: ...
     def set_noise_db(self, noise_db: float) -> None: ...
@@ -46,7 +47,7 @@ class ScheduleStage:
 
     Each event takes effect in the first step that begins at its time or later, in order of time. A robot whose place is
     occupied arrives as soon as it is free, unless it is removed before. Events that no longer apply, because the robot
-    is already absent or present, are skipped.
+    is already absent or present, or on its level, are skipped.
     """
 
     def __init__(self, schedule: Sequence[ScheduledEvent]) -> None:
@@ -63,8 +64,8 @@ class ScheduleStage:
             self._apply(event, changed)
 
     def _apply(self, event: ScheduledEvent, changed: _Changeable) -> None:
-        if event.remove is not None or event.spawn is not None:
-            self._change_presence(event, changed)
+        if event.robot_id is not None:
+            self._change_robot(event, changed)
         elif event.door is not None:
             changed.set_door(event.door, bool(event.closed))
         elif event.light is not None:
@@ -76,16 +77,18 @@ class ScheduleStage:
         elif event.ignite is not None:
             changed.ignite(event.ignite)
 
-    def _change_presence(self, event: ScheduledEvent, changed: _Changeable) -> None:
+    def _change_robot(self, event: ScheduledEvent, changed: _Changeable) -> None:
         try:
             if event.remove is not None:
                 self._waiting = [spawn for spawn in self._waiting if spawn.spawn != event.remove]
                 changed.remove_robot(event.remove)
             elif event.spawn is not None:
                 changed.spawn_robot(event.spawn, event.pose and Pose(*event.pose))
+            elif event.take_passage is not None and event.level is not None:
+                changed.take_passage(event.take_passage, event.level)
         except PlacementError:
             self._waiting.append(event)
-        except ValueError:  # The robot is already absent or present.
+        except ValueError:  # The robot is already absent, present, or on this level.
             pass
 
 

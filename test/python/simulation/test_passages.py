@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+import numpy as np
 import pytest
 
 from robotteamsim.geometry import Pose, Twist
@@ -103,7 +104,8 @@ def test_a_robot_is_taken_where_it_is_told_to() -> None:
 def test_stairs_take_no_robots() -> None:
     stairs = Passage(name="stairs", kind="stairs", stops=((2.0, 2.0), (22.0, 2.0)))
     simulation = driven({0: (25.0, 7.0)}, plan=make_plan([stairs]))
-    simulation.take_passage(0, "L1")
+    with pytest.raises(ValueError, match="there is no passage to level 'L1'; expected none"):
+        simulation.take_passage(0, "L1")
     for _ in range(200):
         simulation.step()
     assert level_of(simulation, 0) == 0
@@ -146,11 +148,30 @@ def test_a_robot_with_odometry_knows_where_a_lift_has_taken_it() -> None:
 
 @pytest.mark.parametrize(
     ("arguments", "problem"),
-    [((0, "L9"), "no level 'L9'; expected one of L0, L1, L2"), ((7, "L1"), "robot 7 is not there")],
+    [
+        ((0, "L9"), "there is no passage to level 'L9'; expected L0 or L1 or L2$"),
+        ((0, "L0"), "robot 0 is on level L0 already"),
+        ((7, "L1"), "robot 7 is not there"),
+    ],
 )
 def test_orders_that_cannot_be_followed_are_refused(arguments: tuple, problem: str) -> None:
     with pytest.raises(ValueError, match=problem):
         driven({}).take_passage(*arguments)
+
+
+def test_scheduled_passage_equals_a_call_after_the_same_steps() -> None:
+    """The passage of robot 1, which is removed before, is skipped."""
+    schedule = [{"at_s": 1.0, "take_passage": 0, "level": "L2"}, {"at_s": 2.0, "take_passage": 1, "level": "L2"}]
+    scheduled, called = driven({}, schedule=schedule), driven({})
+    for number in range(120):
+        if number == 10:
+            called.take_passage(0, "L2")
+        if number == 20:
+            scheduled.remove_robot(1)
+            called.remove_robot(1)
+        poses = [simulation.step().state.true_pose for simulation in (scheduled, called)]
+        np.testing.assert_array_equal(*poses)
+    assert level_of(scheduled, 0) == 2
 
 
 def test_a_plan_without_passages_takes_nobody() -> None:

@@ -70,8 +70,10 @@ def _check(settings: Settings) -> None:
     for what, is_used in (("fire", scenario.fire is not None), ("people who move", scenario.moves_people)):
         if is_used:
             raise ParameterError(f"{scenario.name}: Gazebo's world has no {what}; expected world:=true")
-    if any(event.kind in ("remove", "spawn", "door", "light") for event in scenario.schedule):
-        logger.warning("schedule: its robots, doors and lights are left out, because Gazebo's world has no schedule")
+    if any(event.kind in ("remove", "spawn", "take_passage", "door", "light") for event in scenario.schedule):
+        logger.warning(
+            "schedule: its robots, passages, doors and lights are left out, because Gazebo's world has no schedule"
+        )
 
 
 def _find_plugins(folder: str) -> None:
