@@ -65,7 +65,7 @@ void BindSimulation(nb::module_&& m) {
       .def_ro("excluded_steps", &simulation::RobotTotals::excluded_steps)
       .def_ro("longest_stay_steps", &simulation::RobotTotals::longest_stay);
   nb::class_<simulation::TeamTotals>(m, "TeamTotals")
-      .def(nb::init<int>(), "num_robots"_a)
+      .def(nb::init<int, double>(), "num_robots"_a, "longest_step_m"_a)
       .def("add_step", &AddStep, "state"_a, "excluded"_a, "running"_a)
       .def("totals", &simulation::TeamTotals::Totals);
 }

@@ -9,7 +9,8 @@ import csv
 import sys
 from collections import Counter
 
-from robotteamsim.mission.events import AreaPassedOver, RobotFailedByHeat
+from robotteamsim.mission.events import AreaPassedOver
+from robotteamsim.mission.team_events import RobotFailedByHeat
 from robotteamsim.scenario import load
 from robotteamsim.simulation import Simulation
 

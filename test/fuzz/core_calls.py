@@ -439,7 +439,7 @@ def _states() -> Iterator[Call]:
         ("voice_of", 1),
         ("ranges_of", 1),
     )
-    totals = new("simulation.TeamTotals", 2)
+    totals = new("simulation.TeamTotals", 2, 2.0)
     yield totals.of(("add_step", state, [False, True], True), ("totals",))
 
 

@@ -9,7 +9,7 @@ namespace robotteamsim::simulation {
 
 /// One robot's totals over a trial.
 struct RobotTotals {
-  double distance_m = 0.0;  ///< length of its true path
+  double distance_m = 0.0;  ///< length of its true path, without jumps
   int contact_steps = 0;    ///< in which it touched something
   int excluded_steps = 0;   ///< as an excluded robot
   int longest_stay = 0;     ///< most steps within 0.5 m of one place
@@ -18,7 +18,8 @@ struct RobotTotals {
 /// Adds up the totals of each robot of a team.
 class TeamTotals {
  public:
-  explicit TeamTotals(int num_robots);
+  /// Args: longest_step_m: a longer step is a jump, such as by a lift.
+  TeamTotals(int num_robots, double longest_step_m);
 
   /// Adds a step.
   /// Args: positions: the true ones in `map` [m]; NaN for a robot that is not there: then nothing counts.
@@ -40,9 +41,10 @@ class TeamTotals {
     int stay = 0;                    // number of its steps
   };
 
-  static void Add(const base::Point& at, bool in_contact, bool is_excluded, bool is_running, Log* log);
+  void Add(const base::Point& at, bool in_contact, bool is_excluded, bool is_running, Log* log);
 
   std::vector<Log> logs_;
+  double longest_step_m_;
 };
 
 }  // namespace robotteamsim::simulation

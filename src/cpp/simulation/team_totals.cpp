@@ -25,7 +25,8 @@ std::size_t Checked(int num_robots) {
 
 }  // namespace
 
-TeamTotals::TeamTotals(int num_robots) : logs_(Checked(num_robots)) {}
+TeamTotals::TeamTotals(int num_robots, double longest_step_m)
+    : logs_(Checked(num_robots)), longest_step_m_(longest_step_m) {}
 
 void TeamTotals::AddStep(const std::vector<base::Point>& positions, const std::vector<bool>& in_contact,
                          const std::vector<bool>& excluded, bool running) {
@@ -42,7 +43,8 @@ void TeamTotals::Add(const base::Point& at, bool in_contact, bool is_excluded, b
   log->last = at;
   if (std::isnan(at.x)) return;
   const bool has_come = std::isnan(before.x);
-  if (!has_come) log->sums.distance_m += Distance(at, before);
+  const double step_m = has_come ? 0.0 : Distance(at, before);
+  if (step_m <= longest_step_m_) log->sums.distance_m += step_m;
   if (has_come || Distance(at, log->anchor) > kStayRadius) {
     log->anchor = at;
     log->stay = 0;

@@ -211,8 +211,8 @@ class Mission:
     def _judged(self, now: Sensed, decisions: Sequence[Decision]) -> tuple[Any, ...]:
         """Return what is judged in a step, without what `_is_quiet` looks at itself."""
         statuses = [(decision.excluded, decision.swarm, decision.fault, decision.done) for decision in decisions]
-        doors, people = now.doors.version, now.people_version
-        return now.team_version, doors, now.network.version, now.ignited, now.burnt_doors, people, statuses
+        doors, people, levels = now.doors.version, now.people_version, self._world.level_of(now)
+        return now.team_version, doors, now.network.version, now.ignited, now.burnt_doors, people, statuses, levels
 
     def _judge(self, now: Sensed, decisions: Sequence[Decision]) -> None:
         self._judge_voices(now)

@@ -12,13 +12,17 @@ from robotteamsim.mission.events import (
     DoorBurnt,
     DoorChanged,
     DoorMoves,
-    FirefighterCollapsed,
     FireStarted,
     Happening,
     LinkEndangered,
+    PersonEnclosed,
+)
+from robotteamsim.mission.sensed import Sensed
+from robotteamsim.mission.team_events import (
+    FirefighterCollapsed,
+    LevelChanged,
     ObjectDropped,
     ObjectLifted,
-    PersonEnclosed,
     RobotExcluded,
     RobotFailedByHeat,
     RobotIncluded,
@@ -29,7 +33,6 @@ from robotteamsim.mission.events import (
     SwarmDissolved,
     SwarmFounded,
 )
-from robotteamsim.mission.sensed import Sensed
 from robotteamsim.network.messages import NetworkState
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.world.contract import Mishap
@@ -53,9 +56,25 @@ class WorldMonitor:
         self.is_empty = not self._present.any()
         """Whether nobody is present, as of the last step."""
         self._firefighters = frozenset(scenario.firefighter_ids)
+        self._levels = scenario.plan.levels if scenario.plan.passages else ()
+        self._corners_m = np.array([(*level.bounds.min, *level.bounds.max) for level in self._levels]).reshape(-1, 4)
+        self._level_of: tuple[int | None, ...] = ()
+
+    def level_of(self, now: Sensed) -> tuple[int | None, ...]:
+        """Return the index of the level on which each robot is, in id order; None: on none, or absent.
+
+        It is () if no passage leads to another level.
+        """
+        if not self._levels:
+            return ()
+        places = now.state.positions_m[:, None, :]
+        low_m, high_m = self._corners_m[:, :2], self._corners_m[:, 2:]
+        inside: np.ndarray = np.all((places >= low_m) & (places <= high_m), axis=2)
+        is_on = inside.any(axis=1) & now.present
+        return tuple(int(i) if there else None for i, there in zip(inside.argmax(axis=1), is_on, strict=True))
 
     def changes(self, now: Sensed) -> Iterator[Happening]:
-        """Yield what has happened to fuel, doors, people, robots and objects."""
+        """Yield what has happened to fuel, doors, people, robots, objects and who is on which level."""
         for fuel, position_m, spread in now.ignited[self._num_ignited :]:
             yield FireStarted(fuel, position_m, spread)
         for name in now.burnt_doors:
@@ -72,6 +91,11 @@ class WorldMonitor:
         if now.loads != self._loads:
             yield from self._load_changes(now.loads)
         self._mishaps = now.mishaps
+        if (level_of := self.level_of(now)) != self._level_of:
+            for robot_id, (before, on) in enumerate(zip(self._level_of, level_of, strict=False)):
+                if before is not None and on is not None and on != before:
+                    yield LevelChanged(self._levels[on].name, robot_id=robot_id)
+            self._level_of = level_of
 
     def departures_and_arrivals(self, now: Sensed) -> Iterator[Happening]:
         """Yield who has left the team, and why, and who has arrived."""

@@ -55,8 +55,10 @@ class StepRecord(Sensed, kw_only=True, eq=False):
 class RobotTotals(msgspec.Struct, frozen=True):
     """Totals of one robot over a trial.
 
-    distance_m: length of its true path.      contact_s: time in which it touched something.
-    excluded_s: time as an excluded robot.    longest_stay_s: longest time within 0.5 m of one place.
+    distance_m: length of its true path, without jumps between levels and by `set_pose`.
+    contact_s:  time in which it touched something.
+    excluded_s: time as an excluded robot.
+    longest_stay_s: longest time within 0.5 m of one place.
     """
 
     distance_m: float

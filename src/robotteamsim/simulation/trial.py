@@ -14,6 +14,9 @@ from robotteamsim.setup import Setup
 from robotteamsim.simulation.record import Observer, Result, RobotTotals, StepRecord
 from robotteamsim.wording import counted
 
+FASTEST_MPS, SHORTEST_JUMP_M = 20.0, 0.5
+"""No robot is faster: twice the limit of a scenario. What is has jumped, as by a lift; shorter jumps are jitter."""
+
 
 class TrajectoryHash:
     """SHA-256 over the true poses of all robots in every step: equal hashes mean equal bits.
@@ -39,7 +42,7 @@ class TeamTotals:
     """Totals of each robot, added up step by step."""
 
     def __init__(self, num_robots: int, step_s: float) -> None:
-        self._core = _core.simulation.TeamTotals(num_robots)
+        self._core = _core.simulation.TeamTotals(num_robots, max(FASTEST_MPS * step_s, SHORTEST_JUMP_M))
         self._step_s = step_s
 
     def update(self, state: _core.state.State, excluded: Sequence[bool], running: bool) -> None:

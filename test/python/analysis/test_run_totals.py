@@ -14,7 +14,8 @@ import pytest
 from robotteamsim.analysis.runs import totals as totals
 from robotteamsim.analysis.runs.files import document, write_tables
 from robotteamsim.analysis.runs.totals import run_totals
-from robotteamsim.mission.events import Event, RobotRemoved, RobotSpawned
+from robotteamsim.mission.events import Event
+from robotteamsim.mission.team_events import RobotRemoved, RobotSpawned
 from robotteamsim.recording.replay.reading import read_run
 from robotteamsim.recording.replay.recorded_run import RecordedNetwork
 from robotteamsim.recording.topics import mission

@@ -31,13 +31,13 @@ def walk_along_x(figures, xs_m, running=True):
 
 
 def test_distance_contact_and_exclusion_are_added_up_per_robot():
-    figures = TeamTotals(2, step_s=0.1)
+    figures = TeamTotals(2, step_s=0.2)
     for x in (0.0, 3.0, 3.0):
         update(figures, [(x, 0.0), (0.0, x)], [x > 0.0, False], [False, True], running=True)
     first, second = figures.result()
     assert (first.distance_m, second.distance_m) == (3.0, 3.0)
-    assert (first.contact_s, second.contact_s) == (pytest.approx(0.2), 0.0)
-    assert (first.excluded_s, second.excluded_s) == (0.0, pytest.approx(0.3))
+    assert (first.contact_s, second.contact_s) == (pytest.approx(0.4), 0.0)
+    assert (first.excluded_s, second.excluded_s) == (0.0, pytest.approx(0.6))
 
 
 def test_longest_stay_is_the_longest_time_within_half_a_metre_while_the_mission_runs():

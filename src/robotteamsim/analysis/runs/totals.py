@@ -10,8 +10,7 @@ from robotteamsim.mission.events import failure_of
 from robotteamsim.network import newly_endangered
 from robotteamsim.recording.replay.gaps import Gap
 from robotteamsim.recording.replay.recorded_run import RecordedNetwork, RecordedRobot, RecordedRun, Series
-from robotteamsim.recording.replay.tracks import FASTEST_MPS
-from robotteamsim.simulation.trial import TrajectoryHash
+from robotteamsim.simulation.trial import FASTEST_MPS, TrajectoryHash
 from robotteamsim.wording import counted
 
 SPEED_WINDOW_S = 1.0
@@ -269,10 +268,16 @@ def _trajectory_hash(run: RecordedRun) -> str | None:
 
 
 def _jumps(run: RecordedRun, robot: RecordedRobot) -> list[str]:
-    """Return a line if poses jumped, as after a reset of the odometry, or where motion capture lost the robot."""
-    if not robot.track.jumps:
+    """Return a line if poses jumped, as after a reset of the odometry, or where motion capture lost the robot.
+
+    Passages between levels are no jumps.
+    """
+    change = "level_changed", robot.robot_id
+    changes_ns = {stamp_ns for stamp_ns, event in run.events if (event.kind, event.robot_id) == change}
+    jumps = [jump for jump in robot.track.jumps if jump[0] not in changes_ns]
+    if not jumps:
         return []
-    count, (stamp_ns, length_m) = counted(len(robot.track.jumps), "jump"), robot.track.jumps[0]
+    count, (stamp_ns, length_m) = counted(len(jumps), "jump"), jumps[0]
     first = f"the first of {length_m:.1f} m at {run.time_s(np.array(stamp_ns)):.1f} s"
     what = "resets of the odometry" if robot.track.source.startswith("odom") else "breaks in its recorded poses"
     return [f"{robot.name}: {count} faster than {FASTEST_MPS:g} m/s, {first}: {what}, not driven"]

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from robotteamsim.message_parts import MAP_FRAME
+from robotteamsim.simulation.trial import FASTEST_MPS, SHORTEST_JUMP_M
 
 BEFORE_ALL_NS = -(2**62)
 """Stamp of transforms that are valid at all times."""
@@ -20,8 +21,6 @@ Absence = tuple[int, int]
 Jump = tuple[int, float]
 """Stamp of the first pose after a jump [ns], and its length [m]."""
 
-FASTEST_MPS, _SHORTEST_JUMP_M = 20.0, 0.5
-"""No robot is faster: twice the limit of a scenario. Shorter jumps are the jitter of stamps."""
 _RETURNS = 3
 """A localization that was wrong jumps to the right place, and perhaps once back, but not so often."""
 _FARTHEST_M = 1e9
@@ -138,7 +137,7 @@ class Transforms:
         for (namespace, child), unsorted in self._places.items():
             stamps_ns, *place = np.array(sorted(unsorted)).T[:3]
             steps_m = np.hypot(*np.diff(place))
-            jumps = np.flatnonzero(steps_m > _SHORTEST_JUMP_M)
+            jumps = np.flatnonzero(steps_m > SHORTEST_JUMP_M)
             back_m = np.hypot(*(np.take(place, jumps[1:] + 1, axis=1) - np.take(place, jumps[:-1], axis=1)))
             is_split = np.count_nonzero(2.0 * back_m < steps_m[jumps[:-1]]) >= _RETURNS
             if child.rpartition("/")[2] in names and (is_split or (np.diff(stamps_ns)[jumps] == 0.0).any()):
@@ -202,7 +201,7 @@ def _track(source: str, samples: Sequence[tuple[int, PoseSample]], absences: tup
     places, came = poses[:, :2].tolist(), _came(stamps_ns, absences)
     steps_m = np.array([0.0, *itertools.starmap(math.dist, itertools.pairwise(places))])
     steps_m[[index for index in came if index < len(steps_m)]] = 0.0
-    possible_m = np.maximum(np.diff(stamps_ns, prepend=stamps_ns[0]) / 1e9 * FASTEST_MPS, _SHORTEST_JUMP_M)
+    possible_m = np.maximum(np.diff(stamps_ns, prepend=stamps_ns[0]) / 1e9 * FASTEST_MPS, SHORTEST_JUMP_M)
     jumped = np.flatnonzero(steps_m > possible_m)
     jumps = tuple(zip(stamps_ns[jumped].tolist(), steps_m[jumped].tolist(), strict=True))
     steps_m[jumped] = 0.0
