@@ -14,7 +14,7 @@ from robotteamsim.scenario import Door, FloorPlan, Scenario, solids
 from robotteamsim.scenario.base import PlanarPose
 from robotteamsim.scenario.body import corners_at
 from robotteamsim.scenario.objects import MovableObject
-from robotteamsim.scenario.plan import floors, marks, painted_lines
+from robotteamsim.scenario.plan import bay_lines, floors, level_marks
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.setup import Setup
 
@@ -60,7 +60,7 @@ def draw_floor_plan(axes: Axes, plan: FloorPlan, *, floor: bool = True) -> None:
         for bounds in floors(plan):
             (x0, y0), (x1, y1) = bounds.min, bounds.max
             axes.fill([x0, x1, x1, x0], [y0, y0, y1, y1], color=palette.FLOOR, zorder=0)
-        axes.add_collection(LineCollection(painted_lines(plan), colors=palette.BAY, linewidths=0.8, zorder=1))
+        axes.add_collection(LineCollection(bay_lines(plan), colors=palette.BAY, linewidths=0.8, zorder=1))
     for solid in solids(plan.model_copy(update={"doors": ()})):
         colour = palette.SOLIDS[solid.kind]
         # The thin edge hides the gaps that anti-aliasing leaves between adjacent polygons.
@@ -68,8 +68,12 @@ def draw_floor_plan(axes: Axes, plan: FloorPlan, *, floor: bool = True) -> None:
 
     for door in plan.doors:
         _draw_door(axes, door)
-    for name, (x, y) in marks(plan):
-        axes.annotate(name, (x, y), (3, 3), textcoords="offset points", color=palette.SOFT_INK, fontsize=8, zorder=5)
+    for name, corner in level_marks(plan):
+        axes.annotate(name, corner, (3, 3), textcoords="offset points", color=palette.SOFT_INK, fontsize=9, zorder=5)
+    for passage in plan.passages:
+        for stop in passage.stops:
+            axes.add_patch(Circle(stop, passage.radius_m, fill=False, edgecolor=palette.SOFT_INK, zorder=3))
+            axes.text(*stop, passage.name, color=palette.SOFT_INK, fontsize=7, ha="center", va="center", zorder=5)
     axes.set(xlim=(min_x, max_x), ylim=(min_y, max_y), aspect="equal")
     axes.spines[:].set_visible(False)
 

@@ -33,6 +33,8 @@ from robotteamsim.formats.options import add_options, given
 from robotteamsim.recording.files import atomically, prepare_folder, write_atomically
 from robotteamsim.scenario.loading import floor_plan_and_files, is_floor_plan
 from robotteamsim.scenario.map_image import left_out
+from robotteamsim.scenario.plan import plan_of_level
+from robotteamsim.scenario.problems import suggestion
 from robotteamsim.scenario.yaml_text import write
 from robotteamsim.setup import resolve
 from robotteamsim.wording import counted
@@ -73,6 +75,7 @@ def add_to(parser: Parser) -> None:
 
     render = actions.add_parser("render", help="draw a floor plan")
     render.add_argument("plan", metavar="PLAN", help=_PLAN_HELP)
+    render.add_argument("--level", metavar="NAME", help="draw only this level; default all, side by side")
     add_png_option(render)
     render.set_defaults(command=render_plan)
 
@@ -173,4 +176,11 @@ def render_plan(options: argparse.Namespace) -> None:
 
     plan, files = floor_plan_and_files(options.plan)
     check_outputs({"--png": options.png}, files)
+    if options.level is not None:
+        level = next((level for level in plan.levels if level.name == options.level), None)
+        if level is None:
+            names = [level.name for level in plan.levels]
+            known = f"known: {', '.join(names) or 'none'}{suggestion(options.level, names)}"
+            raise UsageError(f"--level: {options.plan} has no level {options.level!r}; {known}")
+        plan = plan_of_level(plan, level)
     save(draw_plan(plan), options.png)

@@ -96,7 +96,7 @@ class OpenRmfImporter(Importer):
 
     noun = "a building.yaml of Open-RMF"
     suffixes = (".yaml", ".yml")
-    sign = r"\A(?=.*^levels:)(?=.*^(building_name|coordinate_system|crowd_sim|graphs|lifts|name):)"
+    sign = r"\A(?!.*^bounds:)(?=.*^levels:)(?=.*^(building_name|coordinate_system|crowd_sim|graphs|lifts|name):)"
     options: ClassVar[Options] = LEVEL
     examples = "  robotteamsim plan import clinic.building.yaml --level L2"
 

@@ -1,11 +1,12 @@
 """The geometry of a floor plan: outlines of its elements and its occupancy grid."""
 
+import dataclasses
 import functools
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 import shapely
@@ -13,8 +14,10 @@ import shapely
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
+from robotteamsim.scenario.levels import Level
 
 Corners = tuple[tuple[float, float], ...]
+_Element = TypeVar("_Element")
 
 FREE = 0
 OCCUPIED = 100
@@ -96,11 +99,8 @@ def _leaves(plan: FloorPlan, states: Mapping[str, bool]) -> Iterator[Solid]:
             yield Solid(door.name, "door", leaf_corners(door, 1.0), door)
 
 
-def painted_lines(plan: FloorPlan) -> tuple[tuple[Point, Point], ...]:
-    """Return the lines on the floor as segments [m]: between parking bays, and around the stops of passages.
-
-    The front and back of a row of bays have no line.
-    """
+def bay_lines(plan: FloorPlan) -> tuple[tuple[Point, Point], ...]:
+    """Return the painted lines between parking bays as segments [m]; the front and back of a row have none."""
     lines = []
     for row in plan.bays:
         start, end = np.array(row.start), np.array(row.end)
@@ -109,6 +109,12 @@ def painted_lines(plan: FloorPlan) -> tuple[tuple[Point, Point], ...]:
         for i in range(row.count + 1):
             foot = start + along * (i / row.count)
             lines.append((tuple(foot.tolist()), tuple((foot + left).tolist())))
+    return tuple(lines)
+
+
+def painted_lines(plan: FloorPlan) -> tuple[tuple[Point, Point], ...]:
+    """Return the lines on the floor as segments [m]: `bay_lines`, and rings around the stops of passages."""
+    lines = list(bay_lines(plan))
     for passage in plan.passages:
         for stop in passage.stops:
             ring = shapely.Point(stop).buffer(passage.radius_m).exterior.coords
@@ -121,10 +127,32 @@ def floors(plan: FloorPlan) -> tuple[Bounds, ...]:
     return tuple(level.bounds for level in plan.levels) or (plan.bounds,)
 
 
-def marks(plan: FloorPlan) -> tuple[tuple[str, Point], ...]:
-    """Return what is written on the floor, and where [m]: the names of levels and passages."""
-    levels = [(f"{level.name} at {level.elevation_m:g} m", level.bounds.min) for level in plan.levels]
-    return (*levels, *((passage.name, stop) for passage in plan.passages for stop in passage.stops))
+def plan_of_level(plan: FloorPlan, level: Level) -> FloorPlan:
+    """Return the part of a plan that is on a level, with the same coordinates."""
+
+    def on_level(elements: Sequence[_Element], place: Callable[[_Element], Point]) -> tuple[_Element, ...]:
+        return tuple(one for one in elements if level.bounds.contains(place(one)))
+
+    passages = [
+        passage.model_copy(update={"stops": on_level(passage.stops, lambda stop: stop)}) for passage in plan.passages
+    ]
+    return plan.model_copy(
+        update={
+            "bounds": level.bounds,
+            "walls": on_level(plan.walls, lambda wall: wall.start),
+            "blocks": on_level(plan.blocks, lambda block: block.polygon[0]),
+            "doors": on_level(plan.doors, lambda door: door.start),
+            "bays": on_level(plan.bays, lambda row: row.start),
+            "levels": (level,),
+            "openings": on_level(plan.openings, lambda opening: opening.polygon[0]),
+            "passages": tuple(passage for passage in passages if passage.stops),
+        }
+    )
+
+
+def level_marks(plan: FloorPlan) -> tuple[tuple[str, Point], ...]:
+    """Return the names of levels as they are written on the floor, and where [m]."""
+    return tuple((f"{level.name} at {level.elevation_m:g} m", level.bounds.min) for level in plan.levels)
 
 
 def door_states(plan: FloorPlan, closed: Mapping[str, bool] | None = None) -> dict[str, bool]:
@@ -245,12 +273,19 @@ def occupancy_grid(plan: FloorPlan, resolution_m: float, closed: Mapping[str, bo
         covered = _centres_inside(starts, ends, rows, columns) | _cells_crossed(starts, ends, rows, columns)
         cells[covered] = OCCUPIED
     if plan.levels:
-        cells[_beside_levels(plan, resolution_m, rows, columns)] = OCCUPIED
+        cells[beside_levels(plan, resolution_m, rows, columns)] = OCCUPIED
     return OccupancyGrid((min_x, min_y), resolution_m, cells)
 
 
-def _beside_levels(plan: FloorPlan, resolution_m: float, rows: int, columns: int) -> np.ndarray:
-    """Return the cells whose centre lies on no level, bool, shape (rows, columns)."""
+def level_grid(plan: FloorPlan, level: Level, resolution_m: float) -> OccupancyGrid:
+    """Return the `occupancy_grid` of a level; its coordinates are those from the level's origin."""
+    grid = occupancy_grid(plan_of_level(plan, level), resolution_m)
+    (x_m, y_m), (origin_x, origin_y) = grid.origin_m, level.origin
+    return dataclasses.replace(grid, origin_m=(x_m - origin_x, y_m - origin_y))
+
+
+def beside_levels(plan: FloorPlan, resolution_m: float, rows: int, columns: int) -> np.ndarray:
+    """Return the cells over a plan's bounds whose centre lies on no level, bool, shape (rows, columns)."""
     x_m = plan.bounds.min[0] + (np.arange(columns) + 0.5) * resolution_m
     y_m = plan.bounds.min[1] + (np.arange(rows) + 0.5) * resolution_m
     beside = np.ones((rows, columns), dtype=bool)

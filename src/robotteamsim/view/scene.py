@@ -15,10 +15,10 @@ from robotteamsim.scenario.plan import (
     OCCUPIED,
     Corners,
     OccupancyGrid,
+    bay_lines,
     door_corners,
     floors,
-    marks,
-    painted_lines,
+    level_marks,
     solids,
 )
 from robotteamsim.scenario.scenario import Role, Scenario
@@ -97,7 +97,8 @@ class Scene(msgspec.Struct, frozen=True):
     bounds: x and y of the lower left and of the upper right corner.
     floors: bounds of the levels, or the whole floor.
     bays:   painted lines.
-    marks:  names of levels and passages, where they are written on the floor.
+    levels: their names, and where they are written on the floor.
+    stops:  of passages: discs.
     victim_states: that victims can have, for the legend.
     has_fire: whether there are maps of fire and smoke.
     """
@@ -114,7 +115,8 @@ class Scene(msgspec.Struct, frozen=True):
     has_fire: bool = False
     exits: tuple[AreaShape, ...] = ()
     floors: tuple[tuple[float, float, float, float], ...] = ()
-    marks: tuple[tuple[str, tuple[float, float]], ...] = ()
+    levels: tuple[tuple[str, tuple[float, float]], ...] = ()
+    stops: tuple[AreaShape, ...] = ()
 
 
 def scene_of(setup: Setup) -> Scene:
@@ -125,7 +127,7 @@ def scene_of(setup: Setup) -> Scene:
         bounds=(*plan.bounds.min, *plan.bounds.max),
         solids=_solids(plan),
         doors=_doors(plan),
-        bays=painted_lines(plan),
+        bays=bay_lines(plan),
         areas=tuple(AreaShape(area.name, area.center, area.radius_m) for area in scenario.mission.areas),
         robots=tuple(
             _robot(scenario.name_of(i).removeprefix("the ").replace(" ", "_"), i, robot, scenario.role_of(i))
@@ -136,7 +138,8 @@ def scene_of(setup: Setup) -> Scene:
         has_fire=scenario.fire is not None,
         exits=tuple(AreaShape(way.name, way.center, way.radius_m) for way in scenario.mission.exits),
         floors=tuple((*bounds.min, *bounds.max) for bounds in floors(plan)),
-        marks=marks(plan),
+        levels=level_marks(plan),
+        stops=tuple(AreaShape(one.name, stop, one.radius_m) for one in plan.passages for stop in one.stops),
     )
 
 
@@ -177,7 +180,8 @@ def scene_of_run(run: RecordedRun, setup: Setup | None) -> Scene:
         victim_states=_states_of_run(run) if setup is None else known.victim_states,
         exits=() if setup is None else known.exits,
         floors=() if setup is None else known.floors,
-        marks=() if setup is None else known.marks,
+        levels=() if setup is None else known.levels,
+        stops=() if setup is None else known.stops,
     )
 
 

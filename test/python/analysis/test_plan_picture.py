@@ -11,6 +11,7 @@ from matplotlib.collections import PatchCollection
 
 from robotteamsim.analysis.plan_picture import draw_plan
 from robotteamsim.scenario import load, load_floor_plan
+from robotteamsim.scenario.plan import plan_of_level
 from robotteamsim.setup import resolve
 
 
@@ -18,6 +19,25 @@ def test_plan_is_drawn_to_scale_with_its_size_in_the_title() -> None:
     axes = draw_plan(load_floor_plan("garage")).axes[0]
     assert axes.get_title() == "garage, 60 x 40 m"
     assert axes.get_aspect() == 1.0
+
+
+def test_level_is_drawn_alone() -> None:
+    plan = load_floor_plan(str(Path(__file__).parents[2] / "data" / "scenarios" / "two_levels_plan.yaml"))
+    texts = [
+        {text.get_text() for text in draw_plan(shown).axes[0].texts}
+        for shown in (plan, *(plan_of_level(plan, level) for level in plan.levels))
+    ]
+    assert texts == [
+        {"L1 at 0 m", "L2 at 3 m", "lift", "ramp"},
+        {"L1 at 0 m", "lift", "ramp"},
+        {"L2 at 3 m", "lift", "ramp"},
+    ]
+    level = plan_of_level(plan, plan.levels[1])
+    assert [wall.name for wall in level.walls] == ["south_2", "east_2", "north_2", "west_2", "middle_2"]
+    assert (level.bounds.min, [passage.stops for passage in level.passages]) == (
+        (15.0, 0.0),
+        [((17.5, 7.5),), ((25.0, 2.0),)],
+    )
 
 
 def test_robots_with_corners_are_drawn_at_their_heading() -> None:

@@ -257,6 +257,7 @@ def test_broken_pipe_is_silent(arguments):
             "field voice garage_sar --set voice.noise=1 --compare range=lowest --compare voice.noise_db=20 --png x.png",
             "--set: voice.noise: unknown key; did you mean 'noise_db'?",
         ),
+        ("plan render garage --level L2 --png x.png", "--level: garage has no level 'L2'; known: none"),
         ("plan render garage --png no/plan.png", "no/plan.png: cannot be written: no is not a folder"),
         ("run garage_sar --bag ''", "argument --bag: the name is empty (see `robotteamsim run --help`)"),
         ("campaign garage_sar --out d --scheduler ''", "argument --scheduler: the address is empty"),

@@ -53,5 +53,9 @@ def test_stage_world_that_import_rejects_is_rejected_as_before(refusal):
 def test_mistake_in_a_file_of_ours_is_reported_as_before(refusal):
     Path("s.yaml").write_text("name: s\nplan: office\nrobots: {count: 1, start: [2, 2, 0]}\nworld: 3\n")
     assert "unknown key" in refusal("run", "s.yaml")
+    levels = "levels: [{name: L1, bounds: {min: [0, 0], max: [9, 9]}, elevation_m: 0}]"
+    Path("l.yaml").write_text(f"name: l\nbounds: {{min: [0, 0], max: [9, 9]}}\n{levels}\n")
+    no_level = "--level: l.yaml has no level 'L2'; known: L1"
+    assert refusal("plan", "render", "l.yaml", "--level", "L2", "--png", "p.png") == no_level
     Path("p.yaml").write_text("name: p\nbounds: {min: [0, 0], max: [9, 9]}\n")
     assert main(["plan", "render", "p.yaml", "--png", "p.png"]) == 0

@@ -151,6 +151,26 @@ def test_curves_of_a_long_mission_end_with_its_last_frame(
         assert "links: 0" in page.locator("#curves figcaption").all_text_contents()
 
 
+_PASSAGE = """async () => {
+    const { Mission } = await import("viewer/mission"), mission = new Mission();
+    const places = [[1, 0, 0], [2, 0, 0], [20, 0, 0], [21, 0, 0], null, [22, 0, 0]];
+    const frames = places.map((pose, index) => ({ time_s: 0.2 * index, poses: [pose], links: [] }));
+    mission.begin({});
+    mission.add({ events: [], layers: {}, frames });
+    const shown = [0.1, 0.3, 0.5].map((time) => mission.at(time).poses[0][0]);
+    return { shown, trails: mission.trails(0, 0, 1).map((piece) => piece.map(([x]) => x)) };
+}"""
+
+
+def test_robot_that_goes_to_another_level_is_at_no_place_between(
+    browser: Browser, recording: Recording, tmp_path: Path
+) -> None:
+    with shown(browser, tmp_path, [recording]) as page:
+        found = page.evaluate(_PASSAGE)
+    assert found["shown"] == pytest.approx([1.5, 2.0, 20.5])
+    assert found["trails"] == [[1, 2], [20, 21], [22]]
+
+
 @pytest.mark.parametrize("size", [(1600, 900), (1000, 1000), (600, 1200)])
 def test_building_fills_the_picture(
     browser: Browser, recording: Recording, tmp_path: Path, size: tuple[int, int]

@@ -21,6 +21,7 @@ from robotteamsim.view.recorder import FrameRecorder
 
 GPS = "{kind: gps, name: gps, datum_lat_deg: 40.2, datum_lon_deg: -8.4}"
 SENSORS = f"[{{kind: sonar, name: front}}, {GPS}, {{kind: laser, name: rear}}]"
+LEVELS = Path(__file__).parents[2] / "data" / "scenarios" / "two_levels.yaml"
 CASES = {
     "warehouse_push": ["mission.time_limit_s=25"],  # objects
     "office_fire": ["mission.time_limit_s=30"],  # people who flee, doors, smoke
@@ -28,6 +29,7 @@ CASES = {
     "office_manet": ["mission.time_limit_s=15"],  # links by distance
     "office_egress": ["mission.time_limit_s=20"],  # no robots
     "garage_sar": ["mission.time_limit_s=60", "robots.count=6", "control.algorithm=dpso"],  # several swarms
+    str(LEVELS): [],
     "tutorial_arena": [f"robots.sensors={SENSORS}", "mission.time_limit_s=10"],
 }
 """Scenarios, and what is different."""

@@ -6,16 +6,18 @@ from collections.abc import Iterator, Mapping
 import shapely
 
 from robotteamsim import palette
-from robotteamsim.nodes.scene.shapes import Mesh, colour, faded, label, lines
+from robotteamsim.nodes.scene.shapes import Mesh, colour, faded, label, lines, unit
 from robotteamsim.recording.topics.markers import Colour, Marker, Position
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.plan import floors, leaf_corners, marks, solids
+from robotteamsim.scenario.plan import floors, leaf_corners, level_marks, solids
 
 FLOOR = colour(palette.DARK_FLOOR)
 FLOOR_EDGE = colour(palette.DARK_FLOOR_EDGE)
 WALL_EDGE = colour(palette.WALL_EDGE)
 
 FLOOR_MARGIN_M = 1.2
+NAME_M, LETTER_SHARE = 1.1, 0.52
+"""Height of the name of a level in a building of 60 x 40 m, and width of a letter as a share of it."""
 
 # Heights of what lies on the floor; far enough apart for the depth buffer of a camera 60 m away.
 VOICE_Z_M, DISC_Z_M, TRAIL_Z_M = 0.02, 0.03, 0.05
@@ -30,8 +32,24 @@ def building_markers(plan: FloorPlan, cut_height_m: float) -> list[Marker]:
         inside = shapely.box(*bounds.min, *bounds.max)
         floor.polygon(inside.buffer(FLOOR_MARGIN_M, join_style="mitre"), -0.03, FLOOR_EDGE)
         floor.polygon(inside, 0.0, FLOOR)
-    names = [label("marks", i, name, WALL_EDGE, (*place, 0.3), 0.5) for i, (name, place) in enumerate(marks(plan))]
-    return [floor.marker("floor", 0), *names, *_wall_markers(plan, cut_height_m)]
+    for passage in plan.passages:
+        for stop in passage.stops:
+            rim_m = 0.86 * passage.radius_m
+            floor.ring(stop, 0.0, rim_m, DISC_Z_M, FLOOR_EDGE)
+            floor.ring(stop, rim_m, passage.radius_m, DISC_Z_M, WALL_EDGE)
+    return [floor.marker("floor", 0), *_names(plan), *_wall_markers(plan, cut_height_m)]
+
+
+def _names(plan: FloorPlan) -> Iterator[Marker]:
+    """Yield the names of levels, in a corner of their floors, and those of passages, in their stops."""
+    number, height_m = itertools.count(), NAME_M * unit(plan.bounds)
+    for name, (x, y) in level_marks(plan):
+        middle_m = (0.5 * LETTER_SHARE * len(name) + 0.5) * height_m
+        yield label("names", next(number), name, WALL_EDGE, (x + middle_m, y + height_m, 0.6 * height_m), height_m)
+    for passage in plan.passages:
+        fitting_m = min(1.8 * passage.radius_m / (LETTER_SHARE * len(passage.name)), 0.8 * height_m)
+        for stop in passage.stops:
+            yield label("names", next(number), passage.name, WALL_EDGE, (*stop, 0.6 * fitting_m), fitting_m)
 
 
 def openings_at_start(plan: FloorPlan) -> dict[str, float]:

@@ -2,7 +2,7 @@
 
 import {
   BufferAttribute, BufferGeometry, EdgesGeometry, ExtrudeGeometry, Group, LineBasicMaterial, LineSegments, Mesh,
-  MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, Shape,
+  MeshBasicMaterial, MeshLambertMaterial, PlaneGeometry, RingGeometry, Shape,
 } from "three";
 
 const FLOOR_MARGIN_M = 1.0;
@@ -27,6 +27,7 @@ export class Building {
     const floors = scene.floors.length ? scene.floors : [scene.bounds];
     [this.floor, this.edge] = [new MeshBasicMaterial(), new MeshBasicMaterial()];
     floors.forEach((floor) => this._floor(floor));
+    this.stops = scene.stops.flatMap((stop) => this._stop(stop));
     this.doors = scene.doors.map((door) => this._door(door));
     const edge = new LineBasicMaterial({ color: palette.edge });
     for (const solid of scene.solids) {
@@ -49,6 +50,17 @@ export class Building {
     rectangle(0, 0, this.floor);
   }
 
+  /** A disc with a rim: where one gets into a lift, or onto stairs or a ramp. */
+  _stop({ center_m: [x, y], radius_m }) {
+    return [[0, 0.25], [0.86, 1]].map(([inner, opacity]) => {
+      const material = new MeshBasicMaterial({ opacity, transparent: opacity < 1 });
+      const disc = new Mesh(new RingGeometry(inner * radius_m, radius_m, 48), material);
+      disc.position.set(x, y, 0.02);
+      this.group.add(disc);
+      return material;
+    });
+  }
+
   _door(door) {
     const hinge = new Group(), [x, y] = door.hinge_m;
     const outline = door.outline.map(([px, py]) => [px - x, py - y]);
@@ -60,10 +72,11 @@ export class Building {
     return { door, hinge, leaf };
   }
 
-  /** Colour the floor as the theme asks. */
+  /** Colour the floor and the stops on it as the theme asks. */
   paint(style) {
     this.floor.color.set(style.getPropertyValue("--floor").trim());
     this.edge.color.set(style.getPropertyValue("--floor-edge").trim());
+    for (const material of this.stops) material.color.set(style.getPropertyValue("--soft").trim());
   }
 
   /** Move the doors. */

@@ -1,11 +1,11 @@
-// Names next to robots, victims and areas. A label that would cover another one is left out.
+// Names next to robots, victims, areas, levels and stops. A label that would cover another one or a robot is left out.
 
 export const MARK = {
   waiting: "!", heard: "?", located: "◎", reported: "◉", reached: "●", carried: "▲", fleeing: "→", collapsed: "↓",
   saved: "✓", safe: "✓", dead: "✝",
 };
 const NAMES = { firefighter: (id) => `F${id}`, command_centre: () => "centre" };
-const GAP_PX = 2, NEAR_PX = 9;
+const GAP_PX = 2, NEAR_PX = 9, BODY_PX = 8;
 
 export class Labels {
   constructor(container) {
@@ -18,9 +18,11 @@ export class Labels {
     const wanted = visible ? this._wanted(frame, scene, selected) : [];
     const sizes = this._sizes(wanted), taken = [], places = new Map();
     const view = [this.container.clientWidth, this.container.clientHeight];
-    wanted.forEach(({ key, at }, index) => {
-      const boxes = boxesNextTo(project(at), view, sizes[index]);
-      const box = boxes.find((one) => !taken.some((other) => overlap(one, other)));
+    const bodies = frame.poses.map((pose) => pose && project([pose[0], pose[1], 0.1])).filter(Boolean).map(([x, y]) =>
+      [x * view[0] - BODY_PX, y * view[1] - BODY_PX, x * view[0] + BODY_PX, y * view[1] + BODY_PX]);
+    wanted.forEach(({ key, kind, at, boxesAt = boxesNextTo }, index) => {
+      const boxes = boxesAt(project(at), view, sizes[index]), others = kind === "robot" ? taken : [...taken, ...bodies];
+      const box = boxes.find((one) => !others.some((other) => overlap(one, other)));
       if (!box) return;
       taken.push(box);
       places.set(key, `translate(${box[0]}px, ${box[1]}px)`);
@@ -64,8 +66,16 @@ export class Labels {
     const exits = scene.exits.map((exit, index) => ({
       key: `exit ${index}`, text: `exit ${exit.name}`, kind: "area", at: [...exit.center_m, 0],
     }));
-    const marks = scene.marks.map(([text, place], index) => ({ key: `mark ${index}`, text, kind: "area", at: [...place, 0] }));
-    return [...robots.slice(0, 60), ...marks.slice(0, 60), ...exits, ...victims.slice(0, 60), ...areas.slice(0, 60)];
+    const levels = scene.levels.map(([text, place], index) => ({
+      key: `level ${index}`, text, kind: "level", at: [...place, 0], boxesAt: boxesAbove,
+    }));
+    const stops = scene.stops.map(({ name, center_m: [x, y], radius_m }, index) => ({
+      key: `stop ${index}`, text: name, kind: "area", at: [x, y - radius_m, 0], boxesAt: boxesBelow,
+    }));
+    return [
+      ...robots.slice(0, 60), ...levels.slice(0, 60), ...exits, ...victims.slice(0, 60), ...areas.slice(0, 60),
+      ...stops.slice(0, 60),
+    ];
   }
 
   _element(key, kind) {
@@ -80,13 +90,29 @@ export class Labels {
 }
 
 /** Rectangles for a label of a size next to a point, above it first, that are inside the view. */
-function boxesNextTo(point, [viewWidth, viewHeight], [width, height]) {
+function boxesNextTo(point, view, size) {
+  return boxesAt(point, view, size, (width, height) => [
+    [-width / 2, -height - NEAR_PX], [NEAR_PX, -height / 2], [-width - NEAR_PX, -height / 2], [-width / 2, NEAR_PX],
+  ]);
+}
+
+/** The rectangle for a label whose lower left corner is near a point, such as the corner of a floor. */
+function boxesAbove(point, view, size) {
+  return boxesAt(point, view, size, (width, height) => [[NEAR_PX, -height - GAP_PX]]);
+}
+
+/** As `boxesNextTo`, below a point first, such as the edge of a disc. */
+function boxesBelow(point, view, size) {
+  return boxesAt(point, view, size, (width, height) => [
+    [-width / 2, GAP_PX], [NEAR_PX, -height], [-width - NEAR_PX, -height], [-width / 2, -height - 2 * NEAR_PX],
+  ]);
+}
+
+/** Rectangles that are inside the view. Args: shifts: returns their upper left corners from a point. */
+function boxesAt(point, [viewWidth, viewHeight], [width, height], shifts) {
   if (!point) return [];
   const x = Math.round(point[0] * viewWidth), y = Math.round(point[1] * viewHeight);
-  const corners = [
-    [x - width / 2, y - height - NEAR_PX], [x + NEAR_PX, y - height / 2], [x - width - NEAR_PX, y - height / 2],
-    [x - width / 2, y + NEAR_PX],
-  ];
+  const corners = shifts(width, height).map(([right, down]) => [x + right, y + down]);
   return corners.map(([left, top]) => [left, top, left + width, top + height]).filter(([left, top, right, bottom]) =>
     left >= 0 && top >= 0 && right <= viewWidth && bottom <= viewHeight);
 }

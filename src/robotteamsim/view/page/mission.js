@@ -1,6 +1,7 @@
 // A mission over time: its frames, events and maps, as document.py writes them into a page or live.py sends them.
 
 const NO_LINK = 10000; // instead of a signal [dBm]
+const FASTEST_MPS = 20, SHORTEST_JUMP_M = 0.5; // as in trial.py
 
 /** Whether a victim is out of danger. */
 export function isSaved(victim) {
@@ -52,9 +53,14 @@ class Film {
   }
 }
 
-/** A pose between two others; null if the robot is absent. */
-function between(pose, next, share) {
-  if (!pose || !next) return pose;
+/** Whether a robot jumps from one pose to another, such as to another level: no robot is so fast. */
+function jumps(pose, next, seconds) {
+  return Math.hypot(next[0] - pose[0], next[1] - pose[1]) > Math.max(FASTEST_MPS * seconds, SHORTEST_JUMP_M);
+}
+
+/** A pose between two others that are some seconds apart; null if the robot is absent. */
+function between(pose, next, share, seconds) {
+  if (!pose || !next || jumps(pose, next, seconds)) return pose;
   const turn = next[2] - pose[2], shortest = turn - 2 * Math.PI * Math.round(turn / (2 * Math.PI));
   return [pose[0] + share * (next[0] - pose[0]), pose[1] + share * (next[1] - pose[1]), pose[2] + share * shortest];
 }
@@ -88,8 +94,8 @@ export class Mission {
   /** The state at a time [s]; poses are interpolated between frames. */
   at(time) {
     const index = this._indexAt(time), frame = this.frames[index], next = this.frames[index + 1];
-    const share = next ? Math.max((time - frame.time_s) / (next.time_s - frame.time_s), 0) : 0;
-    const poses = frame.poses.map((pose, robot) => (next ? between(pose, next.poses[robot], share) : pose));
+    const seconds = next ? next.time_s - frame.time_s : 0, share = next ? Math.max((time - frame.time_s) / seconds, 0) : 0;
+    const poses = frame.poses.map((pose, robot) => (next ? between(pose, next.poses[robot], share, seconds) : pose));
     return { ...frame, time, poses, links: frame.links ?? this._linksAt(index) };
   }
 
@@ -119,10 +125,17 @@ export class Mission {
   /** The map of a layer at a time, or null. */
   layerAt(name, time) { return this.layers[name]?.at(time) ?? null; }
 
-  /** The path of a robot between two times: its poses. */
-  trail(robot, from, to) {
-    const frames = this.frames.slice(this._indexAt(from), this._indexAt(to) + 1);
-    return frames.map((frame) => frame.poses[robot]).filter(Boolean);
+  /** The path of a robot between two times: lists of its poses, a new one after each absence and jump. */
+  trails(robot, from, to) {
+    const pieces = [];
+    let last = null;
+    for (const { time_s, poses } of this.frames.slice(this._indexAt(from), this._indexAt(to) + 1)) {
+      const pose = poses[robot];
+      if (pose && (!last || jumps(last.pose, pose, time_s - last.time_s))) pieces.push([]);
+      if (pose) pieces.at(-1).push(pose);
+      last = pose && { pose, time_s };
+    }
+    return pieces;
   }
 
   /** The states of a victim up to a time: [[state, time of its begin], ...]. */

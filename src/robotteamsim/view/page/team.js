@@ -160,13 +160,15 @@ export class Team {
   _showTrails(frame, mission, visible) {
     this.trails.clear();
     (visible ? this.trailColours : []).forEach((colour, robot) => {
-      let last = null;
-      mission.trail(robot, frame.time - TRAIL_S, frame.time).forEach((point, index, all) => {
-        const isNear = last && Math.hypot(point[0] - last[0], point[1] - last[1]) < TRAIL_STEP_M;
-        if (isNear && index < all.length - 1) return;
-        if (last) this.trails.add(last, point, TRAIL_Z, colour);
-        last = point;
-      });
+      for (const piece of mission.trails(robot, frame.time - TRAIL_S, frame.time)) {
+        let last = null;
+        piece.forEach((point, index) => {
+          const isNear = last && Math.hypot(point[0] - last[0], point[1] - last[1]) < TRAIL_STEP_M;
+          if (isNear && index < piece.length - 1) return;
+          if (last) this.trails.add(last, point, TRAIL_Z, colour);
+          last = point;
+        });
+      }
     });
     this.trails.finish();
   }
