@@ -6,9 +6,13 @@ times and durations are whole numbers [ns]. `recording.encoding` makes it the by
 
 from __future__ import annotations
 
+import re
+from collections.abc import Sequence
 from typing import Any
 
-MAP_FRAME = "map"
+MAP_FRAME, BUILDING_FRAME = "map", "building"
+_OTHERS = re.compile(rf"{MAP_FRAME}|{BUILDING_FRAME}|robot_\d+|[^A-Za-z].*|")
+"""Names that no level can have as its frame and namespace: those of others, and without a letter in front."""
 
 RosMessage = dict[str, Any]
 
@@ -21,6 +25,20 @@ def robot_name(robot_id: int) -> str:
 def robot_frame(robot_id: int, frame: str) -> str:
     """Return the tf2 name of a robot's frame: robot_0/base_link."""
     return f"robot_{robot_id}/{frame}"
+
+
+def level_frames(names: Sequence[str]) -> list[str]:
+    """Return the frame of each level, which is also the namespace of its map: its name as ROS allows it.
+
+    Other characters than A-Z, a-z, 0-9 and _ become _; level_ is in front where the name is not free otherwise.
+    """
+    frames: list[str] = []
+    for name in names:
+        frame = re.sub(r"[^A-Za-z0-9_]", "_", name)
+        while _OTHERS.fullmatch(frame) or frame in frames:
+            frame = f"level_{frame}"
+        frames.append(frame)
+    return frames
 
 
 def header(time_ns: int, frame: str) -> RosMessage:

@@ -15,6 +15,7 @@ from rich.console import Console
 from robotteamsim import recording
 from robotteamsim.analysis.runs.tables import print_totals
 from robotteamsim.geometry import Pose
+from robotteamsim.message_parts import RosMessage
 from robotteamsim.mission import Sensed
 from robotteamsim.nodes.answers import CommandsByTopic, ControllersByTopic, ControllersInside
 from robotteamsim.nodes.elsewhere import RobotsElsewhere, SensorsElsewhere
@@ -30,9 +31,9 @@ from robotteamsim.nodes.settings import SEED, Settings
 from robotteamsim.nodes.stage import StageRequests
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording import ResultWriter, TumWriter
-from robotteamsim.recording.topics import Source
+from robotteamsim.recording.topics import Source, Topic
 from robotteamsim.recording.topics.radio import HEARD_TOPICS, RADIO_MAP
-from robotteamsim.recording.topics.world import CLOCK, DOORS, MAP
+from robotteamsim.recording.topics.world import CLOCK, DOORS, LEVEL_FRAMES, MAP, level_maps
 from robotteamsim.scenario.map_image import check_published_map
 from robotteamsim.simulation import Observer, Simulation, StepRecord
 from robotteamsim.simulation.trial import Trial
@@ -99,6 +100,10 @@ class SteppedSimulation:
         is_asked = node.parameter("~stage_requests", False)
         self._requests = StageRequests(node, self._pacer.set_speed) if is_asked else None
         self._offer_services()
+        self._once: list[Output] = []
+        """Of latched topics with one message."""
+        if LEVEL_FRAMES.is_in(settings.scenario):
+            self._publish_once(LEVEL_FRAMES)
         self._clock: Output | None = None
         if not settings.is_another_world:
             self._clock = output_of(node, CLOCK, settings)
@@ -316,11 +321,19 @@ class SteppedSimulation:
         if self._clock is not None:
             self._clock.publish(CLOCK.message(time_ns))
 
+    def _publish_once(self, topic: Topic) -> RosMessage:
+        """Publish and return the only message of a latched topic."""
+        message: RosMessage
+        (message,) = topic.messages(START_NS, topic.values(Source(self._settings.setup), None))
+        self._once.append(output_of(self._node, topic, self._settings))
+        self._once[-1].publish(message)
+        return message
+
     def _offer_world(self) -> None:
         """Offer what another world would offer itself: its map, time and bodies."""
-        (grid,) = MAP.messages(START_NS, MAP.values(Source(self._settings.setup), None))
-        self._map = output_of(self._node, MAP, self._settings)
-        self._map.publish(grid)
+        grid = self._publish_once(MAP)
+        for topic in level_maps(self._settings.scenario):
+            self._publish_once(topic)
         node = self._node
         node.offer("/static_map", "nav_msgs/GetMap", lambda _: {"map": grid})
         node.offer("/reset_positions", "std_srvs/Empty", self._reset_positions)

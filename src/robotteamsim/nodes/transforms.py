@@ -12,8 +12,8 @@ from scipy.spatial.transform import Rotation
 from robotteamsim.nodes.inputs import Input
 from robotteamsim.nodes.node import Node
 from robotteamsim.recording.topics.robots import TF
+from robotteamsim.recording.topics.world import LEVEL_FRAMES
 
-STATIC = "/tf_static"
 MAX_LINKS = 100
 """So many transforms at most lead from one frame to another; more mean a cycle."""
 NORM_ERROR = 0.01
@@ -45,7 +45,7 @@ class Transforms:
         self._static: dict[str, _Link] = {}
         moving = Input(node, TF.name, TF.type_name, partial(_read, is_static=False))
         moving.listen(lambda _, __, links: self._moving.update(links))
-        static = Input(node, STATIC, TF.type_name, partial(_read, is_static=True), latched=True)
+        static = Input(node, LEVEL_FRAMES.name, TF.type_name, partial(_read, is_static=True), latched=True)
         static.listen(lambda _, __, links: self._static.update(links))
 
     def newest(self, target: str, source: str) -> tuple[tuple[int, float, float, float] | None, str]:

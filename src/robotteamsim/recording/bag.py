@@ -8,7 +8,7 @@ from robotteamsim.errors import RecordingError
 from robotteamsim.message_parts import robot_name
 from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS, Changes, Source
 from robotteamsim.recording.topics.robots import TF, odometry_origin
-from robotteamsim.recording.topics.world import CLOCK, clock
+from robotteamsim.recording.topics.world import CLOCK, clock, level_maps
 from robotteamsim.scenario.map_image import check_published_map
 from robotteamsim.scenario.sensors.base import messages_of
 from robotteamsim.setup import Setup
@@ -51,7 +51,7 @@ class BagMessages:
         self._source = Source(setup)
         self._localized = localized
         self._changes = Changes()
-        self._team = [topic for topic in _OF_TEAM if topic.is_in(setup.scenario)]
+        self._team = [topic for topic in _OF_TEAM if topic.is_in(setup.scenario)] + level_maps(setup.scenario)
         self._names = [f"/{robot_name(robot_id)}/" for robot_id in range(len(setup.robots))]
 
     def topics(self) -> Iterator[BagTopic]:

@@ -28,7 +28,16 @@ from robotteamsim.map_import.strokes import Gap, GapSizes, exits, gaps, outer_ga
 from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Model, PlanarPose, Point
 from robotteamsim.scenario.floor_plan import Block, Bounds, Door, FloorPlan, Wall
 from robotteamsim.scenario.image_walls import MAX_WALL_THICKNESS_M, MIN_PIECE_M2, in_metres, walls_and_blocks
-from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN, Grid, OccupancyGrid, occupancy_grid, too_many_cells
+from robotteamsim.scenario.plan import (
+    FREE,
+    OCCUPIED,
+    UNKNOWN,
+    Grid,
+    OccupancyGrid,
+    beside_levels,
+    occupancy_grid,
+    too_many_cells,
+)
 from robotteamsim.scenario.problems import checked
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.yaml_text import is_file, read_mapping, shown
@@ -399,12 +408,18 @@ def published_map(scenario: Scenario) -> OccupancyGrid:
     """Return the grid that map_server publishes if the plan is a map_server yaml, else the plan as a drawing.
 
     A plan with changed keys is not the image any more, so it is drawn, in cells of `run.map_resolution_m`. So is one
-    whose origin has a yaw, because amcl and other subscribers of a map ignore the yaw.
+    whose origin has a yaw, because amcl and other subscribers of a map ignore the yaw. What is beside all levels is
+    unknown.
 
     Raises: ScenarioError: the yaml or its image cannot be read any more.
     """
     image = _published_image(scenario)
-    return occupancy_grid(scenario.plan, scenario.run.map_resolution_m) if image is None else image.occupancy_grid()
+    if image is not None:
+        return image.occupancy_grid()
+    grid = occupancy_grid(scenario.plan, scenario.run.map_resolution_m)
+    if scenario.plan.levels:
+        grid.cells[beside_levels(scenario.plan, grid.resolution_m, *grid.cells.shape)] = UNKNOWN
+    return grid
 
 
 def check_published_map(scenario: Scenario) -> None:

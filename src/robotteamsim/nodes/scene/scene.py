@@ -12,7 +12,7 @@ import shapely
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import Decision
-from robotteamsim.message_parts import MAP_FRAME, header, robot_name
+from robotteamsim.message_parts import BUILDING_FRAME, MAP_FRAME, header, robot_name
 from robotteamsim.nodes.inputs import Input
 from robotteamsim.nodes.launched import read_scenario
 from robotteamsim.nodes.node import Node
@@ -28,7 +28,7 @@ from robotteamsim.nodes.scene.mission import (
 from robotteamsim.nodes.scene.shapes import WHITE, unit
 from robotteamsim.nodes.scene.team import RobotPicture, link_markers, team_markers, trail_marker
 from robotteamsim.nodes.settings import OTHERS_REPORT_S
-from robotteamsim.nodes.transforms import STATIC, Transforms
+from robotteamsim.nodes.transforms import Transforms
 from robotteamsim.recording.topics import Topic
 from robotteamsim.recording.topics.base import read_field_map, read_occupancy_grid
 from robotteamsim.recording.topics.decisions import STATUS, read_decision
@@ -43,7 +43,7 @@ from robotteamsim.recording.topics.mission import (
 )
 from robotteamsim.recording.topics.radio import NETWORK_LINKS, VOICE_MAP, PublishedNetwork, read_network_links
 from robotteamsim.recording.topics.robots import ODOM, TF, TRUTH, read_odometry
-from robotteamsim.recording.topics.world import DOORS, FIRE, ROBOTS, SMOKE, read_doors, read_robots
+from robotteamsim.recording.topics.world import DOORS, FIRE, LEVEL_FRAMES, ROBOTS, SMOKE, read_doors, read_robots
 from robotteamsim.scenario import Bounds, Scenario
 from robotteamsim.scenario.sections import Robot
 from robotteamsim.setup import resolve
@@ -291,5 +291,5 @@ def _publish_frame(node: Node, bounds: Bounds) -> None:
     """
     x, y = ((low + high) / 2.0 for low, high in zip(bounds.min, bounds.max, strict=True))
     place = {"translation": {"x": x, "y": y}, "rotation": {"w": 1.0}}
-    frame = {"header": header(0, MAP_FRAME), "child_frame_id": "building", "transform": place}
-    node.output(STATIC, TF.type_name, latched=True).publish({"transforms": [frame]})
+    frame = {"header": header(0, MAP_FRAME), "child_frame_id": BUILDING_FRAME, "transform": place}
+    node.output(LEVEL_FRAMES.name, TF.type_name, latched=True).publish({"transforms": [frame]})

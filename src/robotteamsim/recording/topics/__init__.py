@@ -5,13 +5,13 @@ from robotteamsim.recording.topics.decisions import DECISION_TOPICS
 from robotteamsim.recording.topics.mission import MISSION_TOPICS, SENSOR_WORLD
 from robotteamsim.recording.topics.radio import HEARD_TOPICS, NETWORK_TOPICS, RADIO_MAP_TOPICS, VOICE_MAP_TOPICS
 from robotteamsim.recording.topics.robots import BODY_TOPICS, TF
-from robotteamsim.recording.topics.world import CLOCK, MAP, ROBOTS, WORLD_TOPICS
+from robotteamsim.recording.topics.world import CLOCK, LEVEL_FRAMES, MAP, ROBOTS, WORLD_TOPICS
 
 __all__ = ["ROBOT_TOPICS", "TEAM_TOPICS", "Changes", "Source", "Topic", "When"]
 
 RECORD_TOPICS = (*WORLD_TOPICS, *VOICE_MAP_TOPICS, *NETWORK_TOPICS, *MISSION_TOPICS, SENSOR_WORLD)
 """Topics that show the record of a step."""
-TEAM_TOPICS = (MAP, TF, ROBOTS, *RECORD_TOPICS, CLOCK)
-"""In the order of publication; the clock follows the data of its step."""
+TEAM_TOPICS = (MAP, LEVEL_FRAMES, TF, ROBOTS, *RECORD_TOPICS, CLOCK)
+"""In the order of publication; the clock follows the data of its step. `world.level_maps` are in addition to these."""
 ROBOT_TOPICS = (*BODY_TOPICS, *HEARD_TOPICS, *DECISION_TOPICS, *RADIO_MAP_TOPICS)
 """In the namespace of each robot."""

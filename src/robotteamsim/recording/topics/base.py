@@ -140,12 +140,12 @@ def twist(command: Twist) -> RosMessage:
     }
 
 
-def occupancy_grid(time_ns: int, grid: OccupancyGrid) -> RosMessage:
-    """nav_msgs/OccupancyGrid."""
+def occupancy_grid(time_ns: int, grid: OccupancyGrid, frame: str = MAP_FRAME) -> RosMessage:
+    """nav_msgs/OccupancyGrid. Args: frame: that of the grid's origin."""
     rows, columns = grid.cells.shape
     origin = PoseReading(float(grid.origin_m[0]), float(grid.origin_m[1]), 0.0, 1.0)
     return {
-        "header": header(time_ns, MAP_FRAME),
+        "header": header(time_ns, frame),
         "info": {
             "map_load_time": time_ns,
             "resolution": grid.resolution_m,

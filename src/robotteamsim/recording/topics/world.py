@@ -14,9 +14,10 @@ from robotteamsim import palette
 from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.hazards import BURNING, BURNT_OUT, HazardField
 from robotteamsim.hazards.field import FARTHEST_SIGHT_M
-from robotteamsim.message_parts import MAP_FRAME, RosMessage, header, point
+from robotteamsim.message_parts import MAP_FRAME, RosMessage, header, level_frames, point
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.topics.base import (
+    Source,
     Topic,
     When,
     check_finite,
@@ -28,11 +29,12 @@ from robotteamsim.recording.topics.base import (
     read_point,
 )
 from robotteamsim.recording.topics.markers import ADD, CUBE, CYLINDER, DELETE_ALL, Marker, array_message
+from robotteamsim.scenario.levels import Level
 from robotteamsim.scenario.map_image import published_map
 from robotteamsim.scenario.objects import MovableObject
-from robotteamsim.scenario.plan import OccupancyGrid
+from robotteamsim.scenario.plan import OccupancyGrid, level_grid
 from robotteamsim.scenario.problems import checked
-from robotteamsim.scenario.scenario import Role
+from robotteamsim.scenario.scenario import Role, Scenario
 from robotteamsim.world.contract import Mishap, ObjectStates
 from robotteamsim.world.doors import DoorState, DoorStates
 from robotteamsim.world.people import PersonState
@@ -58,6 +60,36 @@ class TeamPresence(msgspec.Struct, frozen=True):
 def clock(time_ns: int) -> RosMessage:
     """rosgraph_msgs/Clock."""
     return {"clock": time_ns}
+
+
+def level_transforms(time_ns: int, levels: Sequence[Level]) -> RosMessage:
+    """tf2_msgs/TFMessage: map -> each level, at its origin, so that points above each other have equal coordinates."""
+    frames = level_frames([level.name for level in levels])
+    return {
+        "transforms": [
+            {
+                "header": header(time_ns, MAP_FRAME),
+                "child_frame_id": frame,
+                "transform": {"translation": point(level.origin), "rotation": {"w": 1.0}},
+            }
+            for level, frame in zip(levels, frames, strict=True)
+        ]
+    }
+
+
+def level_maps(scenario: Scenario) -> list[Topic]:
+    """Return the topics of the maps of a scenario's levels, /<level>/map."""
+    levels = scenario.plan.levels
+    return [_level_map(*one) for one in zip(levels, level_frames([level.name for level in levels]), strict=True)]
+
+
+def _level_map(level: Level, frame: str) -> Topic:
+    def values(source: Source, _: Any) -> tuple[OccupancyGrid, str]:
+        scenario = source.setup.scenario
+        return level_grid(scenario.plan, level, scenario.run.map_resolution_m), frame
+
+    name, type_name = f"/{frame}/map", "nav_msgs/OccupancyGrid"
+    return Topic(name, type_name, When.ONCE, values, occupancy_grid, latched=True, version=lambda _: 0)
 
 
 def doors(time_ns: int, states: DoorStates) -> RosMessage:
@@ -226,6 +258,16 @@ MAP = Topic(
     latched=True,
     version=lambda _: 0,
     read=lambda message, *_: read_occupancy_grid(message),
+)
+LEVEL_FRAMES = Topic(
+    "/tf_static",
+    "tf2_msgs/TFMessage",
+    When.ONCE,
+    lambda source, _: (source.setup.plan.levels,),
+    level_transforms,
+    latched=True,
+    version=lambda _: 0,
+    is_in=lambda scenario: bool(scenario.plan.levels),
 )
 DOORS = Topic(
     "/world/doors",
