@@ -266,6 +266,8 @@ class SteppedSimulation:
         simulation = Simulation(self._settings.setup, controllers=self._controllers)
         if self._elsewhere is not None:
             simulation.sensors = SensorsElsewhere(simulation.sensors, self._elsewhere, simulation.world)
+            if simulation.passages is not None:
+                simulation.passages.elsewhere = self._settings.elsewhere
         return simulation
 
     def _begin(self) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from typing import NamedTuple, Protocol
 
 from robotteamsim.control.driving.known_map import UNREACHABLE_M, KnownMap, known_map
@@ -60,6 +60,8 @@ class PassageStage:
         self._came_by: dict[int, Way] = {}
         """Of robots that have not left the stop at which they have arrived."""
         self._told: dict[int, str] = {}
+        self.elsewhere: Collection[int] = ()
+        """Ids of robots that another world moves, and which are not taken here."""
 
     def take(self, robot_id: int, level: str) -> None:
         """Let a robot that is at a stop go to a level, or the next time that it is at a stop from which it can.
@@ -68,6 +70,8 @@ class PassageStage:
         """
         if robot_id not in range(self._world.num_robots) or not self._world.present[robot_id]:
             raise ValueError(f"take_passage: robot {robot_id!r:.60} is not there")
+        if robot_id in self.elsewhere:
+            raise ValueError(f"take_passage: robot {robot_id} is moved by another world")
         served = self._served[self._setup.scenario.travels_as(robot_id)]
         if level not in served:
             known = f"expected {' or '.join(served) or 'none'}{suggestion(str(level), served)}"
@@ -87,6 +91,8 @@ class PassageStage:
         """Let robots leave and arrive after a step of the world. Args: decisions: by which it was made."""
         world = self._world
         for robot_id, pose in enumerate(world.poses()):
+            if robot_id in self.elsewhere:
+                continue
             trip = self._trips.get(robot_id)
             if not world.present[robot_id] or (trip is not None and trip.arrival != world.arrivals[robot_id]):
                 for known in (self._trips, self._told, self._came_by):

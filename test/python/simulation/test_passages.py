@@ -174,6 +174,16 @@ def test_scheduled_passage_equals_a_call_after_the_same_steps() -> None:
     assert level_of(scheduled, 0) == 2
 
 
+def test_robot_that_another_world_moves_is_not_taken() -> None:
+    simulation = driven({0: (25.0, 7.0)})
+    simulation.passages.elsewhere = (0,)
+    for _ in range(200):
+        simulation.step()
+    assert level_of(simulation, 0) == 0
+    with pytest.raises(ValueError, match="robot 0 is moved by another world"):
+        simulation.take_passage(0, "L1")
+
+
 def test_a_plan_without_passages_takes_nobody() -> None:
     with pytest.raises(ValueError, match="the plan has no passages"):
         driven({}, plan=make_plan([])).take_passage(0, "L1")
