@@ -274,6 +274,7 @@ _VOICE = new("propagation.VoiceModel", noise_db=20.0, unit_db=3.0, min_distance_
 _CALLER = new("propagation.VoiceSource", (1.5, 2.0), -80.0, 2.0)
 _TEAM = np.array([[0.0, 1.0], [2.0, 1.0], [3.0, 4.0]])
 _ORIGIN, _RESOLUTION_M, _CELLS_OUT = (0.0, 0.0), 0.5, Output((6, 8))
+_LINK_RULE = {"by_distance": False, "lost_below_dbm": -94.0, "max_distance_m": 25.0, "endangered_below_dbm": -80.0}
 _LINKED = np.array([[False, True], [True, False]])
 
 
@@ -290,19 +291,11 @@ def _signals() -> Iterator[Call]:
         yield new("propagation.write_best_rssi_map_dbm", *radio, _CELLS_OUT, 1)
         yield new("propagation.write_rssi_maps_dbm", *radio, Output((12, 8)), 1)
         yield new("propagation.voice_level_db", faces, _VOICE, _CALLER, (3.0, 2.0))
-        grid = (_ORIGIN, _RESOLUTION_M, solid, _CELLS_OUT)
-        yield new("propagation.write_voice_map_db", faces, _VOICE, [_CALLER], *grid, 1)
+        voices = (faces, _VOICE, [_CALLER], _ORIGIN, _RESOLUTION_M, solid, _CELLS_OUT, 1)
+        yield new("propagation.write_voice_map_db", *voices)
     yield new("network.hop_count", _LINKED)
     yield new("network.fiedler_value", _LINKED)
-    links = new(
-        "network.TeamLinks",
-        _FACES,
-        _RADIO,
-        by_distance=True,
-        lost_below_dbm=-94.0,
-        max_distance_m=25.0,
-        endangered_below_dbm=-80.0,
-    )
+    links = new("network.TeamLinks", _FACES, _RADIO, **_LINK_RULE | {"by_distance": True})
     team = new("state.State", 3).of(*(("place", i, Pose(*place, 0.0)) for i, place in enumerate(_TEAM.tolist())))
     yield links.of(("step", team))
     some = np.full((3, 3), -60.0), np.ones((3, 3), np.bool_), np.zeros((3, 3), np.bool_), np.ones((3, 3), np.int32)
@@ -405,9 +398,8 @@ def _sensors() -> Iterator[Call]:
     ear = new("sensing.VoiceSensor", (-1.0, 2.0), 0.5, _MAP, 2.0)
     yield ear.of(("hear", state), ("hear", state))
     places = new("base.Places", [(0.0, 3.0)], [1.0])
-    radio = {"by_distance": False, "lost_below_dbm": -94.0, "max_distance_m": 25.0, "endangered_below_dbm": -80.0}
     noisy = sensors.of(("add_noise", np.full((3, 6), 0.1)))
-    team = (_WORLD, noisy, new("network.TeamLinks", _FACES, _RADIO, **radio), ear, places)
+    team = (_WORLD, noisy, new("network.TeamLinks", _FACES, _RADIO, **_LINK_RULE), ear, places)
     batch = new("simulation.Batch", 2, 2, 7, 1)
     yield batch.of(("put", 1, *team), ("move", np.full((2, 2, 3), 0.1), [1]), ("sense", [1]))
 
@@ -416,23 +408,13 @@ def _states() -> Iterator[Call]:
     state = new("state.State", 2, 7)
     pose, place = PoseReading(0.5, 0.5, 0.0, 1.0), Pose(0.0, 3.0, 0.1)
     reading = RobotReading(pose, Twist(0.1), OdometryReading(pose, Twist()), np.ones(7, np.float32), True, (0.5,))
-    numbers = ("true_pose", "positions_m", "true_twist", "contact", "odometry_pose")
-    numbers += ("odometry_twist", "odometry_pose_covariance", "odometry_twist_variances", "ranges_m")
-    numbers += (
-        "happened",
-        "voice_level_db",
-        "voice_heard",
-        "local_best_m",
-        "local_best_level_db",
-        "sensors",
-        "__len__",
-    )
+    numbers = ["true_pose", "positions_m", "true_twist", "contact", "odometry_pose", "odometry_twist"]
+    numbers += ["odometry_pose_covariance", "odometry_twist_variances", "ranges_m", "happened", "voice_level_db"]
+    numbers += ["voice_heard", "local_best_m", "local_best_level_db", "sensors", "__len__"]
     yield state.of(
         *(("place", robot_id, place) for robot_id in (0, 1)),
-        ("put_reading", 0, reading),
-        ("put_reading", 1, reading),
-        ("put_voice", 0, VoiceReading(1.0, True, (0.0, 3.0), 2.0)),
-        ("put_voice", 1, VoiceReading(1.0, True, (0.0, 3.0), 2.0)),
+        *(("put_reading", robot_id, reading) for robot_id in (0, 1)),
+        *(("put_voice", robot_id, VoiceReading(1.0, True, (0.0, 3.0), 2.0)) for robot_id in (0, 1)),
         *((name,) for name in numbers),
         ("readings",),
         ("voices",),
@@ -464,9 +446,8 @@ def _recording() -> Iterator[Call]:
             ("encode", sent),
             ("encode", {}),
         )
-    yield new("recording.MessageType", "my/Part", False).of(
-        ("add", "x", "float64", -1), ("decode", struct.pack("<d", 1.0))
-    )
+    part = new("recording.MessageType", "my/Part", False)
+    yield part.of(("add", "x", "float64", -1), ("decode", struct.pack("<d", 1.0)))
 
 
 _BURNING = new(
