@@ -111,6 +111,7 @@ def test_clicks_on_a_robot_and_on_an_event_show_its_name_readings_and_its_time(
         assert label is not None
         for down in range(4, 40, 4):
             page.mouse.click(label["x"] + label["width"] / 2, label["y"] + label["height"] + down)
+            page.evaluate("() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
             if page.is_visible("#robot h2"):
                 break
         assert page.inner_text("#robot h2") == recording.scene.robots[0].name
