@@ -22,7 +22,7 @@ def test_plan_is_drawn_to_scale_with_its_size_in_the_title() -> None:
 
 
 def test_level_is_drawn_alone() -> None:
-    plan = load_floor_plan(str(Path(__file__).parents[2] / "data" / "scenarios" / "two_levels_plan.yaml"))
+    plan = load_floor_plan(str(Path(__file__).parents[2] / "data" / "maps" / "two_levels" / "plan.yaml"))
     texts = [
         {text.get_text() for text in draw_plan(shown).axes[0].texts}
         for shown in (plan, *(plan_of_level(plan, level) for level in plan.levels))

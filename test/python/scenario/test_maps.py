@@ -67,13 +67,17 @@ def test_exported_image_is_imported_with_the_same_cells(name: str) -> None:
 def test_robots_can_reach_every_area_and_victim(scenario: str | Path) -> None:
     """By a flood fill from robot 0 where it keeps a margin from solids; all others start in that region too.
 
-    Without robots, people can reach every exit, and are the victims.
+    The regions at the stops of a passage are one. Without robots, people can reach every exit, and are the victims.
     """
     setup = resolve(load(scenario))
     loaded, robots = setup.scenario, setup.robots
     grid = occupancy_grid(loaded.plan, 0.05)
     clearance_m = 0.05 * ndimage.distance_transform_edt(grid.cells == FREE)
     labels, _ = ndimage.label(clearance_m > (robots[0].radius_m if robots else loaded.people.radius_m) + MARGIN_M)
+    for stops in (passage.stops for passage in loaded.plan.passages if passage.takes("robots")):
+        joined = {int(labels[grid.cell_at(*stop)]) for stop in stops}
+        assert 0 not in joined
+        labels[np.isin(labels, list(joined))] = min(joined)
     starts_m = [robot.start_pose[:2] for robot in robots] or [way_out.center for way_out in loaded.mission.exits]
     starts = {int(labels[grid.cell_at(*start_m)]) for start_m in starts_m}
     assert len(starts) == 1
