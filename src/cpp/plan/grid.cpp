@@ -300,8 +300,11 @@ std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, con
   const int goal = FreeCellOf(to);
   if (start < 0 || goal < 0) return {};
   const std::vector<double> from_jumps = LeastFromJumps(goal);
+  const double least_from_jumps =
+      from_jumps.empty() ? kInfinity : *std::min_element(from_jumps.begin(), from_jumps.end());
   const auto least_remaining = [&](int cell) {
     double least = LeastOnGrid(cell, goal);
+    if (least <= least_from_jumps) return least;
     for (std::size_t i = 0; i < jumps_.size(); ++i) {
       least = std::min(least, LeastOnGrid(cell, jumps_[i].from) + from_jumps[i]);
     }
