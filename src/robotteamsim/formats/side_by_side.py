@@ -60,7 +60,7 @@ def side_by_side(
     keys: dict[str, list[Any]] = {key: [] for key in ("walls", "blocks", "doors", "levels", "openings", "passages")}
     materials: dict[str, Material] = {}
     offsets: dict[str, float] = {}
-    low_m, high_m = levels[0].plan.bounds.min, levels[0].plan.bounds.max
+    low_m, high_m = (_moved(corner, 0.0) for corner in (levels[0].plan.bounds.min, levels[0].plan.bounds.max))
     for drawn in levels:
         plan = drawn.plan
         offset_m = round(high_m[0] + GAP_M - plan.bounds.min[0], 3) if offsets else 0.0

@@ -186,6 +186,14 @@ def test_levels_lie_side_by_side_each_as_if_it_were_alone(tmp_path):
         assert [door.name for door in plan.doors if door.name.startswith(one.name)] == [f"{one.name}_gate"]
 
 
+@pytest.mark.parametrize("length_m", [10.0 / 3.0, 7.123456789, 12.000000499])
+def test_levels_fit_into_their_plan_at_any_scale(tmp_path, length_m):
+    building = building_of_three()
+    for one in building["levels"].values():
+        one["measurements"] = [[0, 1, metres(length_m)]]
+    assert len(read(tmp_path, building).plan.levels) == 3
+
+
 def wall_of(wall: Any) -> shapely.Polygon:
     return shapely.Polygon(wall_corners(wall))
 
