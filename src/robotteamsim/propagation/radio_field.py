@@ -10,8 +10,8 @@ from robotteamsim import _core
 from robotteamsim.propagation.faces import radio_faces
 from robotteamsim.propagation.field_map import FieldMap, map_array
 from robotteamsim.scenario.building import Building
-from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.plan import grid_shape
+from robotteamsim.scenario.floor_plan import Bounds, FloorPlan
+from robotteamsim.scenario.plan import grid_shape, shape_over
 from robotteamsim.scenario.sections import Radio
 
 Point = tuple[float, float]
@@ -65,6 +65,7 @@ class RadioField:
         resolution_m: float,
         *,
         floors_crossed: int = 0,
+        bounds: Bounds | None = None,
         out: np.ndarray | None = None,
         threads: int = 1,
     ) -> FieldMap:
@@ -72,12 +73,14 @@ class RadioField:
 
         The walls are counted exactly; the logarithm is accurate to 4e-5 dB, compared with `path_loss_db`. Resolutions
         of whole millimetres are by far the fastest.
-        Args:   out: float32, shape (rows, cols), C-contiguous: the map is written here, without allocating memory.
+        Args:   bounds: of the map, such as those of a level; by default, of the plan.
+                out: float32, shape (rows, cols), C-contiguous: the map is written here, without allocating memory.
                 threads: number of threads, 0 for one per core; it does not change the values.
         Raises: ValueError: the transmitter's position is not finite, the resolution is not above 0, or `out` has
                 another shape or type.
         """
-        return self.best_rssi_map_dbm([tx_m], resolution_m, floors_crossed=floors_crossed, out=out, threads=threads)
+        keys = {"floors_crossed": floors_crossed, "threads": threads}
+        return self.best_rssi_map_dbm([tx_m], resolution_m, bounds=bounds, out=out, **keys)
 
     def best_rssi_map_dbm(
         self,
@@ -85,6 +88,7 @@ class RadioField:
         resolution_m: float,
         *,
         floors_crossed: int = 0,
+        bounds: Bounds | None = None,
         out: np.ndarray | None = None,
         threads: int = 1,
     ) -> FieldMap:
@@ -92,8 +96,9 @@ class RadioField:
 
         Raises: ValueError: as there, or no transmitters.
         """
-        values = map_array(grid_shape(self._plan, resolution_m), out)
-        origin_m = self._plan.bounds.min
+        bounds = bounds or self._plan.bounds
+        values = map_array(shape_over(bounds, resolution_m), out)
+        origin_m = bounds.min
         _core.propagation.write_best_rssi_map_dbm(
             self.core_faces, self.core_model, transmitters_m, floors_crossed, origin_m, resolution_m, values, threads
         )

@@ -225,11 +225,16 @@ def grid_shape(plan: FloorPlan, resolution_m: float) -> tuple[int, int]:
 
     Raises: ValueError: the resolution is not finite and above 0, or far too small.
     """
+    return shape_over(plan.bounds, resolution_m)
+
+
+def shape_over(bounds: Bounds, resolution_m: float) -> tuple[int, int]:
+    """Return `grid_shape` of a plan with these bounds. Raises: ValueError: as there."""
     if not 0.0 < resolution_m < math.inf:
         raise ValueError(f"resolution_m must be finite and > 0, got {resolution_m}")
-    (min_x, min_y), (max_x, max_y) = plan.bounds.min, plan.bounds.max
+    (min_x, min_y), (max_x, max_y) = bounds.min, bounds.max
     if not max(max_x - min_x, max_y - min_y) / resolution_m < 2.0**31:
-        raise ValueError(f"resolution_m {resolution_m:g} is too small for a plan of {plan.bounds}")
+        raise ValueError(f"resolution_m {resolution_m:g} is too small for a plan of {bounds}")
     columns = math.ceil((max_x - min_x) / resolution_m - _EDGE_TOLERANCE_CELLS)
     rows = math.ceil((max_y - min_y) / resolution_m - _EDGE_TOLERANCE_CELLS)
     return rows, columns

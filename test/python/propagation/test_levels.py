@@ -135,6 +135,12 @@ def test_maps_are_those_of_single_points_on_all_levels(threads: int) -> None:
     found = field.best_rssi_map_dbm(transmitters, 0.5, threads=threads)
     each = field.rssi_maps_dbm(transmitters, 0.5, threads)
     np.testing.assert_array_equal(found.values, np.max([one.values for one in each], axis=0))
+    level = make_building().levels[1]
+    part = field.best_rssi_map_dbm(transmitters, 0.5, bounds=level.bounds, threads=threads)
+    row, column = found.cell_at(*part.cell_center(0, 0))
+    np.testing.assert_array_equal(
+        part.values, found.values[row : row + part.values.shape[0], column : column + part.values.shape[1]]
+    )
     on_levels = 0
     for row, column in np.ndindex(found.values.shape):
         x, y = found.cell_center(row, column)
