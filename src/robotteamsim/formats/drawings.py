@@ -14,7 +14,7 @@ from robotteamsim.scenario.door_places import without_misplaced_doors
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.map_image import DrawingRules, MapImage, open_places
 from robotteamsim.wording import counted
-from robotteamsim.world.floor_parts import floor_parts, part_texts
+from robotteamsim.world.floor_parts import floor_parts, unreached_texts
 
 _DOOR_WIDTHS_M = (0.6, 1.6)
 _MOST_PLACES = 10
@@ -80,7 +80,7 @@ def drawn(
     if num_left_out := len(found.doors) - len(plan.doors):
         gaps = f"{counted(num_left_out, 'gap')} found next to which a leaf cannot turn"
         doubts.append(f"{gaps}: left open, without a door")
-    doubts += [f"no door leads from the largest part of the floor to {part}" for part in part_texts(parts[1:])]
+    doubts += unreached_texts(plan, parts)
     doubts += [] if is_map else _open_places(plan, rules)
     summary = _summary(plan, rules, None if is_map else image)
     shown = None if image is None else (image, rules)

@@ -1,7 +1,8 @@
-"""Imports storeys of buildings in IFC 2x3, 4 and 4.3."""
+"""Imports buildings in IFC 2x3, 4 and 4.3."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, ClassVar
@@ -10,22 +11,23 @@ import numpy as np
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.formats.ifc_file import IfcBuilding, schema_mistakes
-from robotteamsim.formats.ifc_storey import StoreyPlan, has_doors, has_walls
+from robotteamsim.formats.ifc_storey import FLOOR_M, HEAD_M, StoreyNotes, StoreyPlan, has_doors, has_walls
 from robotteamsim.formats.importer import Imported, Importer
 from robotteamsim.formats.options import LEVEL, Options
+from robotteamsim.formats.side_by_side import DrawnLevel, side_by_side
 from robotteamsim.scenario.base import MAX_NAME_CHARACTERS
-from robotteamsim.scenario.door_places import misplaced_doors
+from robotteamsim.scenario.door_places import misplaced_doors, without_misplaced_doors
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.problems import checked, suggestion
 from robotteamsim.wording import counted, printable
-from robotteamsim.world.floor_parts import floor_parts, part_texts
+from robotteamsim.world.floor_parts import floor_parts, unreached_texts
 
 _MARGIN_M, _ROBOT_M = 0.5, 0.2
 """Around everything; and radius of the robot for which parts of the floor count as connected."""
 
 
 class IfcImporter(Importer):
-    """Imports one storey of a building: its walls, columns and doors, in the coordinates of the file."""
+    """Imports the storeys of a building with walls, columns and doors, the first one in the coordinates of the file."""
 
     noun = "a building in IFC"
     suffixes = (".ifc",)
@@ -47,68 +49,89 @@ class IfcImporter(Importer):
 
     def _read(self, path: Path, **options: Any) -> Imported:
         building = IfcBuilding(path)
-        name = options.get("level") or _first(building)
-        if name not in building.storeys:
+        names, others = _to_import(building)
+        if "level" in options:
+            names = [options["level"]]
+            others = [
+                f"storey {one}: left out; --level '{one}' imports it" for one in building.storeys if one not in names
+            ]
+        if names[0] not in building.storeys:
             known = list(building.storeys)
-            text = f"expected one of {', '.join(known)}{suggestion(name, known)}"
-            raise ScenarioError(f"{path}: there is no storey '{printable(name)}'; {text}")
-        found = read_storey(path, building, name)
-        others = [
-            f"storey {other}: left out; --level '{other}' imports it" for other in building.storeys if other != name
-        ]
-        return Imported(found.plan, (*building.notes, *found.notes, *others), summary=found.summary, parts=found.parts)
+            text = f"expected one of {', '.join(known)}{suggestion(names[0], known)}"
+            raise ScenarioError(f"{path}: there is no storey '{printable(names[0])}'; {text}")
+        notes = StoreyNotes(building)
+        drawn = [_drawn(path, building, name, notes) for name in names]
+        plan = drawn[0].plan
+        if len(drawn) > 1:
+            plan = side_by_side(path, printable(path.stem)[:MAX_NAME_CHARACTERS], drawn)
+        offset_m = tuple(building.shift_m.tolist())
+        if any(offset_m):
+            plan = plan.model_copy(update={"drawing_offset_m": offset_m})
+        parts = floor_parts(plan, _ROBOT_M)
+        all_notes = (*building.notes, *notes, *others, *unreached_texts(plan, parts))
+        return Imported(plan, all_notes, summary=_summary(plan, names, notes.num_walls), parts=parts)
 
 
-def read_storey(path: Path, building: IfcBuilding, name: str) -> Imported:
-    """Return any storey of a building; all storeys have the same coordinates.
+def _drawn(path: Path, building: IfcBuilding, name: str, notes: StoreyNotes) -> DrawnLevel:
+    """Return a storey of a building; all storeys have the same coordinates.
 
     Raises: ScenarioError: it has no walls, or cannot be a plan.
     """
     storey = building.storeys[name]
     place = f"{path}: #{storey.entity.id()} (storey {name})"
-    found = StoreyPlan(building, storey)
+    found = StoreyPlan(building, storey, notes)
     if not (found.walls or found.blocks):
         raise ScenarioError(f"{place}: has no walls between its floor, at {storey.floor_m:g} m, and 2 m above it")
-    offset_m = tuple(building.shift_m.tolist())
     keys = {
         "name": printable(f"{path.stem} {name}")[:MAX_NAME_CHARACTERS],
         "bounds": _bounds([*found.walls, *found.doors], found.blocks),
         "walls": found.walls,
         "blocks": found.blocks,
         "doors": found.doors,
-        "materials": found.materials,
-        "drawing_offset_m": offset_m if any(offset_m) else None,
+        "materials": notes.materials.used_by([*found.walls, *found.blocks]),
     }
-    drawn = checked(FloorPlan, keys, place=f"{place}: ")
-    notes = list(found.notes())
-    misplaced = dict(misplaced_doors(drawn))
-    notes += [f"door {drawn.doors[i].name}: {why}; left out" for i, why in misplaced.items()]
-    doors = tuple(door for i, door in enumerate(drawn.doors) if i not in misplaced)
-    plan = drawn.model_copy(update={"doors": doors})
-    parts = floor_parts(plan, _ROBOT_M)
-    notes += [f"no door leads from the largest part of the floor to {part}" for part in part_texts(parts[1:])]
+    plan = checked(FloorPlan, keys, place=f"{place}: ")
+    notes.misplaced += [f"door {plan.doors[i].name}: {why}; left out" for i, why in misplaced_doors(plan)]
+    return DrawnLevel(name, round(storey.floor_m, 6), without_misplaced_doors(plan))
+
+
+def _to_import(building: IfcBuilding) -> tuple[list[str], list[str]]:
+    """Return the storeys to import, the lowest with a door first, then from the lowest up; and notes on the others."""
+    names: dict[float, str] = {}
+    notes = []
+    above_m = [storey.floor_m for storey in building.storeys.values()][1:]
+    for (name, storey), next_m in zip(building.storeys.items(), [*above_m, math.inf], strict=True):
+        at_m = round(storey.floor_m, 6)
+        if not has_walls(building, storey):
+            notes.append(f"storey {name}: left out; it has no walls")
+        elif at_m in names:  # and has the same walls
+            notes.append(f"storey {name}: left out; it is at the height of {names[at_m]}")
+        elif FLOOR_M < next_m - at_m < HEAD_M and not has_doors(building, storey):
+            text = f"it has no door, and is less than {HEAD_M:g} m high"
+            notes.append(f"storey {name}: left out; {text}; --level '{name}' imports it")
+        else:
+            names[at_m] = name
+    found = list(names.values()) or list(building.storeys)[:1]
+    first = next((name for name in found if has_doors(building, building.storeys[name])), found[0])
+    return [first, *(name for name in found if name != first)], notes
+
+
+def _summary(plan: FloorPlan, names: Sequence[str], num_walls: int) -> str:
+    """Return the size of an import. Args: num_walls: of straight ones, before openings interrupt them."""
     width_m, height_m = np.subtract(plan.bounds.max, plan.bounds.min).round(3)
     pillars = sum(block.kind == "pillar" for block in plan.blocks)
     num_doors = len({door.name.removesuffix("_left").removesuffix("_right") for door in plan.doors})
     counts = (
-        f"{counted(found.num_walls, 'straight wall')} in {counted(len(plan.walls), 'piece')}",
+        f"{counted(num_walls, 'straight wall')} in {counted(len(plan.walls), 'piece')}",
         counted(len(plan.blocks) - pillars, "block"),
         counted(pillars, "column"),
         counted(num_doors, "door"),
     )
-    summary = f"storey {name}, {width_m:g} x {height_m:g} m, {', '.join(counts)}"
-    if any(offset_m):
-        summary += "; [0, 0] is [{:.10g}, {:.10g}] m in the file".format(*offset_m)
-    return Imported(plan, tuple(notes), summary=summary, parts=parts)
-
-
-def _first(building: IfcBuilding) -> str:
-    """Return the lowest storey with a door, else the lowest with walls, else the lowest."""
-    for test in (has_doors, has_walls):
-        for name, storey in building.storeys.items():
-            if test(building, storey):
-                return name
-    return next(iter(building.storeys))
+    storeys = f"storey {names[0]}" if len(names) == 1 else f"{len(names)} storeys"
+    summary = f"{storeys}, {width_m:g} x {height_m:g} m, {', '.join(counts)}"
+    if plan.drawing_offset_m:
+        summary += "; [0, 0] is [{:.10g}, {:.10g}] m in the file".format(*plan.drawing_offset_m)
+    return summary
 
 
 def _bounds(lines: Sequence[dict[str, Any]], blocks: Sequence[dict[str, Any]]) -> dict[str, Any]:

@@ -34,12 +34,15 @@ _END = b"END-ISO-10303-21;"
 _FAR_M, _FARTHEST_M = 1e4, 1e8
 """Buildings farther away are moved to [0, 0]; and the farthest that can be read."""
 
+_NAME_CHARACTERS = 60
+"""Of storeys; the names of what is on them begin so in the plan."""
+
 _BLOCKING = "IfcWall", "IfcColumn", "IfcCurtainWall", "IfcPlate", "IfcMember"
 _DRAWN = (*_BLOCKING, "IfcBuildingElementPart", "IfcDoor", "IfcWindow", "IfcOpeningElement", "IfcElementAssembly")
 
 
 class Opening(NamedTuple):
-    """A hole in a wall. owner: id of the wall.  fillings: doors and windows in it.  mesh: None if windows fill it."""
+    """A hole in a wall. owner: id of the wall.  fillings: doors and windows in it.  mesh: None if it cannot be read."""
 
     owner: int
     fillings: tuple[Entity, ...]
@@ -60,8 +63,9 @@ class Solid(NamedTuple):
 
 
 class Storey(NamedTuple):
-    """A storey: its height in the file, and the entity."""
+    """A storey: its name, its height in the file, and the entity."""
 
+    name: str
     floor_m: float
     entity: Entity
 
@@ -103,10 +107,10 @@ class IfcBuilding:
         blocking = {id_: one for id_, one in blocking.items() if _blocks(wholes[id_])}
         voids = [(relation.RelatedOpeningElement, relation) for relation in self._file.by_type("IfcRelVoidsElement")]
         fillings = {hole.id(): tuple(one.RelatedBuildingElement for one in hole.HasFillings) for hole, _ in voids}
-        open_ = [hole for hole, _ in voids if not fillings[hole.id()] or _doors(fillings[hole.id()])]
+        holes = [hole for hole, _ in voids]
         alone = {one.id() for some in fillings.values() if len(some) == 1 for one in some}
         with_body = [door for door in self.doors if door.id() not in alone]
-        meshes = self._meshes([*blocking.values(), *open_, *with_body])
+        meshes = self._meshes([*blocking.values(), *holes, *with_body])
         self.solids = [Solid(one, wholes[id_], meshes[id_]) for id_, one in blocking.items() if id_ in meshes]
         self.openings = [
             Opening(relation.RelatingBuildingElement.id(), fillings[hole.id()], meshes.get(hole.id()))
@@ -114,7 +118,7 @@ class IfcBuilding:
         ]
         self.bodies = {door.id(): meshes[door.id()] for door in with_body if door.id() in meshes}
         lost = [one for id_, one in blocking.items() if id_ not in meshes and not one.IsDecomposedBy]
-        lost += [one for one in open_ if one.id() not in meshes]
+        lost += [one for one in holes if one.id() not in meshes]
         if lost:
             self.notes.append(f"without a shape that can be read, left out: {_listed(lost)}")
         if not self.solids:
@@ -167,15 +171,14 @@ class IfcBuilding:
         found = self._file.by_type("IfcBuildingStorey")
         if not found:
             raise ScenarioError(f"{self._path}: has no storeys (IfcBuildingStorey)")
-        names = {one.id(): printable((one.Name or "").strip()) or f"#{one.id()}" for one in found}
+        names = {one.id(): printable((one.Name or "").strip())[:_NAME_CHARACTERS] or f"#{one.id()}" for one in found}
         often = Counter(names.values())
-        floors_m = {one.id(): self._floor_m(one) for one in found}
-        return {
-            names[one.id()] if often[names[one.id()]] == 1 else f"{names[one.id()]} #{one.id()}": Storey(
-                floors_m[one.id()], one
-            )
-            for one in sorted(found, key=lambda one: (floors_m[one.id()], one.id()))
-        }
+        storeys = []
+        for one in found:
+            name = names[one.id()]
+            storeys.append(Storey(name if often[name] == 1 else f"{name} #{one.id()}", self._floor_m(one), one))
+        storeys.sort(key=lambda storey: (storey.floor_m, storey.entity.id()))
+        return {storey.name: storey for storey in storeys}
 
     def _floor_m(self, storey: Entity) -> float:
         """Return the height of a storey's floor in the world.

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from pydantic import ValidationError
@@ -52,10 +52,10 @@ class IfcMaterials:
         self._problems: Counter[str] = Counter()
         self._num_glass = 0
 
-    @property
-    def materials(self) -> tuple[Material, ...]:
-        """All materials, by the first use."""
-        return tuple(self._materials.values())
+    def used_by(self, elements: Iterable[Mapping[str, Any]]) -> tuple[Material, ...]:
+        """Return the materials of some walls and blocks, by the first use. Args: elements: their keys in a plan."""
+        names = dict.fromkeys(element["material"] for element in elements)
+        return tuple(self._materials[name] for name in names if name is not None)
 
     def of(self, element: Any, thickness_m: float, *, is_glazed: bool = False) -> str | None:
         """Return the name of an element's material; None: it is unknown.
@@ -77,9 +77,13 @@ class IfcMaterials:
                 problems[f"'{name}' has {counted(len(layers), 'layer')} that a plan cannot have"] += 1
         if is_glazed:
             self._num_glass += 1
-            return self._add(GLASS.name, GLASS)
+            return self.glass()
         self._problems.update(dict.fromkeys(problems, 1))
         return None
+
+    def glass(self) -> str:
+        """Return the name of the glass of windows."""
+        return self._add(GLASS.name, GLASS)
 
     def _add(self, name: str, material: Material) -> str:
         """Add a material, under another name if this one is taken by other layers; return its name."""

@@ -37,6 +37,9 @@ STEP_M = 0.3
 PASSABLE_M = 1.0
 """An opening without a filling is passable if it reaches from the floor to at least this height."""
 
+WINDOW_M = 0.5
+"""A window is one of a storey if it has at least this height between the floor and heads."""
+
 _BESIDE_M = 0.3
 """A door that fills no opening cuts the walls that are that close in front of it or behind it."""
 
@@ -51,13 +54,23 @@ _RATING = re.compile(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Gap:
-    """A way through walls. owner: of one wall; None: of all.  hosts: what it goes through."""
+    """An opening. owner: of one wall; None: of all.  filling: None: nothing.  hosts: what it goes through."""
 
     owner: int | None
     shape: shapely.Geometry
-    door: Entity | None
+    filling: Entity | None
     high_m: float
     hosts: list[_Standing] = field(default_factory=list)
+
+    @property
+    def is_window(self) -> bool:
+        """Whether it lets radio pass, but not robots."""
+        return self.filling is not None and bool(self.filling.is_a("IfcWindow"))
+
+    @property
+    def door(self) -> Entity | None:
+        """The door in it."""
+        return None if self.is_window else self.filling
 
 
 class _Standing(NamedTuple):
@@ -69,15 +82,50 @@ class _Standing(NamedTuple):
     gaps: list[_Gap]
 
 
-class StoreyPlan:
-    """Walls, blocks and doors of a storey, as keys of a floor plan, and notes on them."""
+class StoreyNotes:
+    """What was guessed or left out on the storeys that were drawn.
 
-    def __init__(self, building: IfcBuilding, storey: Storey) -> None:
-        """Cut the building between the floor and heads."""
+    materials: of their walls, blocks and columns.
+    said:      how many of what, such as "door narrower than 0.05 m".
+    misplaced: one line for each door that is in no gap.
+    num_walls: number of straight walls.
+    """
+
+    def __init__(self, building: IfcBuilding) -> None:
+        self.materials = IfcMaterials(building.scale_m)
+        self.said: Counter[str] = Counter()
+        self.misplaced: list[str] = []
+        self.left_out: Counter[str] = Counter()
+        self.num_walls = 0
+        self._with_doors: dict[str, bool] = {}
+
+    def add(self, name: str, left_out: Counter[str], *, has_doors: bool) -> None:
+        """Add a storey. Args: left_out: numbers of elements by their class."""
+        self.left_out += left_out
+        self._with_doors[name] = has_doors
+
+    def __iter__(self) -> Iterator[str]:
+        yield from self.materials.notes()
+        for what, number in (+self.said).items():
+            noun, rest = what.split(" ", 1)
+            yield f"{counted(number, noun)} {rest}"
+        if self.left_out:
+            yield "left out: " + ", ".join(f"{number} {name}" for name, number in sorted(self.left_out.items()))
+        if any(self._with_doors.values()):
+            yield "doors are open at the start; `motion` in the plan would move their leaves"
+        if without := [name for name, has_doors in self._with_doors.items() if not has_doors]:
+            yield f"there is no door on {'storeys' if len(without) > 1 else 'storey'} {', '.join(without)}"
+        yield from self.misplaced
+
+
+class StoreyPlan:
+    """Walls, blocks and doors of a storey, as keys of a floor plan."""
+
+    def __init__(self, building: IfcBuilding, storey: Storey, notes: StoreyNotes) -> None:
+        """Cut the building between the floor and heads. Args: notes: to which those on this storey are added."""
         self._building, self._storey = building, storey
         self._low_m, self._high_m = storey.floor_m + FLOOR_M, storey.floor_m + HEAD_M
-        self._materials = IfcMaterials(building.scale_m)
-        self._said: Counter[str] = Counter()
+        self._materials, self._said = notes.materials, notes.said
         gaps: dict[int | None, list[_Gap]] = {}
         for gap in self._gaps():
             gaps.setdefault(gap.owner, []).append(gap)
@@ -90,17 +138,23 @@ class StoreyPlan:
                 base = f"{_kind(one.solid.element)}_{one.solid.element.id()}"
                 names[base] += 1
                 keys["name"] = base if names[base] == 1 else f"{base}_{names[base]}"
-        self.num_walls = len({one.solid.element.id() for one in standing if one.strip})
+        notes.num_walls += len({one.solid.element.id() for one in standing if one.strip})
         with_doors = [gap for some in gaps.values() for gap in some if gap.door is not None]
         leaves = [leaf for gap in with_doors for leaf in self._leaves(gap, gap.door)]
         self.doors = list({leaf["name"]: leaf for leaf in leaves}.values())  # an opening may be of several parts
-        self.materials = self._materials.materials
+        notes.add(storey.name, building.left_out(storey), has_doors=bool(self.doors))
 
     def _gaps(self) -> Iterator[_Gap]:
-        """Yield the openings that a robot can pass."""
+        """Yield the openings that a robot can pass, and windows."""
         for opening in self._building.openings:
             mesh, doors = opening.mesh, opening.doors
             if mesh is None or mesh.high_m <= self._low_m or mesh.low_m >= self._high_m:
+                continue
+            if opening.fillings and not doors:
+                window = next((one for one in opening.fillings if one.is_a("IfcWindow")), None)
+                if window and min(mesh.high_m, self._high_m) - max(mesh.low_m, self._low_m) >= WINDOW_M:
+                    for shape in footprint(mesh, mesh.low_m - 1.0, mesh.high_m + 1.0):
+                        yield _Gap(opening.owner, shape, window, mesh.high_m)
                 continue
             if not self._is_passable(mesh, bool(doors)):
                 self._said[f"{'door' if doors else 'opening'} with a sill not at the floor: closed"] += 1
@@ -168,11 +222,7 @@ class StoreyPlan:
         keys: dict[str, Any] = {"name": "", "height_m": round(height_m, 3)}
         if one.strip:
             keys["material"] = self._materials.of(one.solid.element, one.strip.thickness_m, is_glazed=is_glazed)
-            openings = [span for gap in one.gaps if (span := self._opened(one.strip, gap))]
-            for begin_m, end_m in remaining(one.strip.length_m, openings):
-                ends = {"from": one.strip.at(begin_m), "to": one.strip.at(end_m)}
-                self.walls.append({**keys, **ends, "thickness_m": one.strip.thickness_m})
-                yield self.walls[-1]
+            yield from self._pieces(one, one.strip, keys)
             return
         if _is_column(one.solid):
             keys["kind"] = "pillar"
@@ -181,7 +231,8 @@ class StoreyPlan:
             thickness_m = _thickness_m(one.shape)
             keys["thickness_m"] = thickness_m or None
         keys["material"] = self._materials.of(one.solid.element, thickness_m, is_glazed=is_glazed)
-        rest = one.shape.difference(shapely.union_all([gap.shape for gap in one.gaps]))
+        self._said["window closed, of the material of the wall around it"] += sum(gap.is_window for gap in one.gaps)
+        rest = one.shape.difference(shapely.union_all([gap.shape for gap in one.gaps if not gap.is_window]))
         for part in shapely.get_parts(rest):
             for piece in without_holes(part):
                 outline = shapely.set_precision(piece, 1e-6)
@@ -189,6 +240,20 @@ class StoreyPlan:
                     corners = shapely.get_coordinates(outline.exterior)[:-1].round(6)
                     self.blocks.append({**keys, "polygon": [tuple(corner) for corner in corners.tolist()]})
                     yield self.blocks[-1]
+
+    def _pieces(self, one: _Standing, strip: Strip, keys: dict[str, Any]) -> Iterator[dict[str, Any]]:
+        """Yield what openings leave of a straight wall, with its windows as pieces of glass."""
+        spans = [(gap, span) for gap in one.gaps if (span := self._opened(strip, gap))]
+        windows = [span for gap, span in spans if gap.is_window]
+        self._said["window closed with glass of 6 mm"] += len(windows)
+        openings = [span for gap, span in spans if not gap.is_window]
+        opaque = list(remaining(strip.length_m, [*openings, *windows]))
+        pieces = [(*span, keys["material"]) for span in opaque]
+        pieces += [(*span, self._materials.glass()) for span in remaining(strip.length_m, [*openings, *opaque])]
+        for begin_m, end_m, material in sorted(pieces, key=lambda piece: piece[0]):
+            ends = {"from": strip.at(begin_m), "to": strip.at(end_m)}
+            self.walls.append({**keys, **ends, "thickness_m": strip.thickness_m, "material": material})
+            yield self.walls[-1]
 
     def _opened(self, strip: Strip, gap: _Gap) -> tuple[float, float] | None:
         """Return where a gap opens a wall; the opening of a door need not go through."""
@@ -229,24 +294,6 @@ class StoreyPlan:
         if text and not _RATING.search(text):
             self._said[f"door whose FireRating has neither minutes nor a class: '{printable(text)}'"] += 1
         return bool(_RATING.search(text))
-
-    def notes(self) -> Iterator[str]:
-        """Yield what was guessed or left out."""
-        yield from self._materials.notes()
-        for what, number in self._said.items():
-            noun, rest = what.split(" ", 1)
-            yield f"{counted(number, noun)} {rest}"
-        from ifcopenshell.util.element import get_decomposition
-
-        listed = get_decomposition(self._storey.entity)
-        if windows := sum(one.is_a("IfcWindow") for one in listed):
-            yield f"{counted(windows, 'window')}: closed, of the material of the wall around them"
-        if left_out := self._building.left_out(self._storey):
-            yield "left out: " + ", ".join(f"{number} {name}" for name, number in sorted(left_out.items()))
-        if self.doors:
-            yield "doors are open at the start; `motion` in the plan would move their leaves"
-        else:
-            yield "there is no door on this storey"
 
 
 def has_doors(building: IfcBuilding, storey: Storey) -> bool:

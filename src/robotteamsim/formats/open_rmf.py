@@ -25,7 +25,7 @@ from robotteamsim.scenario.materials import Layer, Material
 from robotteamsim.scenario.problems import checked, suggestion
 from robotteamsim.scenario.yaml_text import read_mapping
 from robotteamsim.wording import counted
-from robotteamsim.world.floor_parts import floor_parts, part_texts
+from robotteamsim.world.floor_parts import floor_parts, unreached_texts
 
 WALL_M, WALL_HEIGHT_M, LONGER_M = 0.1, 2.5, 0.05
 """Thickness and height of walls, and by how much they are longer at each end, so that corners close."""
@@ -122,7 +122,7 @@ class OpenRmfImporter(Importer):
         left_out = [name for name in building.levels if name not in names]
         notes += [f"level {name}: left out; --level {name} imports it" for name in left_out]
         parts = floor_parts(plan, _ROBOT_M)
-        notes += [f"no door leads from the largest part of the floor to {part}" for part in part_texts(parts[1:])]
+        notes += unreached_texts(plan, parts)
         width_m, height_m = np.subtract(plan.bounds.max, plan.bounds.min)
         counts = [counted(len(plan.levels), "level")] if plan.levels else []
         counts += [counted(len(plan.walls), "wall"), counted(num_lifts, "lift"), counted(len(plan.doors), "door")]

@@ -10,8 +10,7 @@ Options = Mapping[str, Mapping[str, Any]]
 LEVEL: Options = {
     "--level": {
         "metavar": "NAME",
-        "help": "one level of a building.yaml, default: all; the storey of an IFC file, default: the "
-        "lowest with a door",
+        "help": "one level of a building, default: all",
     }
 }
 

@@ -13,6 +13,7 @@ from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Point
 from robotteamsim.scenario.floor_plan import Block, FloorPlan
 from robotteamsim.scenario.materials import Material
 from robotteamsim.scenario.problems import checked
+from robotteamsim.scenario.shapes import MAX_SIDE_M
 
 GAP_M = 10.0
 """Between two levels, so that no laser sees from one to the other."""
@@ -57,6 +58,10 @@ def side_by_side(
         if one.elevation_m == other.elevation_m:
             text = f"levels {one.name} and {other.name} are both at {one.elevation_m:g} m; --level imports one of them"
             raise ScenarioError(f"{path}: {text}")
+    widths_m = [drawn.plan.bounds.max[0] - drawn.plan.bounds.min[0] for drawn in levels]
+    if (width_m := sum(widths_m) + GAP_M * (len(levels) - 1)) > MAX_SIDE_M:
+        text = f"{len(levels)} levels side by side are {width_m:.0f} m wide; expected at most {MAX_SIDE_M:g}"
+        raise ScenarioError(f"{path}: {text}; --level imports one of them")
     keys: dict[str, list[Any]] = {key: [] for key in ("walls", "blocks", "doors", "levels", "openings", "passages")}
     materials: dict[str, Material] = {}
     offsets: dict[str, float] = {}

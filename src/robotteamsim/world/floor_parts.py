@@ -10,6 +10,7 @@ import shapely
 
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.levels import Level, level_at
 from robotteamsim.scenario.plan import obstacles
 from robotteamsim.wording import counted
 
@@ -39,18 +40,30 @@ class FloorPart(NamedTuple):
     place: Point
 
 
-def part_texts(parts: Sequence[FloorPart]) -> list[str]:
-    """Return area and place of each part for messages; beyond _MOST_NAMED, only how many more there are."""
-    texts = [f"{part.area_m2:.1f} m2 around [{part.place[0]:g}, {part.place[1]:g}]" for part in parts[:_MOST_NAMED]]
+def part_texts(parts: Sequence[FloorPart], levels: Sequence[Level] = ()) -> list[str]:
+    """Return area, place and level of each part for messages; beyond _MOST_NAMED, only how many more there are."""
+    texts = []
+    for part in parts[:_MOST_NAMED]:
+        level = level_at(levels, part.place)
+        on = f" on {level.name}" if level else ""
+        texts.append(f"{part.area_m2:.1f} m2 around [{part.place[0]:g}, {part.place[1]:g}]{on}")
     if num_smaller := len(parts) - len(texts):
         texts.append(counted(num_smaller, "smaller part"))
     return texts
 
 
+def unreached_texts(plan: FloorPlan, parts: Sequence[FloorPart]) -> list[str]:
+    """Return a line for each part to which none leads from the first one. Args: parts: those of `floor_parts`."""
+    start = f"no door or passage leads from the largest part of {plan.levels[0].name}" if plan.levels else ""
+    start = start or "no door leads from the largest part of the floor"
+    return [f"{start} to {part}" for part in part_texts(parts[1:], plan.levels)]
+
+
 def floor_parts(plan: FloorPlan, radius_m: float) -> tuple[FloorPart, ...]:
     """Return the parts of the floor between which a disc cannot move, even through open doors, the largest first.
 
-    Parts below LEAST_M2 are omitted, and those outside the building; parts that passages join count as the largest.
+    If there are levels, the largest part of the first level is the first. Omitted are parts below LEAST_M2, those
+    outside the building, and those to which passages lead from the first.
 
     Args: radius_m: of the disc; areas are those that its centre can be in.
     """
@@ -96,13 +109,14 @@ def _joined(plan: FloorPlan, shapes: Sequence[shapely.Polygon], reached: set[int
 
 @functools.lru_cache(maxsize=4)  # a check needs it for places and for parts
 def _all_shapes(plan: FloorPlan, radius_m: float) -> tuple[list[shapely.Polygon], shapely.Geometry]:
-    """Return where the centre of a disc can be if all doors are open, the largest part first; and the whole page."""
+    """Return where the centre of a disc can be if all doors are open, see `floor_parts`; and the whole page."""
     walls = obstacles(plan.model_copy(update={"doors": ()}))
     pages = [level.bounds for level in plan.levels] or [plan.bounds]
     page = shapely.union_all([shapely.box(*bounds.min, *bounds.max) for bounds in pages])
     floor = shapely.difference(page, shapely.buffer(walls, radius_m))
     parts = [part for part in shapely.get_parts(floor) if part.area >= LEAST_M2]
-    return sorted(parts, key=lambda part: (-part.area, part.bounds)), page
+    first = shapely.box(*pages[0].min, *pages[0].max)
+    return sorted(parts, key=lambda part: (not first.intersects(part), -part.area, part.bounds)), page
 
 
 def _shapes(plan: FloorPlan, radius_m: float) -> list[shapely.Polygon]:

@@ -7,6 +7,7 @@ import re
 from pathlib import Path
 
 import ifcopenshell.geom
+import numpy as np
 import pytest
 import shapely
 from ifc_house import UNITS, House, api, opening_m, placed, read, solid
@@ -14,6 +15,7 @@ from ifc_house import UNITS, House, api, opening_m, placed, read, solid
 from robotteamsim import rng
 from robotteamsim.cli import main
 from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.materials import Layer
 
 SOUTH, EAST = ((0.5, 0.0), (5.5, 0.0)), ((6.0, 0.5), (6.0, 3.5))
 """Lines in the middle of walls of a room."""
@@ -98,15 +100,34 @@ def test_door_opens_its_wall_also_where_its_opening_is_shallow(tmp_path):
 
 
 @pytest.mark.parametrize("sill", [0.0, 0.1, 0.3, 0.9])
-def test_windows_do_not_open_the_wall(tmp_path, sill):
+def test_windows_do_not_open_the_wall_but_are_of_glass(tmp_path, sill):
     house = House()
     house.storey("EG", 0.0)
     south, *_ = house.room()
+    house.layers(south, [("Brick", 0.2)], "IfcMaterial")
     house.filling(house.opening(south, 1.0, 2.0, low=sill), "IfcWindow")
+    house.filling(house.opening(south, 3.5, 0.9, high=2.1))
     found = read(tmp_path, house)
-    assert opening_m(found.plan, *SOUTH) == pytest.approx(0.0, abs=1e-9)
-    assert "1 window: closed, of the material of the wall around them" in found.notes
-    assert "there is no door on this storey" in found.notes
+    assert opening_m(found.plan, *SOUTH) == pytest.approx(0.9, abs=1e-5)
+    pieces = [(wall.start, wall.end, wall.material) for wall in found.plan.walls if wall.start[1] == wall.end[1] == 0.0]
+    places = [(0.0, 1.0, "Brick"), (1.0, 3.0, "glass"), (3.0, 3.5, "Brick"), (4.4, 6.0, "Brick")]
+    assert pieces == [((begin, 0.0), (end, 0.0), material) for begin, end, material in places]
+    glass = Layer(of="glass", thickness_m=0.006)
+    assert {one.name: one.layers for one in found.plan.materials}["glass"] == (glass,)
+    assert "1 window closed with glass of 6 mm" in found.notes
+
+
+def test_window_that_is_high_or_in_a_block_is_of_the_material_around_it(tmp_path):
+    house = House()
+    house.storey("EG", 0.0)
+    south, *_ = house.room()
+    house.filling(house.opening(south, 1.0, 2.0, low=1.6), "IfcWindow")
+    bent = house.prism("IfcWall", [[(1.0, 1.0), (3.0, 1.0), (3.0, 3.0), (2.8, 3.0), (2.8, 1.2), (1.0, 1.2)]])
+    house.filling(house.opening(bent, 1.2, 0.8, low=0.9), "IfcWindow")
+    found = read(tmp_path, house)
+    assert (found.plan.materials, len(found.plan.walls), len(found.plan.blocks)) == ((), 4, 1)
+    assert "1 window closed, of the material of the wall around it" in found.notes
+    assert "there is no door on storey EG" in found.notes
 
 
 @pytest.mark.parametrize(
@@ -144,7 +165,7 @@ def test_walls_block_where_they_are_and_not_where_they_are_listed(tmp_path):
     house = House()
     house.storey("Foundation", -1.0)
     house.wall((0.0, 0.0), (6.0, 0.0), low=-1.0, high=0.0)  # below the floor
-    first = house.storey("Level 1", 0.0)
+    house.storey("Level 1", 0.0)
     south, *_ = house.room(low=0.0, high=2.6)
     house.filling(house.opening(south, 1.0, 0.9))
     house.wall((2.0, 0.0), (2.0, 4.0), low=2.61, high=6.0)  # above heads
@@ -154,8 +175,8 @@ def test_walls_block_where_they_are_and_not_where_they_are_listed(tmp_path):
     house.wall((4.0, 0.0), (4.0, 4.0), low=0.0, high=2.0, of=house.site)
     house.wall((5.0, 0.0), (5.0, 4.0), low=5.71, high=6.0)
     house.storey("Roof", 6.0)
-    found = read(tmp_path, house)
-    assert found.plan.name == "house Level 1"  # the lowest with a door
+    found = read(tmp_path, house, level="Level 1")
+    assert found.plan.name == "house Level 1"
     upright = {wall.start[0] for wall in found.plan.walls if wall.start[0] == wall.end[0]}
     assert upright == {0.0, 3.0, 4.0, 6.0}
     assert [note for note in found.notes if note.startswith("storey ")] == [
@@ -165,7 +186,55 @@ def test_walls_block_where_they_are_and_not_where_they_are_listed(tmp_path):
     assert {wall.start[0] for wall in above.walls if wall.start[0] == wall.end[0]} == {0.0, 2.0, 6.0}
     with pytest.raises(ScenarioError, match=r"\(storey Roof\): has no walls between its floor, at 6 m, and 2 m above"):
         read(tmp_path, house, level="Roof")
-    assert first.is_a("IfcBuildingStorey")
+    levels = read(tmp_path, house)
+    assert [(one.name, one.elevation_m) for one in levels.plan.levels] == [("Level 1", 0.0), ("Level 2", 3.0)]
+    assert [note for note in levels.notes if note.startswith("storey ")] == [
+        "storey Foundation: left out; it has no door, and is less than 2 m high; --level 'Foundation' imports it",
+        "storey Roof: left out; it has no walls",
+    ]
+
+
+def test_all_storeys_lie_side_by_side_each_as_if_it_were_alone(tmp_path):
+    """The lowest storey with a door lies first, in the coordinates of the file; one at its height is left out."""
+    house = House(unit="FEET")
+    for name, floor_m in (("Cellar", -3.0), ("Ground", 0.0), ("Garden", 0.0), ("Upper", 3.0)):
+        house.storey(name, floor_m)
+        walls = house.room(low=floor_m, high=floor_m + 2.8) if name != "Garden" else []
+        if name in ("Ground", "Upper"):
+            house.layers(walls[0], [("Brick", 0.2 if name == "Upper" else 0.1)], "IfcMaterialLayerSet", "Wall")
+            house.filling(house.opening(walls[1], 1.0 + floor_m / 3.0, 0.9, low=floor_m, high=floor_m + 2.1))
+    found = read(tmp_path, house)
+    plan = found.plan
+    assert [(one.name, one.elevation_m) for one in plan.levels] == [("Ground", 0.0), ("Cellar", -3.0), ("Upper", 3.0)]
+    assert plan.levels[0].origin == (0.0, 0.0)
+    assert [note for note in found.notes if "Garden" in note] == [
+        "storey Garden: left out; it is at the height of Ground"
+    ]
+    layers = {one.name: one.layers for one in plan.materials}
+    for one in plan.levels:
+        alone = read(tmp_path, house, level=one.name).plan
+        x, y = one.origin
+        expected = {
+            (f"{one.name}_{wall.name}", *np.round([*wall.start, *wall.end], 5).tolist()) for wall in alone.walls
+        }
+        on = [wall for wall in plan.walls if wall.name.startswith(one.name)]
+        places = [np.subtract([*wall.start, *wall.end], [x, y, x, y]).round(5).tolist() for wall in on]
+        assert {(wall.name, *place) for wall, place in zip(on, places, strict=True)} == expected
+        assert len([door for door in plan.doors if door.name.startswith(one.name)]) == len(alone.doors)
+    thick = {layers[wall.material][0].thickness_m for wall in plan.walls if wall.material and "Upper" in wall.name}
+    assert thick == {0.2}
+
+
+def test_storey_that_cannot_be_a_level_is_one_line_with_its_name(tmp_path):
+    house = House()
+    for name, length_m in (("EG", 10.0), ("OG", 2000.0)):
+        floor_m = 3.0 * len(house.storeys)
+        storey = house.storey(name, floor_m)
+        house.wall((0.0, 0.0), (length_m, 0.0), low=floor_m, high=floor_m + 2.5)
+    with pytest.raises(
+        ScenarioError, match=rf"house\.ifc: #{storey.id()} \(storey OG\): bounds\.max: x 2000\.5 is more"
+    ):
+        read(tmp_path, house)
 
 
 def test_storey_without_elevation_or_placement_lies_at_its_walls(tmp_path):
