@@ -12,6 +12,7 @@ from matplotlib.transforms import Affine2D
 from robotteamsim import palette
 from robotteamsim.analysis.plan_picture import draw_plan
 from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.levels import level_at
 from robotteamsim.scenario.map_image import MapImage
 from robotteamsim.world.floor_parts import FloorPart
 
@@ -40,7 +41,8 @@ def draw_import(
         handles.append(Line2D([], [], color=palette.DOORS["normal"], linewidth=2.4, label="door"))
         for door in plan.doors if len(plan.doors) <= _MOST_NAMES else ():
             x, y = (0.5 * np.add(door.start, door.end)).tolist()
-            name = door.name.removeprefix("door_")
+            level = level_at(plan.levels, door.start)
+            name = door.name.removeprefix(f"{level.name}_" if level else "").removeprefix("door_")
             axes.text(x, y, name, color=palette.DOORS["normal"], ha="center", va="center", weight="bold", zorder=7)
     for part in parts[1:]:
         style = {"boxstyle": "round", "facecolor": palette.HEARD, "edgecolor": palette.INK}

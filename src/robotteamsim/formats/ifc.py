@@ -10,7 +10,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.formats.ifc_file import IfcBuilding, schema_mistakes
+from robotteamsim.formats.ifc_file import IfcBuilding, Rise, schema_mistakes
+from robotteamsim.formats.ifc_rises import joined, rises_at
 from robotteamsim.formats.ifc_storey import FLOOR_M, HEAD_M, StoreyNotes, StoreyPlan, has_doors, has_walls
 from robotteamsim.formats.importer import Imported, Importer
 from robotteamsim.formats.options import LEVEL, Options
@@ -63,7 +64,11 @@ class IfcImporter(Importer):
         drawn = [_drawn(path, building, name, notes) for name in names]
         plan = drawn[0].plan
         if len(drawn) > 1:
-            plan = side_by_side(path, printable(path.stem)[:MAX_NAME_CHARACTERS], drawn)
+            found = joined(building, drawn, _ROBOT_M)
+            others += found.notes
+            plan = side_by_side(path, printable(path.stem)[:MAX_NAME_CHARACTERS], found.levels, found.passages)
+            if any(passage.kind == "stairs" for passage in plan.passages):
+                others.append("stairs are for people; robots take those with `robots: true` in the plan")
         offset_m = tuple(building.shift_m.tolist())
         if any(offset_m):
             plan = plan.model_copy(update={"drawing_offset_m": offset_m})
@@ -84,7 +89,7 @@ def _drawn(path: Path, building: IfcBuilding, name: str, notes: StoreyNotes) -> 
         raise ScenarioError(f"{place}: has no walls between its floor, at {storey.floor_m:g} m, and 2 m above it")
     keys = {
         "name": printable(f"{path.stem} {name}")[:MAX_NAME_CHARACTERS],
-        "bounds": _bounds([*found.walls, *found.doors], found.blocks),
+        "bounds": _bounds([*found.walls, *found.doors], found.blocks, rises_at(building, storey.floor_m)),
         "walls": found.walls,
         "blocks": found.blocks,
         "doors": found.doors,
@@ -121,12 +126,13 @@ def _summary(plan: FloorPlan, names: Sequence[str], num_walls: int) -> str:
     width_m, height_m = np.subtract(plan.bounds.max, plan.bounds.min).round(3)
     pillars = sum(block.kind == "pillar" for block in plan.blocks)
     num_doors = len({door.name.removesuffix("_left").removesuffix("_right") for door in plan.doors})
-    counts = (
+    counts = [
         f"{counted(num_walls, 'straight wall')} in {counted(len(plan.walls), 'piece')}",
         counted(len(plan.blocks) - pillars, "block"),
         counted(pillars, "column"),
         counted(num_doors, "door"),
-    )
+    ]
+    counts += [counted(len(plan.passages), "passage")] if plan.levels else []
     storeys = f"storey {names[0]}" if len(names) == 1 else f"{len(names)} storeys"
     summary = f"{storeys}, {width_m:g} x {height_m:g} m, {', '.join(counts)}"
     if plan.drawing_offset_m:
@@ -134,9 +140,13 @@ def _summary(plan: FloorPlan, names: Sequence[str], num_walls: int) -> str:
     return summary
 
 
-def _bounds(lines: Sequence[dict[str, Any]], blocks: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """Return the rectangle around everything."""
+def _bounds(lines: Sequence[dict[str, Any]], blocks: Sequence[dict[str, Any]], rises: Sequence[Rise]) -> dict[str, Any]:
+    """Return the rectangle around everything, with room for the stops of stairs."""
     points = [line[end] for line in lines for end in ("from", "to")]
     points += [corner for block in blocks for corner in block["polygon"]]
     low, high = np.min(points, axis=0) - _MARGIN_M, np.max(points, axis=0) + _MARGIN_M
+    for rise in rises:
+        corners = np.concatenate([mesh.corners.reshape(-1, 3) for mesh in rise.meshes])[:, :2]
+        low = np.minimum(low, corners.min(axis=0) - 2.0 * _MARGIN_M)
+        high = np.maximum(high, corners.max(axis=0) + 2.0 * _MARGIN_M)
     return {"min": low.round(6).tolist(), "max": high.round(6).tolist()}

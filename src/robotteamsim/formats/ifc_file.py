@@ -28,7 +28,7 @@ MOST_BYTES = 256 * 2**20
 """Of a file. It needs some 20 times its size while it is read."""
 
 MOST_SOLIDS = 100_000
-"""Walls, columns, panels, openings and doors of all storeys."""
+"""Walls, columns, panels, openings, doors, parts of stairs and slabs of all storeys."""
 
 _END = b"END-ISO-10303-21;"
 _FAR_M, _FARTHEST_M = 1e4, 1e8
@@ -38,7 +38,17 @@ _NAME_CHARACTERS = 60
 """Of storeys; the names of what is on them begin so in the plan."""
 
 _BLOCKING = "IfcWall", "IfcColumn", "IfcCurtainWall", "IfcPlate", "IfcMember"
-_DRAWN = (*_BLOCKING, "IfcBuildingElementPart", "IfcDoor", "IfcWindow", "IfcOpeningElement", "IfcElementAssembly")
+_RISES = {"IfcStair": "stairs", "IfcStairFlight": "stairs", "IfcRamp": "ramp", "IfcRampFlight": "ramp"}
+_FLIGHTS = "IfcStairFlight", "IfcRampFlight"
+_DRAWN = (
+    *_BLOCKING,
+    *_FLIGHTS,
+    "IfcBuildingElementPart",
+    "IfcDoor",
+    "IfcWindow",
+    "IfcOpeningElement",
+    "IfcElementAssembly",
+)
 
 
 class Opening(NamedTuple):
@@ -62,6 +72,19 @@ class Solid(NamedTuple):
     mesh: Mesh
 
 
+class Rise(NamedTuple):
+    """Stairs, a ramp or a lift. kind: such a word.  meshes: of its flights, landings and stringers, or of its cabin."""
+
+    element: Entity
+    kind: str
+    meshes: tuple[Mesh, ...]
+
+    @property
+    def text(self) -> str:
+        """Its id and class, for notes."""
+        return f"#{self.element.id()} ({self.element.is_a()})"
+
+
 class Storey(NamedTuple):
     """A storey: its name, its height in the file, and the entity."""
 
@@ -71,12 +94,14 @@ class Storey(NamedTuple):
 
 
 class IfcBuilding:
-    """A building as solids, openings and doors, in metres.
+    """A building as solids, openings, doors and what leads from storey to storey, in metres.
 
     storeys:  by name, the lowest first.
     solids:   what blocks robots, of all storeys.
     openings: in them.
     doors:    all doors; bodies: the surface of those that do not fill an opening alone.
+    rises:    stairs, ramps and lifts.
+    slabs:    floors by id, if there are such; parts of stairs are none.
     scale_m:  of lengths in attributes.
     shift_m:  place of [0, 0] in the file, shape (2,).
     notes:    what is doubtful about the file.
@@ -97,7 +122,7 @@ class IfcBuilding:
         self.storeys = self._storeys()
 
     def _read_meshes(self) -> None:
-        """Read solids, openings, and the bodies of doors that do not fill an opening alone."""
+        """Read solids, openings, bodies of doors that do not fill an opening alone, stairs, ramps, lifts and slabs."""
         windows = [window for window in self._file.by_type("IfcWindow") if not window.FillsVoids]
         blocking = {
             one.id(): one for name in (*_BLOCKING, "IfcBuildingElementPart") for one in self._file.by_type(name)
@@ -110,7 +135,15 @@ class IfcBuilding:
         holes = [hole for hole, _ in voids]
         alone = {one.id() for some in fillings.values() if len(some) == 1 for one in some}
         with_body = [door for door in self.doors if door.id() not in alone]
-        meshes = self._meshes([*blocking.values(), *holes, *with_body])
+        rises = self._rises()
+        of_rises = {one.id(): one for _, _, parts in rises for one in parts}
+        slabs = [one for one in self._file.by_type("IfcSlab") if rises and one.id() not in of_rises]
+        meshes = self._meshes([*blocking.values(), *holes, *with_body, *of_rises.values(), *slabs])
+        self.rises = [
+            Rise(one, kind, tuple(meshes[part.id()] for part in parts if part.id() in meshes))
+            for one, kind, parts in rises
+        ]
+        self.slabs = {one.id(): meshes[one.id()] for one in slabs if one.id() in meshes}
         self.solids = [Solid(one, wholes[id_], meshes[id_]) for id_, one in blocking.items() if id_ in meshes]
         self.openings = [
             Opening(relation.RelatingBuildingElement.id(), fillings[hole.id()], meshes.get(hole.id()))
@@ -124,6 +157,23 @@ class IfcBuilding:
         if not self.solids:
             raise ScenarioError(f"{self._path}: has no walls, so there is no building to import")
 
+    def _rises(self) -> list[tuple[Entity, str, list[Entity]]]:
+        """Return stairs, ramps and lifts with their kinds and parts; railings are none of them."""
+        from ifcopenshell.util.element import get_decomposition, get_predefined_type
+
+        found: dict[int, tuple[Entity, str, list[Entity]]] = {}
+        for name, kind in _RISES.items():
+            for one in self._file.by_type(name):
+                whole = _whole(one)
+                whole = whole if any(map(whole.is_a, _RISES)) else one
+                parts = [part for part in (whole, *get_decomposition(whole)) if part.is_a("IfcElement")]
+                parts = [part for part in parts if not part.is_a("IfcRailing") and not part.is_a("IfcFeatureElement")]
+                found.setdefault(whole.id(), (whole, kind, parts))
+        for one in self._file.by_type("IfcTransportElement"):
+            if "ELEVATOR" in (getattr(one, "OperationType", None), get_predefined_type(one)):
+                found[one.id()] = (one, "lift", [one])
+        return list(found.values())
+
     def _meshes(self, elements: list[Entity]) -> dict[int, Mesh]:
         """Return surfaces in the map by id, without openings; those that cannot be made are missing.
 
@@ -133,7 +183,7 @@ class IfcBuilding:
         from ifcopenshell.util.shape import get_faces, get_faces_representation_item_ids, get_vertices
 
         if len(elements) > MOST_SOLIDS:
-            text = f"{len(elements)} walls, columns, panels, openings and doors; expected at most {MOST_SOLIDS}"
+            text = f"{len(elements)} walls, openings, stairs and other parts; expected at most {MOST_SOLIDS}"
             raise ScenarioError(f"{self._path}: {text}")
         settings = ifcopenshell.geom.settings()
         settings.set("use-world-coords", True)
@@ -212,10 +262,11 @@ class IfcBuilding:
         """Return how many elements of each other class are listed in a storey."""
         from ifcopenshell.util.element import get_decomposition
 
+        drawn = {rise.element.id() for rise in self.rises if rise.meshes}
         return Counter(
             one.is_a()
             for one in get_decomposition(storey.entity)
-            if one.is_a("IfcElement") and not any(map(one.is_a, _DRAWN))
+            if one.is_a("IfcElement") and not any(map(one.is_a, _DRAWN)) and one.id() not in drawn
         )
 
 

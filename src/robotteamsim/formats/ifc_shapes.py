@@ -56,7 +56,7 @@ def footprint(mesh: Mesh, low_m: float, high_m: float) -> list[shapely.Polygon]:
     between = (heights.max(axis=1) > low_m) & (heights.min(axis=1) < high_m)
     sides = points[:, 1:, :2] - points[:, :1, :2]
     is_flat = np.abs(sides[:, 0, 0] * sides[:, 1, 1] - sides[:, 0, 1] * sides[:, 1, 0]) > _FLAT_M2
-    faces = [_clipped(corners, low_m, high_m) for corners in points[between & is_flat]]
+    faces = [clipped(corners, low_m, high_m) for corners in points[between & is_flat]]
     parts: list[shapely.Geometry] = [shapely.Polygon(face[:, :2]) for face in faces if len(face) > 2]
     for height_m in (_cut_m(heights, low_m, 1.0), _cut_m(heights, high_m, -1.0)):
         for item in np.unique(mesh.items):
@@ -73,7 +73,7 @@ def _cut_m(heights: np.ndarray, begin_m: float, sign: float) -> float:
     return next(cut for cut in cuts if np.abs(heights - cut).min() > _NEXT_M / 100.0)
 
 
-def _clipped(corners: np.ndarray, low_m: float, high_m: float) -> np.ndarray:
+def clipped(corners: np.ndarray, low_m: float, high_m: float) -> np.ndarray:
     """Return the part of a convex polygon between two heights; float64, shape (n, 3)."""
     for sign, height_m in ((1.0, low_m), (-1.0, high_m)):
         inside = sign * (corners[:, 2] - height_m)
@@ -184,6 +184,16 @@ def without_holes(polygon: shapely.Polygon) -> Iterator[shapely.Polygon]:
         for part in shapely.get_parts(shapely.intersection(polygon, half)):
             if isinstance(part, shapely.Polygon):
                 yield from without_holes(part)
+
+
+def outlines(shape: shapely.Geometry) -> Iterator[tuple[list[Point], float]]:
+    """Yield the corners and areas of the parts of a shape, without holes and without details below 1 cm [m, m2]."""
+    for part in shapely.get_parts(shapely.simplify(shape, 10.0 * FLAT_M)):
+        for piece in without_holes(part):
+            for outline in shapely.get_parts(shapely.set_precision(piece, GRID_M)):
+                if isinstance(outline, shapely.Polygon) and outline.area > FLAT_M**2:
+                    corners = shapely.get_coordinates(outline.exterior)[:-1].round(6)
+                    yield [(x, y) for x, y in corners.tolist()], outline.area
 
 
 def remaining(length_m: float, gaps: Sequence[tuple[float, float]]) -> Iterator[tuple[float, float]]:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import shapely
 
-from robotteamsim.formats.ifc_file import Entity, IfcBuilding, Solid, Storey
+from robotteamsim.formats.ifc_file import Entity, IfcBuilding, Rise, Solid, Storey
 from robotteamsim.formats.ifc_materials import IfcMaterials
 from robotteamsim.formats.ifc_shapes import (
     FLAT_M,
@@ -20,6 +20,7 @@ from robotteamsim.formats.ifc_shapes import (
     Strip,
     as_strip,
     footprint,
+    outlines,
     remaining,
     spanned,
     without_holes,
@@ -39,6 +40,9 @@ PASSABLE_M = 1.0
 
 WINDOW_M = 0.5
 """A window is one of a storey if it has at least this height between the floor and heads."""
+
+CLOSE_M, STAIRS_M = 0.05, 0.2
+"""Gaps between steps that are closed, half; and the thickness of the wall that stairs are to radio."""
 
 _BESIDE_M = 0.3
 """A door that fills no opening cuts the walls that are that close in front of it or behind it."""
@@ -138,6 +142,7 @@ class StoreyPlan:
                 base = f"{_kind(one.solid.element)}_{one.solid.element.id()}"
                 names[base] += 1
                 keys["name"] = base if names[base] == 1 else f"{base}_{names[base]}"
+        self.blocks += [block for rise in building.rises if rise.kind != "lift" for block in self._bodies(rise)]
         notes.num_walls += len({one.solid.element.id() for one in standing if one.strip})
         with_doors = [gap for some in gaps.values() for gap in some if gap.door is not None]
         leaves = [leaf for gap in with_doors for leaf in self._leaves(gap, gap.door)]
@@ -254,6 +259,20 @@ class StoreyPlan:
             ends = {"from": strip.at(begin_m), "to": strip.at(end_m)}
             self.walls.append({**keys, **ends, "thickness_m": strip.thickness_m, "material": material})
             yield self.walls[-1]
+
+    def _bodies(self, rise: Rise) -> Iterator[dict[str, Any]]:
+        """Yield what blocks robots of stairs or a ramp; to radio, it is a wall."""
+        parts = [part for mesh in rise.meshes for part in footprint(mesh, self._low_m, self._high_m)]
+        closed = shapely.union_all(parts).buffer(CLOSE_M, join_style="mitre").buffer(-CLOSE_M, join_style="mitre")
+        height_m = max(mesh.high_m for mesh in rise.meshes) - self._storey.floor_m if rise.meshes else 0.0
+        for number, (corners, _) in enumerate(outlines(closed), 1):
+            yield {
+                "name": f"{rise.kind}_{rise.element.id()}" + (f"_{number}" if number > 1 else ""),
+                "polygon": corners,
+                "thickness_m": STAIRS_M,
+                "height_m": round(min(height_m, _MOST_HEIGHT_M), 3),
+                "material": None,
+            }
 
     def _opened(self, strip: Strip, gap: _Gap) -> tuple[float, float] | None:
         """Return where a gap opens a wall; the opening of a door need not go through."""

@@ -17,7 +17,7 @@ import shapely
 from robotteamsim.errors import ScenarioError
 from robotteamsim.formats.importer import Imported, Importer
 from robotteamsim.formats.options import LEVEL, Options
-from robotteamsim.formats.side_by_side import DrawnLevel, DrawnPassage, side_by_side
+from robotteamsim.formats.side_by_side import LIFT, DrawnLevel, DrawnPassage, side_by_side
 from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Point
 from robotteamsim.scenario.door_places import misplaced_doors, without_misplaced_doors
 from robotteamsim.scenario.floor_plan import Block, FloorPlan
@@ -35,8 +35,6 @@ SHAFT_M = 0.05
 _GLASS = Material(name="glass", layers=(Layer(of="glass", thickness_m=0.006),))
 _MARGIN_M, _ROBOT_M = 0.5, 0.2
 """Around everything; and radius of the robot for which parts of the floor count as connected."""
-_STOP_M, _LIFT_MPS, _LIFT_WAIT_S = 0.5, 1.0, 5.0
-"""Of lifts, of which files say none of this: radius of a stop, speed, and time for doors and waiting."""
 _SHORTEST_M, _MOST_M, _MOST_PIXELS, _MOST_FIDUCIALS = 1e-6, 1e5, 1e9, 1000
 
 Parameters = dict[str, tuple[int, Any]]
@@ -466,5 +464,4 @@ def _lifts(path: Path, building: _Building, places: _Places) -> Iterator[DrawnPa
             if shaft.openings:
                 found.setdefault(shaft.name, {})[level] = _point(shaft.center)
     for name, stops in found.items():
-        keys = {"name": name, "kind": "lift", "radius_m": _STOP_M, "speed_mps": _LIFT_MPS, "wait_s": _LIFT_WAIT_S}
-        yield DrawnPassage(keys, stops)
+        yield DrawnPassage({"name": name, **LIFT}, stops)

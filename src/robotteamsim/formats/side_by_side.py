@@ -18,6 +18,9 @@ from robotteamsim.scenario.shapes import MAX_SIDE_M
 GAP_M = 10.0
 """Between two levels, so that no laser sees from one to the other."""
 
+LIFT = {"kind": "lift", "radius_m": 0.5, "speed_mps": 1.0, "wait_s": 5.0}
+"""Of lifts, of which files say none of this: radius of a stop, speed, and time for doors and waiting."""
+
 
 @dataclass(frozen=True)
 class DrawnLevel:

@@ -21,6 +21,7 @@ import ifcopenshell.api.type
 import ifcopenshell.api.unit
 import numpy as np
 import shapely
+from scipy.spatial import ConvexHull
 
 from robotteamsim.formats import Imported
 from robotteamsim.formats.ifc import IfcImporter
@@ -130,6 +131,52 @@ class House:
             profile.InnerCurves = holes
         return self._extruded(ifc_class, profile, low, high, (0.0, 0.0), of)
 
+    def solids(
+        self, ifc_class: str, solids: Sequence[np.ndarray], of: Entity | None = None, *, inside_out: bool = False
+    ) -> Entity:
+        """Add an element of convex solids. Args: solids: float64, shape (n, 3), corners [m]."""
+        faces = []
+        for corners in solids:
+            hull = ConvexHull(corners)
+            outwards = np.einsum("ij,ij->i", np.cross(*_sides(corners[hull.simplices])), hull.equations[:, :3]) > 0.0
+            faces.append(
+                [
+                    side if out != inside_out else side[::-1]
+                    for side, out in zip(hull.simplices.tolist(), outwards, strict=True)
+                ]
+            )
+        shape = api.geometry.add_mesh_representation(
+            self.file,
+            context=self._body,
+            vertices=[one.tolist() for one in solids],
+            faces=faces,
+            force_faceted_brep=True,
+        )
+        return self.add(ifc_class, shape, placed(0.0, 0.0, 0.0), of=of)
+
+    def flight(
+        self,
+        start: Sequence[float],
+        along: Sequence[float],
+        num_treads: int,
+        width: float = 1.0,
+        *,
+        riser: float = 0.2,
+        tread: float = 0.25,
+        of: Entity | None = None,
+        ifc_class: str = "IfcStairFlight",
+        inside_out: bool = False,
+    ) -> Entity:
+        """Add steps of 5 cm. Args: start: middle of the front of the first one, on the floor.  along: unit vector."""
+        (x, y, low), (u, v) = start, along
+        treads = []
+        for i in range(num_treads):
+            ends = [(x + at * u, y + at * v) for at in (i * tread, (i + 1) * tread)]
+            sides = [(px - side * v, py + side * u) for px, py in ends for side in (-0.5 * width, 0.5 * width)]
+            top = low + (i + 1) * riser
+            treads.append(np.array([(*side, z) for side in sides for z in (top - 0.05, top)]))
+        return self.solids(ifc_class, treads, of, inside_out=inside_out)
+
     def round_column(self, x: float, y: float, radius: float, wall: float | None = None) -> Entity:
         """Add a column; wall: thickness of a pipe."""
         kind = "IfcCircleHollowProfileDef" if wall else "IfcCircleProfileDef"
@@ -235,6 +282,15 @@ class House:
         path = folder / "house.ifc"
         self.file.write(str(path))
         return path
+
+
+def box(low: Sequence[float], high: Sequence[float]) -> np.ndarray:
+    """Return the corners of a box; float64, shape (8, 3)."""
+    return np.array([(x, y, z) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+
+
+def _sides(triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    return triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
 
 
 def read(folder: Path, house: House, **options: Any) -> Imported:

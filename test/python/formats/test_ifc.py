@@ -372,7 +372,8 @@ def test_what_is_no_wall_is_counted(tmp_path):
     empty = house.add("IfcWall", None, placed(0.0, 0.0, 0.0))
     found = read(tmp_path, house)
     assert len(found.plan.walls) == 4
-    assert "left out: 2 IfcFurnishingElement, 1 IfcRailing, 1 IfcSlab, 1 IfcStair" in found.notes
+    assert [block.name for block in found.plan.blocks] == [f"stairs_{stair.id()}"]
+    assert "left out: 2 IfcFurnishingElement, 1 IfcRailing, 1 IfcSlab" in found.notes
     assert f"without a shape that can be read, left out: 1 IfcWall (#{empty.id()})" in found.notes
 
 
