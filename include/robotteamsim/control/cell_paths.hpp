@@ -83,6 +83,8 @@ class CellPaths {
   void FindPlaces();
   void Link(int row, int col);
   void LinkPortals();
+  template <typename Visit>
+  void ForJumpsFrom(int cell, const Visit& visit) const;
   std::vector<int> ShortestWithin(int from, const std::vector<std::uint8_t>& goals,
                                   const std::vector<std::uint8_t>& allowed) const;
   bool IsLineWithin(const base::Point& from, const base::Point& to, const std::vector<std::uint8_t>& allowed) const;
@@ -96,7 +98,8 @@ class CellPaths {
   std::optional<KeptOut> kept_out_;
   std::vector<std::optional<base::Point>> places_;
   std::vector<std::array<float, kNeighbours>> links_;  ///< lengths to the neighbours [m]; infinite if not linked
-  std::vector<Jump> jumps_;                            ///< in both directions
+  std::vector<Jump> jumps_;                            ///< in the order of their cells
+  std::vector<std::uint8_t> has_jump_;                 ///< whether a portal begins in this cell; empty without portals
   mutable std::vector<std::vector<float>> lengths_;
 };
 

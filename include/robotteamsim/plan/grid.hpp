@@ -131,6 +131,8 @@ class PlanningGrid {
   int FreeCellOf(const base::Point& point) const;
   base::Point Center(int row, int col) const;
   base::Point Center(int cell) const;
+  template <typename Visit>
+  void ForJumpsFrom(int cell, const Visit& visit) const;
   double LeastOnGrid(int from, int to) const;
   std::vector<double> LeastFromJumps(int goal) const;
   template <typename Value>
@@ -140,8 +142,9 @@ class PlanningGrid {
   std::vector<std::uint8_t> blocked_;
   std::vector<Step> steps_;
   std::vector<Portal> portals_;
-  std::vector<Jump> jumps_;
-  std::vector<std::uint8_t> exits_;  ///< bit i: step i leads from this free cell to a free cell and cuts no corner
+  std::vector<Jump> jumps_;             ///< in the order of their cells
+  std::vector<std::uint8_t> has_jump_;  ///< whether a portal begins in this cell; empty without portals
+  std::vector<std::uint8_t> exits_;     ///< bit i: step i leads from this free cell to a free cell and cuts no corner
 
   // A cell's scratch entries are valid only if its stamp is that of the current search: they need not be cleared.
   mutable std::uint32_t search_ = 0;

@@ -111,6 +111,20 @@ void CellPaths::LinkPortals() {
     jumps_.push_back({a, b, static_cast<float>(length)});
     jumps_.push_back({b, a, static_cast<float>(length)});
   }
+  std::stable_sort(jumps_.begin(), jumps_.end(), [](const Jump& a, const Jump& b) { return a.from < b.from; });
+  if (!jumps_.empty()) has_jump_.assign(places_.size(), 0);
+  for (const Jump& jump : jumps_) has_jump_[jump.from] = 1;
+}
+
+/// Visits the ways through portals from a cell.
+template <typename Visit>
+void CellPaths::ForJumpsFrom(int cell, const Visit& visit) const {
+  if (has_jump_.empty() || has_jump_[cell] == 0) return;
+  const auto is_before = [](const Jump& jump, int from) { return jump.from < from; };
+  for (auto jump = std::lower_bound(jumps_.begin(), jumps_.end(), cell, is_before);
+       jump != jumps_.end() && jump->from == cell; ++jump) {
+    visit(*jump);
+  }
 }
 
 bool CellPaths::IsAllowed(const base::Point& a, const base::Point& b) const {
@@ -225,9 +239,7 @@ const std::vector<float>& CellPaths::LengthsFrom(int cell) const {
         const float link = links_[at.cell][k];
         if (link < kNoPath) reach(at.cell + offsets[k], at.length + link);
       }
-      for (const Jump& jump : jumps_) {
-        if (jump.from == at.cell) reach(jump.to, at.length + jump.length);
-      }
+      ForJumpsFrom(at.cell, [&](const Jump& jump) { reach(jump.to, at.length + jump.length); });
     }
     num_open -= bucket.size();
     bucket.clear();
@@ -256,11 +268,11 @@ std::optional<base::Point> CellPaths::Ahead(const base::Point& position, int goa
         best = other;
       }
     }
-    for (const Jump& jump : jumps_) {
-      if (jump.from != at || !(jump.length + lengths[jump.to] < total) || !(lengths[jump.to] < lengths[at])) continue;
+    ForJumpsFrom(at, [&](const Jump& jump) {
+      if (!(jump.length + lengths[jump.to] < total) || !(lengths[jump.to] < lengths[at])) return;
       total = jump.length + lengths[jump.to];
       best = jump.to;
-    }
+    });
     if (best == at) break;
     at = best;
     if (is_first) ahead = *places_[at];  // around a corner, if it is not in sight
@@ -324,9 +336,7 @@ std::vector<int> CellPaths::ShortestWithin(int from, const std::vector<std::uint
       if (!(links_[at][k] < kNoPath)) continue;
       reach(at + kSteps[k].row * cells_.cols + kSteps[k].col, length + links_[at][k]);
     }
-    for (const Jump& jump : jumps_) {
-      if (jump.from == at) reach(jump.to, length + jump.length);
-    }
+    ForJumpsFrom(at, [&, length = length](const Jump& jump) { reach(jump.to, length + jump.length); });
   }
   return {};
 }

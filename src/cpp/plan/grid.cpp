@@ -20,6 +20,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// How far from a blocked place a path may begin or end, at the nearest free cell [m].
 constexpr double kNearby = 1.0;
 
+/// With more portals, in both directions, paths are searched with a weaker bound.
+constexpr std::size_t kManyJumps = 64;
+
 /// The number of steps along a row or a column; the others are diagonal.
 constexpr std::array<std::size_t, 4> kStraightSteps{1, 3, 4, 6};
 
@@ -90,6 +93,9 @@ PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_
     jumps_.push_back({a, b, portal.length_m});
     jumps_.push_back({b, a, portal.length_m});
   }
+  std::stable_sort(jumps_.begin(), jumps_.end(), [](const Jump& a, const Jump& b) { return a.from < b.from; });
+  if (!jumps_.empty()) has_jump_.assign(blocked_.size(), 0);
+  for (const Jump& jump : jumps_) has_jump_[jump.from] = 1;
   stamp_.assign(blocked_.size(), 0);
   length_m_.resize(blocked_.size());
   parent_.resize(blocked_.size());
@@ -218,13 +224,13 @@ std::vector<float> PlanningGrid::DistanceMap(const base::Point& goal) const {
         buckets[bucket_of(new_length)].push_back(cell + step.offset);
         ++num_open;
       }
-      for (const Jump& jump : jumps_) {
+      ForJumpsFrom(cell, [&](const Jump& jump) {
         const double new_length = length + std::max(jump.length_m, shape_.resolution_m);
-        if (jump.from != cell || new_length >= distance[jump.to]) continue;
+        if (new_length >= distance[jump.to]) return;
         distance[jump.to] = new_length;
         buckets[bucket_of(new_length)].push_back(jump.to);
         ++num_open;
-      }
+      });
     }
     num_open -= buckets[current].size();
     buckets[current].clear();
@@ -265,6 +271,17 @@ std::optional<base::Point> PlanningGrid::Descend(const float* distances, std::si
   return place;
 }
 
+/// Visits the portals that begin in a cell.
+template <typename Visit>
+void PlanningGrid::ForJumpsFrom(int cell, const Visit& visit) const {
+  if (has_jump_.empty() || has_jump_[cell] == 0) return;
+  const auto is_before = [](const Jump& jump, int from) { return jump.from < from; };
+  for (auto jump = std::lower_bound(jumps_.begin(), jumps_.end(), cell, is_before);
+       jump != jumps_.end() && jump->from == cell; ++jump) {
+    visit(*jump);
+  }
+}
+
 /// Returns the length of the path between two cells if nothing were blocked.
 double PlanningGrid::LeastOnGrid(int from, int to) const {
   const int rows = std::abs(from / shape_.cols - to / shape_.cols);
@@ -278,6 +295,10 @@ std::vector<double> PlanningGrid::LeastFromJumps(int goal) const {
   const auto through = [&](const Jump& jump, double from_end) {
     return std::max(jump.length_m, shape_.resolution_m) + from_end;
   };
+  if (jumps_.size() > kManyJumps) {  // of a tall building: a weaker bound, which costs less
+    for (const Jump& jump : jumps_) least.push_back(through(jump, 0.0));
+    return least;
+  }
   for (const Jump& jump : jumps_) least.push_back(through(jump, LeastOnGrid(jump.to, goal)));
   for (std::size_t round = 1; round < jumps_.size(); ++round) {  // a shortest path has each portal at most once
     bool has_changed = false;
@@ -305,6 +326,7 @@ std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, con
   const auto least_remaining = [&](int cell) {
     double least = LeastOnGrid(cell, goal);
     if (least <= least_from_jumps) return least;
+    if (jumps_.size() > kManyJumps) return least_from_jumps;
     for (std::size_t i = 0; i < jumps_.size(); ++i) {
       least = std::min(least, LeastOnGrid(cell, jumps_[i].from) + from_jumps[i]);
     }
@@ -341,9 +363,9 @@ std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, con
       if ((exits_[entry.cell] >> s & 1U) == 0) continue;
       reach(entry.cell + steps_[s].offset, entry.cell, length + steps_[s].length_m);
     }
-    for (const Jump& jump : jumps_) {
-      if (jump.from == entry.cell) reach(jump.to, entry.cell, length + std::max(jump.length_m, shape_.resolution_m));
-    }
+    ForJumpsFrom(entry.cell, [&](const Jump& jump) {
+      reach(jump.to, entry.cell, length + std::max(jump.length_m, shape_.resolution_m));
+    });
   }
   std::vector<base::Point> path;
   if (stamp_[goal] != search_) return path;

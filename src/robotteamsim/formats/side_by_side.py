@@ -58,7 +58,7 @@ def side_by_side(
     Raises: ScenarioError: the levels have no room in a plan, or two are at the same height.
     """
     for one, other in itertools.combinations(levels, 2):
-        if one.elevation_m == other.elevation_m:
+        if abs(one.elevation_m - other.elevation_m) < 0.01:
             text = f"levels {one.name} and {other.name} are both at {one.elevation_m:g} m; --level imports one of them"
             raise ScenarioError(f"{path}: {text}")
     widths_m = [drawn.plan.bounds.max[0] - drawn.plan.bounds.min[0] for drawn in levels]

@@ -11,12 +11,16 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from robotteamsim.scenario.base import Many, Model, Name, Point, wrong
-from robotteamsim.scenario.shapes import Bounds, check_polygon, shown_point
+from robotteamsim.scenario.shapes import MAX_COORDINATE_M, Bounds, check_polygon, shown_point
 
 Traveller = Literal["robots", "people"]
 """Who goes over a passage: robots, or people and firefighters on foot."""
 
 MOST_LEVELS = 100
+_LEAST_RISE_M = 0.01
+"""Levels less far above each other are at the same height."""
+_SHIFTED_M = 2.0
+"""The stops of a lift are at most so far beside each other."""
 _TOP_HEIGHT_M = 3.0
 """Of the highest level, above which nothing is."""
 
@@ -42,7 +46,7 @@ class Level(Model):
     elevation_m: float = Field(ge=-1000.0, le=1000.0, description="height of its floor [m]")
     height_m: float | None = Field(
         default=None,
-        ge=0.1,
+        ge=0.5,
         le=200.0,
         description="from floor to ceiling; default: to the next floor, or 3 m; rays above it meet no walls [m]",
     )
@@ -219,8 +223,13 @@ def _length_m(levels: Sequence[Level], passage: Passage, start: Point, end: Poin
 
 def check_levels(levels: Sequence[Level], openings: Sequence[Opening], passages: Sequence[Passage]) -> None:
     """Raise a plan's error for levels that overlap, and for openings and stops that lie on none."""
+    for i, one in enumerate(levels):
+        if max(map(abs, one.origin)) > MAX_COORDINATE_M:
+            raise wrong(
+                f"levels.{i}.origin", f"{shown_point(one.origin)} is more than {MAX_COORDINATE_M / 1e3:g} km from 0"
+            )
     for (i, first), (j, second) in itertools.combinations(enumerate(levels), 2):
-        if first.elevation_m == second.elevation_m:
+        if abs(first.elevation_m - second.elevation_m) < _LEAST_RISE_M:
             raise wrong(f"levels.{j}.elevation_m", f"{second.elevation_m:g} is also that of levels.{i}")
         if first.bounds.overlaps(second.bounds):
             raise wrong(f"levels.{j}.bounds", f"{second.bounds} touches levels.{i}, {first.bounds}")
@@ -233,7 +242,8 @@ def check_levels(levels: Sequence[Level], openings: Sequence[Opening], passages:
         if level_at(levels, opening.polygon[0]) is None:
             raise wrong(f"openings.{i}.polygon", f"{shown_point(opening.polygon[0])} is on no level")
     for i, passage in enumerate(passages):
-        floors = []
+        floors: list[float] = []
+        places: list[Point] = []
         for j, stop in enumerate(passage.stops):
             level = level_at(levels, stop)
             if level is None:
@@ -241,3 +251,7 @@ def check_levels(levels: Sequence[Level], openings: Sequence[Opening], passages:
             floors.append(level.elevation_m)
             if j > 0 and floors[j] <= floors[j - 1]:
                 raise wrong(f"passages.{i}.stops.{j}", "is not on a higher level than the stop before")
+            places.append(level.in_building(stop)[:2])
+            if passage.kind == "lift" and (beside_m := math.dist(places[0], places[j])) > _SHIFTED_M:
+                text = f"is {beside_m:.3g} m beside the lowest stop; expected above it by the origins of the levels"
+                raise wrong(f"passages.{i}.stops.{j}", text)

@@ -68,7 +68,8 @@ class PassageStage:
 
         Raises: ValueError: no such robot, it is absent or on this level, or no passage leads there.
         """
-        if robot_id not in range(self._world.num_robots) or not self._world.present[robot_id]:
+        is_number = isinstance(robot_id, int) and not isinstance(robot_id, bool)
+        if not is_number or not 0 <= robot_id < self._world.num_robots or not self._world.present[robot_id]:
             raise ValueError(f"take_passage: robot {robot_id!r:.60} is not there")
         if robot_id in self.elsewhere:
             raise ValueError(f"take_passage: robot {robot_id} is moved by another world")
@@ -103,6 +104,8 @@ class PassageStage:
                     self._told.pop(robot_id, None)
                     until_ns = world.sim_time_ns + round(way.time_s(self._walking_mps(robot_id, task)) * 1e9)
                     self._trips[robot_id] = _Trip(way, world.arrivals[robot_id], until_ns)
+            elif math.dist((pose.x_m, pose.y_m), trip.way.start) > 2.0 * trip.way.passage.radius_m:
+                del self._trips[robot_id]  # moved elsewhere
             elif world.sim_time_ns >= trip.until_ns and self._arrives(robot_id, trip.way, pose):
                 self._came_by[robot_id] = self._trips.pop(robot_id).way
 

@@ -29,7 +29,7 @@ define sonar ranger( )"""
 
 _LOST = {
     *("bays", "material", "materials", "motion", "time_s", "angle_rad", "no_return", "max_steering_rate_radps"),
-    *("gripper", "wheels", "cmd_vel_hold_s", "alpha2", "alpha4"),
+    *("gripper", "wheels", "cmd_vel_hold_s", "alpha2", "alpha4", "levels", "openings", "passages"),
 }
 """Keys of plans and robots that a world file cannot contain."""
 

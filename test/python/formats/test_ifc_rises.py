@@ -64,7 +64,7 @@ def test_straight_stairs_join_two_storeys(ordered, schema, unit, ifc_class, insi
     found = ordered(house)
     plan = found.plan
     (stairs,) = plan.passages
-    assert (stairs.kind, stairs.takes_robots) == ("stairs", False)
+    assert (stairs.kind, stairs.takes("robots")) == ("stairs", False)
     np.testing.assert_allclose(place(plan, 0), [1.0, 1.5], atol=1e-4)
     np.testing.assert_allclose(place(plan, 1), [5.5, 1.5], atol=1e-4)
     assert stairs.length_m == pytest.approx(math.hypot(3.5, 3.0), rel=0.01)
@@ -154,7 +154,7 @@ def test_ramp_joins_two_storeys_and_robots_take_it(ordered):
     ramp(house)
     found = ordered(house)
     (passage,) = found.plan.passages
-    assert (passage.kind, passage.takes_robots) == ("ramp", True)
+    assert (passage.kind, passage.takes("robots")) == ("ramp", True)
     np.testing.assert_allclose(place(found.plan, 0), [1.0, 3.5], atol=0.06)
     assert passage.length_m == pytest.approx(math.hypot(6.0, 3.0), rel=0.01)
     assert not any("robots: true" in note for note in found.notes)

@@ -43,7 +43,7 @@ def _differences(one: Any, other: Any, place: str = "") -> Iterator[tuple[str, A
 
 def _plan(plan: FloorPlan) -> dict[str, Any]:
     """Return the keys of a plan that Stage has."""
-    data = plan.model_dump(exclude={"bays"})
+    data = plan.model_dump(exclude={"bays", "levels", "materials", "openings", "passages"})
     for key, lost in (("walls", ["material"]), ("blocks", ["material", "thickness_m"])):
         data[key] = [{name: part for name, part in item.items() if name not in lost} for item in data[key]]
     lost = ["motion", "time_s", "angle_rad"]

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import math
+
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import Observation
 from robotteamsim.scenario.levels import Level, level_at
 from robotteamsim.setup import Setup
+
+_CARRIED_M = 1.0
+"""No robot drives that far in a step."""
 
 
 class OwnPose:
@@ -27,8 +32,9 @@ class OwnPose:
             return robot.true_pose
         if self._levels:
             now, before = robot.true_pose, self._before
-            if self._level_at(now) is not self._level_at(before):
-                self._map_T_odom = Pose(now.x_m - before.x_m, now.y_m - before.y_m, 0.0) @ self._map_T_odom
+            shift_m = now.x_m - before.x_m, now.y_m - before.y_m
+            if math.hypot(*shift_m) > _CARRIED_M and self._level_at(now) is not self._level_at(before):
+                self._map_T_odom = Pose(*shift_m, 0.0) @ self._map_T_odom
             self._before = now
         return self._map_T_odom @ robot.odometry.pose.pose
 
