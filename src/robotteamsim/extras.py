@@ -2,6 +2,7 @@
 
 _EXTRA_OF_PACKAGE = {
     "PIL": "images",
+    "collada": "mesh",
     "cv2": "images",
     "dask": "cluster",
     "distributed": "cluster",
@@ -10,6 +11,7 @@ _EXTRA_OF_PACKAGE = {
     "gymnasium": "learning",
     "ifcopenshell": "ifc",
     "jinja2": "report",
+    "mapbox_earcut": "mesh",
     "matplotlib": "report",
     "mujoco": "mujoco",
     "pandas": "notebook",
@@ -21,6 +23,7 @@ _EXTRA_OF_PACKAGE = {
     "torch": "train",
     "torchrl": "train",
     "tornado": "cluster",
+    "trimesh": "mesh",
 }
 """The smallest extra of pyproject.toml that contains each package."""
 

@@ -108,8 +108,7 @@ def robot_colour(index: int) -> str:
 
 def text_on(ground: str) -> str:
     """Return the colour of texts on a ground: INK or WHITE, whichever has more contrast."""
-    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in rgb(ground)]
-    luminance = sum(weight * part for weight, part in zip((0.2126, 0.7152, 0.0722), linear, strict=True))
+    luminance = sum(weight * part for weight, part in zip((0.2126, 0.7152, 0.0722), linear(ground), strict=True))
     return INK if luminance > 0.2 else WHITE
 
 
@@ -122,6 +121,12 @@ def mixed(low: str, high: str, share: float) -> str:
 def rgb(code: str) -> tuple[float, float, float]:
     """Return red, green and blue, each 0..1, of a code such as "#56b4e9"."""
     red, green, blue = (int(code[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
+    return (red, green, blue)
+
+
+def linear(code: str) -> tuple[float, float, float]:
+    """Return red, green and blue of a code, each 0..1 in proportion to its light: linear sRGB."""
+    red, green, blue = (part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in rgb(code))
     return (red, green, blue)
 
 

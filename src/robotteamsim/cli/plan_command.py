@@ -156,11 +156,12 @@ def export_scenario(exporter: Exporter, options: argparse.Namespace) -> None:
         loaded = scenario.load(name, options.overrides)
         inputs, export = loaded.origin.files, exporter.export(resolve(loaded), **keywords)
     # The scenario's own name may not be a valid file name.
-    path = options.out / f"{Path(name).stem}.{exporter.suffix}"
+    path = options.out / f"{Path(name).stem}.{export.suffix or exporter.suffix}"
     for other in export.others:
         if Path(other).name != other:
             raise ScenarioError(f"{type(exporter).__qualname__}: file '{other}'; expected a name without a folder")
-    texts = {path: export.text} | {options.out / other: text for other, text in export.others.items()}
+    texts: dict[Path, str | bytes] = {path: export.text}
+    texts |= {options.out / other: text for other, text in export.others.items()}
     expect_new(texts, options.force)
     check_outputs({}, inputs, folders={"--out": [*texts]})
     warn(export.notes)

@@ -20,16 +20,18 @@ ENTRY_POINTS = "robotteamsim.exporters"
 class Exported:
     """What an exporter makes of a scenario.
 
-    text:    of the file.
+    text:    of the file; bytes, if it is none.
     summary: what it has, such as "3 robots".
     notes:   what the format lacks, one line each.
     others:  texts of further files in the same folder, by their names without a folder.
+    suffix:  of the file, if it is not that of the exporter.
     """
 
-    text: str
+    text: str | bytes
     summary: str
     notes: tuple[str, ...] = ()
     others: Mapping[str, str] = field(default_factory=dict)
+    suffix: str = ""
 
 
 class Exporter(ABC):
@@ -64,6 +66,7 @@ _OURS = {
     "stage": "robotteamsim.stage.formats:StageExporter",
     "gazebo": "robotteamsim.gazebo.formats:GazeboExporter",
     "mujoco": "robotteamsim.formats.mujoco:MujocoExporter",
+    "mesh": "robotteamsim.formats.mesh:MeshExporter",
 }
 """Our exporters, by the places of their classes."""
 

@@ -98,10 +98,13 @@ def rename_complete(part: Path, path: Path) -> None:
             os.close(folder)
 
 
-def write_atomically(path: Path, text: str) -> None:
-    """Write a text file atomically. Raises: RecordingError."""
+def write_atomically(path: Path, content: str | bytes) -> None:
+    """Write a file atomically, texts in UTF-8. Raises: RecordingError."""
     with atomically(path) as part:
-        part.write_text(text, encoding="utf-8")
+        if isinstance(content, bytes):
+            part.write_bytes(content)
+        else:
+            part.write_text(content, encoding="utf-8")
 
 
 def cannot_write(path: Path, error: OSError) -> RecordingError:

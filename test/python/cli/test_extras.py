@@ -25,6 +25,7 @@ OF_EXTRAS = (
     "matplotlib",
     "mujoco",
 )
+OF_EXTRAS += ("collada", "mapbox_earcut", "trimesh")
 OF_EXTRAS += ("gymnasium", "pandas", "pettingzoo", "scipy", "statsmodels", "tornado")
 
 WITHOUT = """
@@ -92,6 +93,7 @@ def test_campaign_of_one_machine_needs_no_dask(folder: Path) -> None:
         (("analyse", "mission.bag", "--gif", "mission.gif"), "report"),
         (("run", "garage_sar", "--set", "run.world=mujoco"), "mujoco"),
         (("plan", "export-mujoco", "garage_sar", "--out", "mujoco"), "mujoco"),
+        (("plan", "export-mesh", "garage_sar", "--out", "mesh"), "mesh"),
         (("plan", "import", str(ROOT / "maps" / "garage" / "map.yaml"), "--out", "plan.yaml"), "images"),
         (("plan", "import", "house.dxf", "--layer", "WALLS"), "dxf"),
         (("plan", "import", "house.ifc"), "ifc"),

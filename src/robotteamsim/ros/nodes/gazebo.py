@@ -16,6 +16,7 @@ from robotteamsim.gazebo import export_world
 from robotteamsim.gazebo.robots import DriveKind
 from robotteamsim.message_parts import robot_name
 from robotteamsim.nodes.settings import Settings, read_settings
+from robotteamsim.recording.files import write_atomically
 from robotteamsim.ros.node import ParameterError, parameter, run, wait_for_shutdown
 from robotteamsim.ros.ros1 import Ros1Node
 
@@ -98,7 +99,7 @@ def _write_world(settings: Settings, drive: DriveKind) -> Path:
     folder = Path(rospkg.get_ros_home())
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / f"robotteamsim_{settings.scenario.name}.world"
-    path.write_text(export.text, encoding="utf-8")
+    write_atomically(path, export.text)
     logger.info("Gazebo's world is %s", path)
     return path
 
