@@ -67,6 +67,7 @@ _OURS = {
     "gazebo": "robotteamsim.gazebo.formats:GazeboExporter",
     "mujoco": "robotteamsim.formats.mujoco:MujocoExporter",
     "mesh": "robotteamsim.formats.mesh:MeshExporter",
+    "open-rmf": "robotteamsim.formats.open_rmf_export:OpenRmfExporter",
 }
 """Our exporters, by the places of their classes."""
 

@@ -421,7 +421,7 @@ class _Shaft:
             gaps[side + 2 * is_far].append((along - 0.5 * door.width, along + 0.5 * door.width))
         for side, taken in gaps.items():
             half_m = self.half.real if side % 2 == 0 else self.half.imag
-            for number, (first, last) in enumerate(_left(half_m, taken), 1):
+            for number, (first, last) in enumerate(remaining(half_m, taken), 1):
                 ends = (self._on_side(side, at) for at in (first, last))
                 keys = dict(zip(("from", "to"), map(_point, ends), strict=True))
                 size = {"thickness_m": WALL_M, "height_m": WALL_HEIGHT_M}
@@ -433,7 +433,7 @@ class _Shaft:
         return self.center + self.turn * place
 
 
-def _left(half_m: float, gaps: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+def remaining(half_m: float, gaps: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
     """Return what gaps leave of a side from -half_m to half_m."""
     side = shapely.LineString([(-half_m, 0.0), (half_m, 0.0)])
     cut = shapely.difference(side, shapely.union_all([shapely.box(low, -1.0, high, 1.0) for low, high in gaps]))
