@@ -21,6 +21,7 @@ from robotteamsim.formats.side_by_side import LIFT, DrawnLevel, DrawnPassage, si
 from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Point
 from robotteamsim.scenario.door_places import misplaced_doors, without_misplaced_doors
 from robotteamsim.scenario.floor_plan import Block, FloorPlan
+from robotteamsim.scenario.levels import Opening
 from robotteamsim.scenario.materials import Layer, Material
 from robotteamsim.scenario.problems import checked, suggestion
 from robotteamsim.scenario.yaml_text import read_mapping
@@ -42,8 +43,9 @@ Parameters = dict[str, tuple[int, Any]]
 
 
 class _Floor(msgspec.Struct):
+    """A floor, or a hole in all floors of its level."""
+
     vertices: list[int]
-    holes: list[Any] = []
 
 
 class _Level(msgspec.Struct):
@@ -56,6 +58,7 @@ class _Level(msgspec.Struct):
     measurements: list[tuple[int, int, Parameters]] = []
     fiducials: list[tuple[float, float, str | int]] = []
     floors: list[_Floor] = []
+    holes: list[_Floor] = []
 
 
 class _LiftDoor(msgspec.Struct):
@@ -151,7 +154,8 @@ class _DrawnLevel:
         self.notes += [f"{prefix}door {plan.doors[i].name}: {why}; left out" for i, why in misplaced_doors(plan)]
         why = "for a plan of one level has no lifts" if is_alone else "for it has no door here"
         self.notes += [f"{prefix}{block['name']}: its shaft is a block, {why}" for block in blocks]
-        self.drawn = DrawnLevel(name, places.level(name).elevation, without_misplaced_doors(plan))
+        elevation_m = places.level(name).elevation
+        self.drawn = DrawnLevel(name, elevation_m, without_misplaced_doors(plan), list(level.holes()))
 
 
 @dataclass(frozen=True)
@@ -356,11 +360,19 @@ class _LevelOnMap:
         """Return the rectangle around everything. Args: corners: of the shafts of lifts."""
         points = [z for edge in (*self._walls, *self._doors) for z in (edge.start, edge.end)]
         points += corners
-        for index, floor in enumerate(self._level.floors):
-            points += [self._of(f"{self._key}.floors.{index}", vertex) for vertex in floor.vertices]
+        for name, polygons in (("floors", self._level.floors), ("holes", self._level.holes)):
+            for index, polygon in enumerate(polygons):
+                points += [self._of(f"{self._key}.{name}.{index}", vertex) for vertex in polygon.vertices]
         low = (min(z.real for z in points) - _MARGIN_M, min(z.imag for z in points) - _MARGIN_M)
         high = (max(z.real for z in points) + _MARGIN_M, max(z.imag for z in points) + _MARGIN_M)
         return {"min": low, "max": high}
+
+    def holes(self) -> Iterator[tuple[Point, ...]]:
+        """Yield the holes in the floor. Raises: ScenarioError: one is no polygon."""
+        for index, hole in enumerate(self._level.holes):
+            key = f"{self._key}.holes.{index}"
+            keys = {"name": "hole", "polygon": [_point(self._of(key, vertex)) for vertex in hole.vertices]}
+            yield checked(Opening, keys, place=f"{key}: ").polygon
 
     def notes(self) -> Iterator[str]:
         """Yield what was guessed or left out."""
@@ -373,8 +385,8 @@ class _LevelOnMap:
         if self.num_glass:
             thickness_mm = 1e3 * _GLASS.layers[0].thickness_m
             yield f"{counted(self.num_glass, 'wall')} drawn transparent: taken as {thickness_mm:g} mm of glass"
-        if holes := sum(len(floor.holes) for floor in self._level.floors):
-            yield f"{counted(holes, 'hole')} in the floor: left out, so robots drive over them"
+        if self._level.holes:
+            yield f"{counted(len(self._level.holes), 'hole')} in the floor: robots drive over them"
         if self._doors:
             yield f"{counted(len(self._doors), 'door')}: open at the start; `motion` in the plan would move the leaves"
 

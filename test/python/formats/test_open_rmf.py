@@ -103,6 +103,21 @@ def test_door_that_is_in_no_gap_is_left_out_by_its_name(tmp_path):
     )
 
 
+def test_holes_are_openings_of_their_level(tmp_path):
+    own = {"fiducials": [[0, 0, "a"], [500, 0, "b"]]}
+    levels = {"L1": level(**own), "L2": level(elevation=3.0, holes=[{"vertices": [0, 1, 5]}], **own)}
+    found = read(tmp_path, {"levels": levels})
+    (opening,) = found.plan.openings
+    corners = [found.plan.levels[1].in_building(corner) for corner in opening.polygon]
+    assert corners == [pytest.approx(corner) for corner in ((0.0, 0.0, 3.0), (10.0, 0.0, 3.0), (0.0, -5.0, 3.0))]
+    assert "level L2: 1 hole in the floor: robots drive over them" in found.notes
+
+
+def test_hole_without_area_is_rejected(tmp_path):
+    with pytest.raises(ScenarioError, match=r"levels\.L1\.holes\.0: polygon: encloses no area"):
+        read(tmp_path, {"levels": {"L1": level(holes=[{"vertices": [0, 1, 0]}])}})
+
+
 def test_fault_of_another_level_does_not_matter(tmp_path):
     levels = {"L1": level(), "L2": {"vertices": []}}
     assert read(tmp_path, {"levels": levels}).plan.name == "house L1"

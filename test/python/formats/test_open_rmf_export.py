@@ -40,8 +40,9 @@ HOUSE = {
         },
         "L2": {
             "elevation": 4.0,
-            "vertices": [[x, y, 0, ""] for x, y in CORNERS[:4]],
+            "vertices": [[x, y, 0, ""] for x, y in [*CORNERS[:4], [8, 1], [9, 1], [9, 2]]],
             "walls": [[a, b, WALL] for a, b in ((0, 1), (1, 2), (2, 3), (3, 0))],
+            "holes": [{"parameters": {}, "vertices": [4, 5, 6]}],
         },
     },
     "lifts": {
@@ -87,6 +88,12 @@ def test_edges_of_a_building_of_open_rmf_are_as_they_were(again: dict[str, Any],
     found, expected = edges(again, level, kind), edges(HOUSE, level, kind)
     assert len(found) == len(expected)
     assert np.ravel(found) == pytest.approx(np.ravel(expected), abs=1e-6)
+
+
+def test_holes_are_as_they_were(again: dict[str, Any]) -> None:
+    level = again["levels"]["L2"]
+    (hole,) = level["holes"]
+    assert [level["vertices"][corner][:2] for corner in hole["vertices"]] == [[8, 1], [9, 1], [9, 2]]
 
 
 def test_parameters_of_walls_and_doors_are_as_they_were(again: dict[str, Any]) -> None:
