@@ -20,7 +20,7 @@ from robotteamsim.scenario.base import MAX_NAME_CHARACTERS
 from robotteamsim.scenario.door_places import misplaced_doors, without_misplaced_doors
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.problems import checked, suggestion
-from robotteamsim.wording import counted, printable
+from robotteamsim.wording import counted, described, place_of, printable
 from robotteamsim.world.floor_parts import floor_parts, unreached_texts
 
 _MARGIN_M, _ROBOT_M = 0.5, 0.2
@@ -39,12 +39,15 @@ class IfcImporter(Importer):
     def read(self, path: Path, **options: Any) -> Imported:
         """See `Importer.read`."""
         try:
-            return self._read(path, **options)
+            with np.errstate(all="ignore"):  # of directions without a length
+                return self._read(path, **options)
         except (ScenarioError, ImportError):
             raise
-        except Exception:  # an attribute that the schema requires is missing, or of another class
+        except Exception as error:  # an attribute that the schema requires is missing, or of another class
             if not (mistakes := schema_mistakes(path)):
-                raise
+                if not place_of(error)[0].startswith("ifcopenshell"):
+                    raise
+                raise ScenarioError(f"{path}: cannot be read as IFC: {described(error)}") from error
         more = f", and {counted(len(mistakes) - 1, 'further mistake')}" if len(mistakes) > 1 else ""
         raise ScenarioError(f"{path}: breaks the schema of IFC: {mistakes[0]}{more}")
 

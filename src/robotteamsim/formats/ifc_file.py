@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -112,6 +113,7 @@ class IfcBuilding:
         from ifcopenshell.util.unit import calculate_unit_scale, get_project_unit
 
         self._path, self._file = path, _opened(path)
+        _check_loops(path, self._file)
         self.shift_m = np.zeros(2)
         self.notes: list[str] = []
         self.scale_m = float(calculate_unit_scale(self._file))
@@ -243,6 +245,7 @@ class IfcBuilding:
             building = get_aggregate(storey)
             base_m = self._height_m(building) if building and building.ObjectPlacement else 0.0
             candidates_m.append(base_m + self.scale_m * storey.Elevation)
+        candidates_m = [one for one in candidates_m if abs(one) < _FARTHEST_M]
         listed = {one.id() for relation in storey.ContainsElements for one in relation.RelatedElements}
         lows_m = [solid.mesh.low_m for solid in self.solids if {solid.element.id(), solid.whole.id()} & listed]
         if not lows_m:
@@ -300,13 +303,42 @@ def _opened(path: Path) -> ifcopenshell.file:
     return found
 
 
+_PART_OF = (
+    ("IfcRelAggregates", "RelatingObject", "RelatedObjects"),
+    ("IfcRelNests", "RelatingObject", "RelatedObjects"),
+    ("IfcRelContainedInSpatialStructure", "RelatingStructure", "RelatedElements"),
+    ("IfcRelVoidsElement", "RelatingBuildingElement", "RelatedOpeningElement"),
+    ("IfcRelFillsElement", "RelatingOpeningElement", "RelatedBuildingElement"),
+)
+"""Relations with the names of their attributes: the whole, and what is part of it."""
+
+
+def _check_loops(path: Path, file: ifcopenshell.file) -> None:
+    """Raise an error for what is part of itself, or placed relative to itself: ifcopenshell 0.9.0 hangs or crashes."""
+    found: dict[int, set[int]] = {}
+    for name, whole, parts in _PART_OF:
+        for relation in file.by_type(name):
+            some = getattr(relation, parts)
+            for part in some if isinstance(some, tuple) else (some,):
+                found.setdefault(part.id(), set()).add(getattr(relation, whole).id())
+    for placement in file.by_type("IfcLocalPlacement"):
+        if placement.PlacementRelTo is not None:
+            found.setdefault(placement.id(), set()).add(placement.PlacementRelTo.id())
+    try:
+        TopologicalSorter(found).prepare()
+    except CycleError as error:
+        ids = ", ".join(f"#{id_}" for id_ in sorted(set(error.args[1])))
+        raise ScenarioError(f"{path}: {ids}: part of itself, or placed relative to itself") from None
+
+
 def schema_mistakes(path: Path) -> list[str]:
     """Return where a file breaks the schema of IFC, such as "#44.Axis". Many exports do somewhere."""
     from ifcopenshell.validate import json_logger, validate
 
     found = json_logger()
     validate(_opened(path), found)
-    return [f"#{one['instance'].id()}.{one['attribute'].rpartition('.')[2]}" for one in found.statements]
+    places = [(one.get("instance"), one.get("attribute")) for one in found.statements]
+    return [f"#{one.id()}.{attribute.rpartition('.')[2]}" for one, attribute in places if one and attribute]
 
 
 def _whole(element: Entity) -> Entity:

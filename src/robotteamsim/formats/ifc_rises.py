@@ -36,6 +36,8 @@ _BEFORE_M = (_STOP_M, 0.4, 0.3, 0.25, 0.0)
 """How far a stop may be from the first or last step; the first place that is free counts."""
 
 _HOLE_M2 = 0.25
+_HIGHEST_M = 200.0
+"""Of stairs."""
 
 
 class _Step(NamedTuple):
@@ -134,7 +136,10 @@ def _lift(rise: Rise, floors: _Floors) -> DrawnPassage | str:
 
 def _stairs(rise: Rise, floors: _Floors) -> DrawnPassage | str:
     """Return stairs or a ramp from floor to floor, or why they join nothing."""
-    steps = _steps(rise.meshes, *_heights_m(rise))
+    low_m, high_m = _heights_m(rise)
+    if high_m - low_m > _HIGHEST_M:
+        return f"it is {high_m - low_m:g} m high; expected at most {_HIGHEST_M:g}"
+    steps = _steps(rise.meshes, low_m, high_m)
     if len(steps) < 2:
         return "it has no steps"
     low_m, high_m = float(steps[0].centre[2]), float(steps[-1].centre[2])

@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 import pytest
-from ifc_house import House, read
+from ifc_house import House, placed, read
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.formats import importer_of, importers
@@ -76,6 +76,32 @@ def test_break_of_the_schema_is_one_line_with_its_entity(tmp_path):
     with pytest.raises(ScenarioError) as raised:
         IfcImporter().read(path)
     assert str(raised.value) == f"{path}: breaks the schema of IFC: #{relation.id()}.RelatedBuildingElement"
+
+
+def test_place_that_ifcopenshell_cannot_read_is_one_line(tmp_path):
+    house = House()
+    house.storey("EG", 0.0)
+    south, *_ = house.room()
+    door = house.filling(house.opening(south, 1.0, 0.9))
+    door.ObjectPlacement.RelativePlacement.Location.Coordinates = (0.0, 0.0)  # valid, as for two dimensions
+    with pytest.raises(ScenarioError, match=r"^[^\n]*house\.ifc: cannot be read as IFC: ValueError: [^\n]*$"):
+        read(tmp_path, house)
+
+
+def test_what_is_part_of_itself_or_placed_relative_to_itself_is_one_line(tmp_path):
+    house = House()
+    house.storey("EG", 0.0)
+    wall, *_ = house.room()
+    stairs = house.add("IfcStair", None, placed(0.0, 0.0, 0.0))
+    flight = house.flight((1.5, 1.5, 0.0), (1.0, 0.0), 8, of=stairs)
+    loop = house.file.create_entity("IfcRelAggregates", "0" * 22, RelatingObject=flight, RelatedObjects=[stairs])
+    ids = f"#{stairs.id()}, #{flight.id()}"
+    with pytest.raises(ScenarioError, match=f"house.ifc: {ids}: part of itself, or placed relative to itself$"):
+        read(tmp_path, house)
+    house.file.remove(loop)
+    wall.ObjectPlacement.PlacementRelTo = wall.ObjectPlacement
+    with pytest.raises(ScenarioError, match=f"house.ifc: #{wall.ObjectPlacement.id()}: part of itself, or placed"):
+        read(tmp_path, house)
 
 
 def test_large_file_is_refused_before_it_is_read(tmp_path):

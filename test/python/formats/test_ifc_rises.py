@@ -200,6 +200,14 @@ def test_lift_stops_in_the_middle_of_its_shaft_where_that_is_free(ordered, schem
     assert found.plan.openings == ()  # the slab has its hole elsewhere
 
 
+def test_stairs_that_reach_the_sky_are_left_out(ordered):
+    house = House()
+    two_storeys(house)
+    house.solids("IfcStair", [box((1.0, 1.0, 0.0), (2.0, 2.0, 1e6))])
+    (note,) = [note for note in ordered(house).notes if "joins no storeys" in note]
+    assert note.endswith("it is 1e+06 m high; expected at most 200")
+
+
 @pytest.mark.parametrize(
     ("start", "num_treads", "why"),
     [

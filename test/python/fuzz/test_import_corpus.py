@@ -22,6 +22,11 @@ def test_any_plan_and_map_is_used_or_rejected_in_one_line(tmp_path: Path) -> Non
     TARGET["fuzz"](tmp_path, number=1, examples=60)
 
 
+@pytest.mark.slow
+def test_any_building_is_used_or_rejected_in_one_line(tmp_path: Path) -> None:
+    TARGET["fuzz_buildings"](tmp_path, number=1, examples=60)
+
+
 def test_target_notices_an_error_that_is_none_of_ours(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     def broken(path: Path) -> None:
         raise KeyError(path)
