@@ -321,8 +321,8 @@ std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, con
   const int goal = FreeCellOf(to);
   if (start < 0 || goal < 0) return {};
   const std::vector<double> from_jumps = LeastFromJumps(goal);
-  const double least_from_jumps =
-      from_jumps.empty() ? kInfinity : *std::min_element(from_jumps.begin(), from_jumps.end());
+  double least_from_jumps = kInfinity;
+  for (const double length : from_jumps) least_from_jumps = std::min(least_from_jumps, length);
   const auto least_remaining = [&](int cell) {
     double least = LeastOnGrid(cell, goal);
     if (least <= least_from_jumps) return least;

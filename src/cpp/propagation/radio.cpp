@@ -120,8 +120,8 @@ class BuildingSignals {
       const CellValues before = WeightsTo(passed.storey, below.points, low, above.points, high, passed.from);
       weights += (WeightsTo(passed.storey, below.points, low, above.points, high, passed.to) - before).cwiseMax(0.0);
     }
-    for (std::size_t i = 0; i < below.robots.size(); ++i) {
-      for (std::size_t j = 0; j < above.robots.size(); ++j) {
+    for (Eigen::Index i = 0; i < weights.rows(); ++i) {
+      for (Eigen::Index j = 0; j < weights.cols(); ++j) {
         const Ray ray = faces_.ThroughFloors(low, below.points[i], high, above.points[j]);
         const double units = weights(i, j) + static_cast<double>(ray.weight);
         const double signal_dbm =
@@ -135,16 +135,16 @@ class BuildingSignals {
   /// another, all as if they were on that storey.
   CellValues WeightsTo(std::size_t storey, const std::vector<PointMm>& from, std::size_t from_storey,
                        const std::vector<PointMm>& to, std::size_t to_storey, double share) const {
-    CellValues weights(from.size(), to.size());
+    CellValues weights(static_cast<Eigen::Index>(from.size()), static_cast<Eigen::Index>(to.size()));
     LinkWeights links(faces_.OnStorey(storey), simd_);
     std::vector<PointMm> ends(to.size());
-    for (std::size_t i = 0; i < from.size(); ++i) {
+    for (Eigen::Index i = 0; i < weights.rows(); ++i) {
       const PointMm start = faces_.Moved(from[i], from_storey, storey);
       for (std::size_t j = 0; j < to.size(); ++j) {
         ends[j] = Along(start, faces_.Moved(to[j], to_storey, storey), share);
       }
       const LinkTargets found = links.From(start, ends.data(), ends.size());
-      for (std::size_t j = 0; j < to.size(); ++j) weights(i, j) = found.Weight(j);
+      for (Eigen::Index j = 0; j < weights.cols(); ++j) weights(i, j) = found.Weight(j);
     }
     return weights;
   }
