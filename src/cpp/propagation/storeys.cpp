@@ -15,11 +15,15 @@ PointMm operator+(PointMm a, PointMm b) { return {a.x + b.x, a.y + b.y}; }
 PointMm operator-(PointMm a, PointMm b) { return {a.x - b.x, a.y - b.y}; }
 
 bool IsValid(const Storey& storey) {
-  const auto is_near = [](std::int64_t value) { return std::abs(value) <= kMaxCoordinateMm; };
+  const auto is_near = [](std::int64_t value) { return value >= -kMaxCoordinateMm && value <= kMaxCoordinateMm; };
+  const auto has_place = [&](PointMm point) { return is_near(point.x) && is_near(point.y); };
+  const auto lies_near = [&](const std::vector<PointMm>& opening) {
+    return std::all_of(opening.begin(), opening.end(), has_place);
+  };
   return storey.least.x < storey.most.x && storey.least.y < storey.most.y && storey.floor_mm < storey.ceiling_mm &&
-         storey.floor_weight >= Storey::kCounted && is_near(storey.least.x) && is_near(storey.least.y) &&
-         is_near(storey.most.x) && is_near(storey.most.y) && is_near(storey.origin.x) && is_near(storey.origin.y) &&
-         is_near(storey.floor_mm) && is_near(storey.ceiling_mm);
+         storey.floor_weight >= Storey::kCounted && has_place(storey.least) && has_place(storey.most) &&
+         has_place(storey.origin) && is_near(storey.floor_mm) && is_near(storey.ceiling_mm) &&
+         std::all_of(storey.openings.begin(), storey.openings.end(), lies_near);
 }
 
 /// Returns the nearest whole number, halves away from zero; unlike std::llround, it is no call of a function.
