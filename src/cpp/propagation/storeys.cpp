@@ -14,8 +14,11 @@ namespace {
 PointMm operator+(PointMm a, PointMm b) { return {a.x + b.x, a.y + b.y}; }
 PointMm operator-(PointMm a, PointMm b) { return {a.x - b.x, a.y - b.y}; }
 
+/// Largest coordinate of a storey [mm]: products of points that are moved from storey to storey fit 64 bits, too.
+constexpr std::int64_t kMaxStoreyMm = kMaxCoordinateMm / 10;
+
 bool IsValid(const Storey& storey) {
-  const auto is_near = [](std::int64_t value) { return value >= -kMaxCoordinateMm && value <= kMaxCoordinateMm; };
+  const auto is_near = [](std::int64_t value) { return value >= -kMaxStoreyMm && value <= kMaxStoreyMm; };
   const auto has_place = [&](PointMm point) { return is_near(point.x) && is_near(point.y); };
   const auto lies_near = [&](const std::vector<PointMm>& opening) {
     return std::all_of(opening.begin(), opening.end(), has_place);
@@ -54,7 +57,7 @@ PointMm Along(PointMm a, PointMm b, double share) {
 void FaceSet::CheckStoreys() const {
   for (std::size_t i = 0; i < storeys_.size(); ++i) {
     const std::string name = "storey " + std::to_string(i);
-    if (!IsValid(storeys_[i])) throw std::invalid_argument(name + " must have a size and lie within 1000 km");
+    if (!IsValid(storeys_[i])) throw std::invalid_argument(name + " must have a size and lie within 100 km");
     for (std::size_t j = 0; j < i; ++j) {
       if (storeys_[i].floor_mm == storeys_[j].floor_mm) {
         throw std::invalid_argument(name + " must not be as high as storey " + std::to_string(j));

@@ -11,7 +11,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from robotteamsim.scenario.base import Many, Model, Name, Point, wrong
-from robotteamsim.scenario.shapes import MAX_COORDINATE_M, Bounds, check_polygon, shown_point
+from robotteamsim.scenario.shapes import Bounds, check_polygon, shown_point
 
 Traveller = Literal["robots", "people"]
 """Who goes over a passage: robots, or people and firefighters on foot."""
@@ -19,6 +19,8 @@ Traveller = Literal["robots", "people"]
 MOST_LEVELS = 100
 _LEAST_RISE_M = 0.01
 """Levels less far above each other are at the same height."""
+_FARTHEST_M = 1e5
+"""The sums of propagation are exact where levels are moved above each other by at most twice this."""
 _SHIFTED_M = 2.0
 """The stops of a lift are at most so far beside each other."""
 _TOP_HEIGHT_M = 3.0
@@ -224,10 +226,10 @@ def _length_m(levels: Sequence[Level], passage: Passage, start: Point, end: Poin
 def check_levels(levels: Sequence[Level], openings: Sequence[Opening], passages: Sequence[Passage]) -> None:
     """Raise a plan's error for levels that overlap, and for openings and stops that lie on none."""
     for i, one in enumerate(levels):
-        if max(map(abs, one.origin)) > MAX_COORDINATE_M:
-            raise wrong(
-                f"levels.{i}.origin", f"{shown_point(one.origin)} is more than {MAX_COORDINATE_M / 1e3:g} km from 0"
-            )
+        for key, place in (("origin", one.origin), ("bounds", one.bounds.min), ("bounds", one.bounds.max)):
+            if max(map(abs, place)) > _FARTHEST_M:
+                text = f"{shown_point(place)} is more than {_FARTHEST_M / 1e3:g} km from 0"
+                raise wrong(f"levels.{i}.{key}", text)
     for (i, first), (j, second) in itertools.combinations(enumerate(levels), 2):
         if abs(first.elevation_m - second.elevation_m) < _LEAST_RISE_M:
             raise wrong(f"levels.{j}.elevation_m", f"{second.elevation_m:g} is also that of levels.{i}")

@@ -58,7 +58,7 @@ def wall(start: list[float], end: list[float]) -> dict[str, Any]:
             "levels.2.bounds: [40, 0] .. [60, 10] lies outside the bounds of the plan, [0, 0] .. [50, 10] (in 'L2')",
         ),
         (with_level(1, elevation_m=0.0001), "levels.1.elevation_m: 0.0001 is also that of levels.0 (in 'L1')"),
-        (with_level(1, origin=[1e9, 0.0]), "levels.1.origin: [1e+09, 0] is more than 999 km from 0 (in 'L1')"),
+        (with_level(1, origin=[1e9, 0.0]), "levels.1.origin: [1e+09, 0] is more than 100 km from 0 (in 'L1')"),
         (
             with_level(1, origin=[0.0, 0.0]),
             "passages.0.stops.1: is 20 m beside the lowest stop; expected above it by the origins of the levels",
