@@ -15,6 +15,19 @@
 namespace robotteamsim::propagation {
 namespace {
 
+/// Above any number of floors.
+constexpr int kMostFloors = 1'000'000'000;
+
+void CheckFloors(int floors_crossed) {
+  if (floors_crossed < 0) {
+    throw std::invalid_argument("floors_crossed must be >= 0, got " + std::to_string(floors_crossed));
+  }
+  if (floors_crossed > kMostFloors) {
+    throw std::invalid_argument("floors_crossed must be at most " + std::to_string(kMostFloors) + ", got " +
+                                std::to_string(floors_crossed));
+  }
+}
+
 /// Returns L of eq. (3), (4) without floors; shared by single losses and rows of links, so that both agree to the bit.
 ROBOTTEAMSIM_INLINE double LossDb(const RadioModel& model, double square_mm2, double wall_units) {
   const double min_mm = model.min_distance_m * 1000.0;
@@ -194,9 +207,7 @@ void WriteStoreySignals(const FaceSet& faces, const RadioModel& model, const std
 }  // namespace
 
 double FloorLossDb(const RadioModel& model, int floors_crossed) {
-  if (floors_crossed < 0) {
-    throw std::invalid_argument("floors_crossed must be >= 0, got " + std::to_string(floors_crossed));
-  }
+  CheckFloors(floors_crossed);
   const double k = floors_crossed;
   const double loss_db =
       k == 0.0 ? 0.0 : std::pow(k, (k + 2.0) / (k + 1.0) - model.floor_exponent) * model.floor_loss_db;
@@ -214,6 +225,7 @@ void CheckRadioModel(const RadioModel& model) {
 
 double PathLossDb(const FaceSet& faces, const RadioModel& model, PointMm a, PointMm b, int floors_crossed) {
   CheckRadioModel(model);
+  CheckFloors(floors_crossed);
   const Ray ray = faces.Between(a, b);
   return LossDb(model, ray.square_mm2, static_cast<double>(ray.weight)) +
          FloorLossDb(model, floors_crossed + ray.floors);
