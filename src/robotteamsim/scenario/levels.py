@@ -166,10 +166,9 @@ def point_below(levels: Sequence[Level], level: Level, point: Point) -> tuple[Le
     return None
 
 
-def served_levels(levels: Sequence[Level], passages: Sequence[Passage], by: Traveller | None = None) -> list[str]:
-    """Return the names of the levels to which robots or people, or either, can go from others, in the plan's order."""
-    usable = [one for one in passages if (one.takes(by) if by else one.takes("robots") or one.takes("people"))]
-    stops = [stop for passage in usable for stop in passage.stops]
+def served_levels(levels: Sequence[Level], passages: Sequence[Passage], by: Traveller) -> list[str]:
+    """Return the names of the levels to which robots, or people, can go from others, in the plan's order."""
+    stops = [stop for passage in passages if passage.takes(by) for stop in passage.stops]
     return [level.name for level in levels if any(level.bounds.contains(stop) for stop in stops)]
 
 

@@ -113,8 +113,7 @@ class Scenario(Model):
             raise wrong("robots", "none of them is present at the start")
         doors = [door.name for door in self.plan.doors]
         lights = [light.name for light in self.run.mujoco.lights]
-        levels = served_levels(self.plan.levels, self.plan.passages)
-        check_schedule(self.schedule, self.present_at_start, doors, lights, levels)
+        check_schedule(self.schedule, self.present_at_start, doors, lights, self.levels_of)
         self._check_fire(doors)
         base, last = self.mission.base, self.num_robots - 1
         if base is not None and base > last:
@@ -266,6 +265,10 @@ class Scenario(Model):
         if robot_id in self.firefighter_ids:
             return "firefighter"
         return "command_centre" if self.command_centre is not None and robot_id == self.base else "robot"
+
+    def levels_of(self, robot_id: int) -> list[str]:
+        """Return the names of the levels to which a member of the team can go."""
+        return served_levels(self.plan.levels, self.plan.passages, self.travels_as(robot_id))
 
     def travels_as(self, robot_id: int) -> Traveller:
         """Return whose passages a member of the team uses: firefighters, and the centre that sends them, people's."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Literal, get_args
 
 from pydantic import Field, SerializerFunctionWrapHandler, model_serializer, model_validator
@@ -90,12 +90,12 @@ def check_schedule(
     present: Sequence[bool],
     doors: Sequence[str],
     lights: Sequence[str],
-    levels: Sequence[str],
+    levels: Callable[[int], Sequence[str]],
 ) -> None:
     """Raise the error of a schedule that contradicts itself, the team or the plan.
 
     Args: present: at the start, per robot.  doors, lights: the names of the plan's doors, and of the lights.
-          levels:  the names of those to which robots can go.
+          levels:  returns the names of those to which a robot can go.
     """
     for index, event in enumerate(schedule):
         if event.door is not None and event.door not in doors:
@@ -104,9 +104,6 @@ def check_schedule(
         if event.light is not None and event.light not in lights:
             known = ", ".join(lights) or "none"
             raise wrong(f"schedule.{index}.light", f"there is no light '{event.light}'; known: {known}")
-        if event.level is not None and event.level not in levels:
-            known = ", ".join(levels) or "none"
-            raise wrong(f"schedule.{index}.level", f"there is no passage to level '{event.level}'; known: {known}")
     there = list(present)
     for index, event in in_order(schedule):
         robot_id, arrives = event.robot_id, event.spawn is not None
@@ -115,6 +112,9 @@ def check_schedule(
         key = f"schedule.{index}.{event.kind}"
         if robot_id >= len(there):
             raise wrong(key, f"there is no robot {robot_id}; expected 0 to {len(there) - 1}")
+        if event.level is not None and event.level not in (served := levels(robot_id)):
+            known = f"known: {', '.join(served) or 'none'}"
+            raise wrong(f"schedule.{index}.level", f"there is no passage to level '{event.level}'; {known}")
         if there[robot_id] == arrives:
             raise wrong(key, f"robot {robot_id} is {'already' if arrives else 'not'} present at {event.at_s:g} s")
         there[robot_id] = event.remove is None

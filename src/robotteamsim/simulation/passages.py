@@ -12,7 +12,7 @@ from robotteamsim.geometry import Pose, Twist
 from robotteamsim.hazards import HazardField
 from robotteamsim.interface import Decision, Task
 from robotteamsim.scenario.base import Point
-from robotteamsim.scenario.levels import Traveller, Way, both_ways, level_at, places_at_end, served_levels
+from robotteamsim.scenario.levels import Traveller, Way, both_ways, level_at, places_at_end
 from robotteamsim.scenario.problems import suggestion
 from robotteamsim.setup import Setup
 from robotteamsim.world.contract import AnyWorld
@@ -41,8 +41,9 @@ class PassageStage:
     """The robots and firefighters on stairs, ramps and in lifts.
 
     A robot at a stop leaves it if the shortest way to its goal (`Decision.goal_m`) leads over this passage, or to its
-    area if the stop itself is its goal, or if it was told to by `take`. It stands at the stop for as long as the way
-    takes, and is then at the other stop, or beside it if that is occupied. It goes back only after it has left that.
+    area if the stop itself is its goal, or if it was told to by `take`. It stands at the stop until the time of the way
+    has passed, and is then at the other stop, or beside it if that is occupied. It goes back only after it has left
+    that one.
 
     What robots believe is not known here: the shortest way is that of the plan, or that with doors and hot places as
     they are. Firefighters use the passages of people, at their walking speed or, with a victim, their escort speed.
@@ -54,7 +55,6 @@ class PassageStage:
         self._setup, self._world, self._levels = setup, world, plan.levels
         travellers: tuple[Traveller, ...] = ("robots", "people")
         self._ways = {by: both_ways(plan.levels, plan.passages, by) for by in travellers}
-        self._served = {by: served_levels(plan.levels, plan.passages, by) for by in travellers}
         self._areas = [area.center for area in setup.scenario.mission.areas]
         self._trips: dict[int, _Trip] = {}
         self._came_by: dict[int, Way] = {}
@@ -73,7 +73,7 @@ class PassageStage:
             raise ValueError(f"take_passage: robot {robot_id!r:.60} is not there")
         if robot_id in self.elsewhere:
             raise ValueError(f"take_passage: robot {robot_id} is moved by another world")
-        served = self._served[self._setup.scenario.travels_as(robot_id)]
+        served = self._setup.scenario.levels_of(robot_id)
         if level not in served:
             known = f"expected {' or '.join(served) or 'none'}{suggestion(str(level), served)}"
             raise ValueError(f"take_passage: there is no passage to level {level!r:.60}; {known}")

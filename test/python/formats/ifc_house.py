@@ -40,7 +40,7 @@ def placed(x: float, y: float, z: float, turn_rad: float = 0.0) -> np.ndarray:
 
 
 class House:
-    """A building whose parts are given in metres, whatever the unit of the file."""
+    """A building whose parts are given in metres; files may have other units."""
 
     def __init__(self, schema: str = "IFC4", unit: str | None = "MILLIMETERS") -> None:
         self.file = api.project.create_file(version=schema)
