@@ -12,7 +12,7 @@ from robotteamsim.formats.options import Options
 from robotteamsim.map_import.paper import MOST_TURN_DEG
 from robotteamsim.scenario.door_places import without_misplaced_doors
 from robotteamsim.scenario.floor_plan import FloorPlan
-from robotteamsim.scenario.map_image import DrawingRules, MapImage, open_places
+from robotteamsim.scenario.map_image import OPEN_M, DrawingRules, MapImage, open_places
 from robotteamsim.wording import counted
 from robotteamsim.world.floor_parts import floor_parts, unreached_texts
 
@@ -81,7 +81,9 @@ def drawn(
         gaps = f"{counted(num_left_out, 'gap')} found next to which a leaf cannot turn"
         doubts.append(f"{gaps}: left open, without a door")
     doubts += unreached_texts(plan, parts)
-    doubts += [] if is_map else _open_places(plan, rules)
+    if not is_map:
+        hint = "" if rules.windows_m else "; --windows LOW,HIGH makes glass of gaps, --doors makes doors"
+        doubts += open_wall_texts(plan, hint)
     summary = _summary(plan, rules, None if is_map else image)
     shown = None if image is None else (image, rules)
     return Imported(plan, tuple(doubts), summary=summary, files=files, parts=parts, image=shown)
@@ -116,10 +118,16 @@ def _doubts(plan: FloorPlan, rules: DrawingRules, image: MapImage | None) -> Ite
         yield "no doors: their gaps are only looked for in walls along the axes, and most walls are turned from these"
 
 
-def _open_places(plan: FloorPlan, rules: DrawingRules) -> Iterator[str]:
-    """Yield where the outer wall is open, in one line."""
-    places = [f"[{x:g}, {y:g}]" for x, y in open_places(plan)]
-    if places:
-        more = [counted(len(places) - _MOST_PLACES, "other place")] if len(places) > _MOST_PLACES else []
-        hint = "" if rules.windows_m else "; --windows LOW,HIGH makes glass of gaps, --doors makes doors"
-        yield f"the outer wall is open at {', '.join([*places[:_MOST_PLACES], *more])}{hint}"
+def num_doors(plan: FloorPlan) -> int:
+    """Return the number of doors of an imported building, of which a double one is two leaves."""
+    return len({door.name.removesuffix("_left").removesuffix("_right") for door in plan.doors})
+
+
+def open_wall_texts(plan: FloorPlan, hint: str = "") -> list[str]:
+    """Return where the outer wall is open if all doors are closed, in one line. Args: hint: how to close it."""
+    found = open_places(plan)
+    if found is None:
+        return [f"the walls enclose no floor: the outer wall is open on more than {OPEN_M:g} m"]
+    places = [f"[{x:g}, {y:g}]" for x, y in found]
+    more = [counted(len(places) - _MOST_PLACES, "other place")] if len(places) > _MOST_PLACES else []
+    return [f"the outer wall is open at {', '.join([*places[:_MOST_PLACES], *more])}{hint}"] if places else []

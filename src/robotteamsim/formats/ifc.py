@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from robotteamsim.errors import ScenarioError
+from robotteamsim.formats.drawings import num_doors
 from robotteamsim.formats.ifc_file import IfcBuilding, Rise, schema_mistakes
 from robotteamsim.formats.ifc_rises import joined, rises_at
 from robotteamsim.formats.ifc_storey import FLOOR_M, HEAD_M, StoreyNotes, StoreyPlan, has_doors, has_walls
@@ -128,12 +129,11 @@ def _summary(plan: FloorPlan, names: Sequence[str], num_walls: int) -> str:
     """Return the size of an import. Args: num_walls: of straight ones, before openings interrupt them."""
     width_m, height_m = np.subtract(plan.bounds.max, plan.bounds.min).round(3)
     pillars = sum(block.kind == "pillar" for block in plan.blocks)
-    num_doors = len({door.name.removesuffix("_left").removesuffix("_right") for door in plan.doors})
     counts = [
         f"{counted(num_walls, 'straight wall')} in {counted(len(plan.walls), 'piece')}",
         counted(len(plan.blocks) - pillars, "block"),
         counted(pillars, "column"),
-        counted(num_doors, "door"),
+        counted(num_doors(plan), "door"),
     ]
     counts += [counted(len(plan.passages), "passage")] if plan.levels else []
     storeys = f"storey {names[0]}" if len(names) == 1 else f"{len(names)} storeys"

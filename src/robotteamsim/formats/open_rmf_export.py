@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from robotteamsim.formats.exporter import Exported, PlanExporter
-from robotteamsim.formats.open_rmf import LONGER_M, WALL_HEIGHT_M, WALL_M
+from robotteamsim.formats.open_rmf_file import LONGER_M, WALL_HEIGHT_M, WALL_M
 from robotteamsim.formats.open_rmf_shafts import FoundShaft, found_shaft
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.floor_plan import Door, FloorPlan, Wall
@@ -58,7 +58,8 @@ its traffic editor and its simulations. Warnings name what the format does not h
             drawn = _Drawn(level)
             drawn.add_walls([wall for wall in part.walls if wall.name not in taken], part.doors, _glass(plan))
             drawn.add_doors(part.doors, part.walls, names)
-            drawn.add_floor(level.bounds, [opening.polygon for opening in part.openings])
+            holes = [opening.polygon for opening in part.openings]
+            drawn.add_floor(level.bounds, [hole for hole in holes if not any(one.is_hole(hole) for one in shafts)])
             longer += drawn.num_inexact
             written[level.name] = drawn.keys()
         building = {

@@ -8,7 +8,10 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from robotteamsim.formats.open_rmf import SHAFT_M, WALL_M, remaining
+import shapely
+
+from robotteamsim.formats.open_rmf_file import SHAFT_M, WALL_M
+from robotteamsim.formats.open_rmf_lifts import remaining
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.floor_plan import Wall
 
@@ -24,11 +27,13 @@ _SAME_M = 1e-5
 class FoundShaft:
     """A rectangle of walls around a stop.
 
-    half:  half its sides, x + i y, in its own frame [m].
-    sides: from where to where each has walls, from the middle of the side: above, right, below, left [m].
-    walls: their names.
+    middle: the stop, x + i y [m].
+    half:   half its sides, x + i y, in its own frame [m].
+    sides:  from where to where each has walls, from the middle of the side: above, right, below, left [m].
+    walls:  their names.
     """
 
+    middle: complex
     yaw_rad: float
     half: complex
     sides: tuple[tuple[tuple[float, float], ...], ...]
@@ -47,6 +52,13 @@ class FoundShaft:
     def is_like(self, other: FoundShaft) -> bool:
         """Whether another level has the same rectangle."""
         return abs(self.half - other.half) < _SAME_M and abs(self.yaw_rad - other.yaw_rad) < _SAME_M
+
+    def is_hole(self, polygon: Sequence[Point]) -> bool:
+        """Whether an opening is that of the shaft, which Open-RMF cuts out of floors by itself."""
+        turn, x, y = cmath.exp(1j * self.yaw_rad), self.half.real, self.half.imag
+        corners = [self.middle + turn * complex(*corner) for corner in ((x, y), (-x, y), (-x, -y), (x, -y))]
+        own = shapely.Polygon([(z.real, z.imag) for z in corners])
+        return bool(own.symmetric_difference(shapely.Polygon(polygon)).area < _SAME_M * own.length)
 
     def doors(self) -> Iterator[tuple[float, float, float, int]]:
         """Yield x and y of the doors on the sides of the cabin, their widths, and their sides."""
@@ -76,7 +88,7 @@ def found_shaft(stop: Point, walls: Sequence[Wall]) -> FoundShaft | None:
         turned = [(name, start * turn, end * turn) for name, start, end in aligned]
         corners = {(round(abs(z.real), 6), round(abs(z.imag), 6)) for _, *ends in turned for z in ends}
         for half in itertools.starmap(complex, corners):
-            if min(half.real, half.imag) > SHAFT_M and (shaft := _shaft(yaw_rad, half, turned)):
+            if min(half.real, half.imag) > SHAFT_M and (shaft := _shaft(middle, yaw_rad, half, turned)):
                 found.append(shaft)
     return min(found, key=lambda shaft: shaft.half.real * shaft.half.imag, default=None)
 
@@ -91,7 +103,9 @@ def _yaw(direction: complex) -> float:
     return 0.0 if yaw_rad >= round(0.5 * math.pi, 6) else yaw_rad
 
 
-def _shaft(yaw_rad: float, half: complex, walls: Sequence[tuple[str, complex, complex]]) -> FoundShaft | None:
+def _shaft(
+    middle: complex, yaw_rad: float, half: complex, walls: Sequence[tuple[str, complex, complex]]
+) -> FoundShaft | None:
     """Return a rectangle if its corners are ends of walls on its sides. Args: walls: in its frame."""
     sides: list[list[tuple[float, float]]] = [[], [], [], []]
     names, ends = set(), []
@@ -111,4 +125,4 @@ def _shaft(yaw_rad: float, half: complex, walls: Sequence[tuple[str, complex, co
     corners = [complex(x, y) for x in (half.real, -half.real) for y in (half.imag, -half.imag)]
     if not all(any(abs(end - corner) < 2.0 * _SAME_M for end in ends) for corner in corners):
         return None
-    return FoundShaft(yaw_rad, half, tuple(tuple(pieces) for pieces in sides), frozenset(names))
+    return FoundShaft(middle, yaw_rad, half, tuple(tuple(pieces) for pieces in sides), frozenset(names))

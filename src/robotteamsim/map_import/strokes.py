@@ -129,8 +129,10 @@ def outside(solid: np.ndarray, width_cells: float) -> np.ndarray:
     return reached
 
 
-def exits(solid: np.ndarray, width_cells: float, robot_cells: float, least_cells: float) -> np.ndarray:
+def exits(solid: np.ndarray, width_cells: float, robot_cells: float, least_cells: float) -> np.ndarray | None:
     """Return where a robot can leave the inside, of at least that many cells; float64, shape (n, 2), column and row.
+
+    None: there is no inside.
 
     Args: width_cells: of the disc that defines the `outside`.  robot_cells: the robot's radius.
     """
@@ -141,14 +143,17 @@ def exits(solid: np.ndarray, width_cells: float, robot_cells: float, least_cells
     fits = clear > robot_cells
     _, labels, statistics, _ = cv2.connectedComponentsWithStats((fits & ~around).astype(np.uint8), connectivity=4)
     labels[statistics[labels, cv2.CC_STAT_AREA] < least_cells] = 0
+    inside = labels > 0
+    if not inside.any():
+        return None
     widest = np.zeros(len(statistics))
-    np.maximum.at(widest, labels, np.where(labels > 0, clear, 0.0))
+    np.maximum.at(widest, labels[inside], clear[inside])
     next_to = cv2.dilate(labels.astype(np.float32), np.ones((3, 3), np.uint8)).astype(int)
     edge = (next_to > 0) & around & fits
     count, edges, _, middles = cv2.connectedComponentsWithStats(edge.astype(np.uint8), connectivity=8)
     widths, behind = np.zeros(count), np.zeros(count)
-    np.maximum.at(widths, edges, clear)
-    np.maximum.at(behind, edges, widest[next_to])
+    np.maximum.at(widths, edges[edge], clear[edge])
+    np.maximum.at(behind, edges[edge], widest[next_to[edge]])
     is_gap = behind > _LEAST_WIDER * widths  # else it is a passage between buildings
     is_gap[0] = False
     places: np.ndarray = middles[is_gap]

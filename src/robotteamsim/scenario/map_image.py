@@ -348,12 +348,17 @@ def with_openings(plan: FloorPlan, rules: DrawingRules) -> FloorPlan:
     return plan.model_copy(update={"walls": walls, "doors": tuple(doors)})
 
 
-def open_places(plan: FloorPlan) -> list[Point]:
-    """Return where a robot may leave a building whose doors are closed: the middles of gaps in the outer wall."""
+def open_places(plan: FloorPlan) -> list[Point] | None:
+    """Return where a robot may leave a building whose doors are closed: the middles of gaps in the outer wall.
+
+    None: there is no inside, because each part of the floor has a gap wider than OPEN_M to the outside.
+    """
     doors = tuple(door.model_copy(update={"closed": True, "motion": "instant"}) for door in plan.doors)
     grid = _grid(plan.model_copy(update={"doors": doors}), OPEN_CELL_M)
     cell_m = grid.resolution_m
     places = exits(grid.cells == OCCUPIED, OPEN_M / cell_m, ROBOT_M / cell_m, LEAST_M2 / cell_m**2)
+    if places is None:
+        return None
     return [(round(x, 2), round(y, 2)) for x, y in in_metres(grid.origin_m, (cell_m, cell_m), places + 0.5).tolist()]
 
 

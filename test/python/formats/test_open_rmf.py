@@ -7,48 +7,16 @@ import itertools
 import math
 import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 import shapely
 import yaml
+from rmf_house import PLAIN, building_of_three, level, metres, read, wall_of
 
 from robotteamsim.cli import main
 from robotteamsim.errors import ScenarioError
-from robotteamsim.formats import Imported
-from robotteamsim.formats.open_rmf import OpenRmfImporter
-from robotteamsim.scenario.levels import level_at
-from robotteamsim.scenario.loading import from_mapping
-from robotteamsim.scenario.plan import solids, wall_corners
-from robotteamsim.simulation import Simulation
-
-PLAIN = {"alpha": [3, 1.0]}
-SCALE_M = 0.02
-
-
-def metres(distance: float) -> dict[str, Any]:
-    return {"distance": [3, distance]}
-
-
-def level(**more: Any) -> dict[str, Any]:
-    """Return a room of 10 x 5 m whose east wall has a gap of 1 m, in pixels of 2 cm, y downwards."""
-    vertices = [[0, 0], [500, 0], [500, 100], [500, 150], [500, 250], [0, 250], [0, 100], [250, 100]]
-    return {
-        "elevation": 0,
-        "vertices": [[x, y, 0, ""] for x, y in vertices],
-        "walls": [[a, b, PLAIN] for a, b in ((0, 1), (1, 2), (3, 4), (4, 5), (5, 0))] + [[6, 7, {"alpha": [3, 0.5]}]],
-        "doors": [[2, 3, {"name": [1, "gate"], "type": [1, "hinged"]}]],
-        # Of 10.1 and 9.9 m for the same 500 pixels.
-        "measurements": [[0, 1, metres(10.1)], [0, 1, metres(9.9)]],
-        **more,
-    }
-
-
-def read(folder: Path, building: dict[str, Any], **options: Any) -> Imported:
-    path = folder / "house.building.yaml"
-    path.write_text(yaml.safe_dump({"name": "house", **building}))
-    return OpenRmfImporter().read(path, **options)
+from robotteamsim.scenario.plan import solids
 
 
 def test_room_has_its_walls_and_the_full_width_of_its_door(tmp_path):
@@ -73,6 +41,44 @@ def test_transparent_wall_is_of_glass(tmp_path):
     assert [wall.name for wall in found.plan.walls if wall.material == "glass"] == ["wall_6"]
     assert [material.name for material in found.plan.materials] == ["glass"]
     assert "1 wall drawn transparent: taken as 6 mm of glass" in found.notes
+
+
+@pytest.mark.parametrize("kind", ["hinged", "sliding", "double_hinged", "double_sliding"])
+def test_leaves_are_3_cm_thick_and_2_2_m_high_and_two_halves_without_a_ratio(tmp_path, kind):
+    doors = [[2, 3, {"name": [1, "gate"], "type": [1, kind]}]]
+    found = read(tmp_path, {"levels": {"L1": level(doors=doors)}}).plan.doors
+    assert {(door.thickness_m, door.height_m) for door in found} == {(0.03, 2.2)}
+    ends = [(door.start, door.end) for door in found]
+    halves = [((10.0, -2.0), (10.0, -2.5)), ((10.0, -3.0), (10.0, -2.5))]
+    assert ends == (halves if kind.startswith("double") else [((10.0, -2.0), (10.0, -3.0))])
+
+
+def test_gap_without_a_door_stays_open(tmp_path):
+    found = read(tmp_path, {"levels": {"L1": level(doors=[])}})
+    built = shapely.union_all([solid.polygon for solid in solids(found.plan)])
+    opening = shapely.LineString([(10.0, 0.0), (10.0, -5.0)]).difference(built)
+    assert (found.plan.doors, opening.length) == ((), pytest.approx(0.9))  # walls are longer at both ends
+    assert "there is no door" in found.notes
+    (note,) = [note for note in found.notes if note.startswith("the outer wall is open at ")]
+    x, y = map(float, re.findall(r"-?\d+\.?\d*", note))
+    assert (x, y) == pytest.approx((10.0, -2.5), abs=0.2)
+
+
+def test_walls_that_enclose_nothing_are_named(tmp_path):
+    """Without the north wall, of 10 m."""
+    open_room = level(walls=level()["walls"][1:])
+    line = "the walls enclose no floor: the outer wall is open on more than 2.5 m"
+    assert line in read(tmp_path, {"levels": {"L1": open_room}}).notes
+    assert not any("outer wall" in note for note in read(tmp_path, {"levels": {"L1": level()}}).notes)
+
+
+def test_parameter_is_a_code_and_a_value_and_other_keys_mean_nothing(tmp_path):
+    walls = [[a, b, {"alpha": [2, 1], "texture_name": [1, "glass"]}] for a, b, _ in level()["walls"]]
+    more = {"flattened_x_offset": 77.0, "floors": [{"parameters": {}, "vertices": [0, 1, 4, 5]}]}
+    measured = [[0, 1, {"distance": [2, 20]}]]
+    plan = read(tmp_path, {"levels": {"L1": level(walls=walls, measurements=measured, **more)}}).plan
+    assert plan.walls[0].end == (20.05, 0.0)
+    assert {wall.material for wall in plan.walls} == {None}
 
 
 def test_double_door_is_two_leaves_by_its_ratio(tmp_path):
@@ -144,6 +150,24 @@ def test_other_level_lies_by_its_fiducials_and_not_by_its_own_measurement(tmp_pa
         np.testing.assert_allclose([wall.start, wall.end], [other.start, other.end], atol=2e-6)
 
 
+def test_fiducials_that_disagree_are_averaged_over_all_pairs(tmp_path):
+    """In the second level, turns of 170, -170 and 180 degrees, and lengths of 100, 100 and 196.96 pixels for 100, 100
+    and 200: the circular mean of the turns is 180 degrees, where that of the numbers is 60.
+    """
+    slope = math.radians(10.0)
+    a, b, c = (0.0, 0.0), (-100.0 * math.cos(slope), -100.0 * math.sin(slope)), (-200.0 * math.cos(slope), 0.0)
+    first = level(fiducials=[[100.0 * i, 0, name] for i, name in enumerate("abc")], measurements=[[0, 1, metres(5.0)]])
+    second = level(fiducials=[[*place, name] for place, name in zip((a, b, c), "abc", strict=True)], measurements=[])
+    plan = read(tmp_path, {"levels": {"L1": first, "L2": second}}, level="L2").plan
+    ratio = (1.0 + 1.0 + 1.0 / math.cos(slope)) / 3.0
+    # In pixels, y downwards, the mean of b and c turned and scaled is subtracted from that of 100 and 200 pixels.
+    shift_x = 100.0 + ratio * (b[0] + c[0]) / 3.0
+    shift_y = ratio * (b[1] + c[1]) / 3.0
+    x, y = (0.01 * (shift - ratio * at) for shift, at in ((shift_x, 500.0), (shift_y, 100.0)))
+    (wall,) = [wall for wall in plan.walls if wall.name == "wall_2"]  # from the vertex [500, 0] to [500, 100]
+    assert wall.end == pytest.approx((x, -y), abs=1e-6)
+
+
 def test_level_without_shared_fiducials_lies_by_its_own_measurement_and_says_so(tmp_path):
     second = level(measurements=[[0, 1, metres(20.0)]], fiducials=[[0, 0, "a"]])
     levels = {"levels": {"L1": level(fiducials=[[0, 0, "a"]]), "L2": second}}
@@ -160,6 +184,7 @@ def test_level_without_shared_fiducials_lies_by_its_own_measurement_and_says_so(
     [
         ([[0, i, i] for i in range(1001)], "1001 entries; expected at most 1000"),
         ([[0, 1e300, "far"]], "'far' is at [0, 1e+300]; expected pixels"),
+        ([[0, float("nan"), "none"]], "'none' is at [0, nan]; expected pixels"),
     ],
 )
 def test_fiducials_that_cannot_be_are_one_line(tmp_path, fiducials, line):
@@ -175,15 +200,6 @@ def test_reference_level_is_named_or_the_first_and_lies_first(tmp_path):
         plan = read(tmp_path, {"levels": levels, **reference}).plan
         assert [one.name for one in plan.levels] == names
         assert (plan.levels[0].origin, plan.walls[0].end) == ((0.0, 0.0), (length_m + 0.05, 0.0))
-
-
-def building_of_three(**lift: Any) -> dict[str, Any]:
-    """Return a building of three rooms, 4 m above one another, with lift "a" from the first to the third."""
-    levels = {f"L{i}": level(elevation=4.0 * i) for i in (1, 2, 3)}
-    door = {"x": 0.0, "y": 0.56, "width": 0.8}
-    place = {"reference_floor_name": "L1", "x": 100, "y": 50, "yaw": 0.5, "width": 2.0, "depth": 1.0}
-    lifts = {"a": {**place, "doors": {"d": door}, "level_doors": {"L1": ["d"], "L3": ["d"]}, **lift}}
-    return {"levels": levels, "lifts": lifts}
 
 
 def test_levels_lie_side_by_side_each_as_if_it_were_alone(tmp_path):
@@ -209,48 +225,6 @@ def test_levels_fit_into_their_plan_at_any_scale(tmp_path, length_m):
     assert len(read(tmp_path, building).plan.levels) == 3
 
 
-def wall_of(wall: Any) -> shapely.Polygon:
-    return shapely.Polygon(wall_corners(wall))
-
-
-def test_lift_joins_the_levels_at_which_it_has_doors_of_their_width(tmp_path):
-    found = read(tmp_path, building_of_three())
-    plan = found.plan
-    (lift,) = plan.passages
-    assert [level_at(plan.levels, stop).name for stop in lift.stops] == ["L1", "L3"]
-    origins = [plan.levels[0].origin, plan.levels[2].origin]
-    np.testing.assert_allclose(np.subtract(lift.stops, origins), [[2.0, -1.0]] * 2, atol=1e-6)
-    assert [block.name for block in plan.blocks] == ["L2_lift a"]
-    assert "level L2: lift a: its shaft is a block, for it has no door here" in found.notes
-    shaft = shapely.union_all(
-        [wall_of(wall) for wall in plan.walls if "lift a wall" in wall.name and "L1" in wall.name]
-    )
-    middle = complex(2.0, -1.0)
-    gap = [middle + cmath.exp(0.5j) * complex(x, 0.55) for x in (-1.0, 1.0)]
-    front = shapely.LineString([(z.real, z.imag) for z in gap])
-    cabin = [middle + cmath.exp(0.5j) * complex(x, y) for x, y in ((-1, -0.5), (1, -0.5), (1, 0.5), (-1, 0.5))]
-    assert front.intersection(shaft).length == pytest.approx(2.0 - 0.8, abs=1e-5)
-    assert shapely.Polygon([(z.real, z.imag) for z in cabin]).buffer(-1e-5).intersection(shaft).is_empty
-
-
-def test_a_team_searches_all_levels_that_a_lift_joins(tmp_path):
-    """The room of L3 is reached by the lift alone; L2, at which it does not stop, is listed."""
-    door = {"x": 0.0, "y": 0.81, "width": 1.0}
-    building = building_of_three(x=350, width=2.0, depth=1.5, doors={"d": door}, yaw=math.pi)
-    found = read(tmp_path, building)
-    plan = found.plan
-    assert [note for note in found.notes if note.startswith("no door or passage leads from the largest part of L1 to")]
-    x, y = plan.levels[2].origin
-    keys = {
-        "name": "search",
-        "plan": plan.model_dump(by_alias=True),
-        "robots": {"count": 2, "start_poses": [[6.0, -3.5, 0.0], [8.0, -3.5, 0.0]]},
-        "control": {"algorithm": "search"},
-        "mission": {"time_limit_s": 300.0, "victims": [{"name": "ann", "position": [x + 8.0, y - 4.0]}]},
-    }
-    assert Simulation(from_mapping(keys, "search")).run().victims_saved == 1
-
-
 def test_levels_at_one_height_are_one_line(tmp_path):
     with pytest.raises(ScenarioError, match="levels L1 and L2 are both at 0 m; --level imports one of them"):
         read(tmp_path, {"levels": {"L1": level(), "L2": level()}})
@@ -269,24 +243,15 @@ def test_metres_are_neither_scaled_nor_flipped(tmp_path):
     assert (plan.walls[1].start, plan.walls[1].end) == ((500.0, -0.05), (500.0, 100.0))
 
 
-def test_shaft_of_a_lift_is_a_block_turned_in_the_map(tmp_path):
-    place = {"reference_floor_name": "L1", "x": 100, "y": 50, "yaw": 0.5, "width": 2.0, "depth": 1.0}
-    served = {"a": ["L1", "L3"], "b": ["L2", "L3"], "c": []}
-    lifts = {name: {**place, "level_doors": {one: ["d"] for one in levels}} for name, levels in served.items()}
-    levels = {f"L{i}": level(elevation=4.0 * i) for i in (1, 2, 3, 4)}
-    building = {"levels": levels, "lifts": lifts}
-    shafts = [[block.name for block in read(tmp_path, building, level=name).plan.blocks] for name in levels]
-    assert shafts == [["lift a"], ["lift a", "lift b"], ["lift a", "lift b"], []]  # "a" passes L2
-    (block,) = read(tmp_path, building, level="L1").plan.blocks
-    turned = shapely.affinity.rotate(shapely.box(0.95, -1.55, 3.05, -0.45), 0.5, use_radians=True)
-    assert shapely.Polygon(block.polygon).symmetric_difference(turned).area < 1e-4
-
-
 @pytest.mark.parametrize(
     ("building", "line"),
     [
         ({"levels": {}}, "levels: none"),
-        ({"levels": {"L1": level(walls=[])}}, "levels.L1: has no walls, so there is no building to import"),
+        ({"levels": {"L1": level(walls=[])}}, "has no walls, so there is no building to import"),
+        (
+            {"levels": {"L1": level(walls=[])}, "coordinate_system": "wgs84"},
+            "has no walls, so there is no building to import",
+        ),
         ({"levels": {"L1": level(measurements=[])}}, "levels.L1: has no measurement, so its scale is unknown"),
         (
             {"levels": {"L1": level(measurements=[[0, 1, metres(-1.0)]])}},
@@ -312,7 +277,11 @@ def test_shaft_of_a_lift_is_a_block_turned_in_the_map(tmp_path):
         ({"levels": {"L1": level(walls=[[0, 99, PLAIN]])}}, "levels.L1.walls.0: vertex 99; expected 0 to 7"),
         (
             {"levels": {"L1": level(walls=[[0, "x", PLAIN]])}},
-            "Expected `int`, got `str` - at `$.levels[...].walls[0][1]`",
+            "levels.L1: Expected `int`, got `str` - at `$.walls[0][1]`",
+        ),
+        (
+            {"levels": {"L1": level(), "L2": level(elevation=float("inf"))}},
+            "levels.L2.elevation: inf; expected a finite number",
         ),
         (
             {"levels": {"L1": level(vertices=[[0, float("nan"), 0, ""]] * 8)}},
