@@ -10,10 +10,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from robotteamsim.errors import ScenarioError
-from robotteamsim.formats.drawings import num_doors
-from robotteamsim.formats.ifc_file import IfcBuilding, Rise, schema_mistakes
+from robotteamsim.formats.drawings import num_doors, open_wall_texts
+from robotteamsim.formats.ifc_file import IfcBuilding, Rise, listed, schema_mistakes
 from robotteamsim.formats.ifc_rises import joined, rises_at
-from robotteamsim.formats.ifc_storey import FLOOR_M, HEAD_M, StoreyNotes, StoreyPlan, has_doors, has_walls
+from robotteamsim.formats.ifc_storey import FLOOR_M, HEAD_M, StoreyNotes, StoreyPlan, has_doors, has_walls, on_none
 from robotteamsim.formats.importer import Imported, Importer
 from robotteamsim.formats.options import LEVEL, Options
 from robotteamsim.formats.side_by_side import DrawnLevel, side_by_side
@@ -67,9 +67,16 @@ class IfcImporter(Importer):
         notes = StoreyNotes(building)
         drawn = [_drawn(path, building, name, notes) for name in names]
         plan = drawn[0].plan
-        if len(drawn) > 1:
+        if "level" in options:
+            if rises := rises_at(building, building.storeys[names[0]].floor_m):
+                left_out = listed([rise.element for rise in rises])
+                others.append(f"a plan of one storey has no passages; not joined to others: {left_out}")
+        else:
+            if lost := on_none(building, [building.storeys[name] for name in names]):
+                others.append(f"above heads or below the floor of each storey, left out: {listed(lost)}")
             found = joined(building, drawn, _ROBOT_M)
             others += found.notes
+        if len(drawn) > 1:
             plan = side_by_side(path, printable(path.stem)[:MAX_NAME_CHARACTERS], found.levels, found.passages)
             if any(passage.kind == "stairs" for passage in plan.passages):
                 others.append("stairs are for people; robots take those with `robots: true` in the plan")
@@ -77,7 +84,7 @@ class IfcImporter(Importer):
         if any(offset_m):
             plan = plan.model_copy(update={"drawing_offset_m": offset_m})
         parts = floor_parts(plan, _ROBOT_M)
-        all_notes = (*building.notes, *notes, *others, *unreached_texts(plan, parts))
+        all_notes = (*building.notes, *notes, *others, *unreached_texts(plan, parts), *open_wall_texts(plan))
         return Imported(plan, all_notes, summary=_summary(plan, names, notes.num_walls), parts=parts)
 
 

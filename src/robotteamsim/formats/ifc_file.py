@@ -155,7 +155,7 @@ class IfcBuilding:
         lost = [one for id_, one in blocking.items() if id_ not in meshes and not one.IsDecomposedBy]
         lost += [one for one in holes if one.id() not in meshes]
         if lost:
-            self.notes.append(f"without a shape that can be read, left out: {_listed(lost)}")
+            self.notes.append(f"without a shape that can be read, left out: {listed(lost)}")
         if not self.solids:
             raise ScenarioError(f"{self._path}: has no walls, so there is no building to import")
 
@@ -360,7 +360,7 @@ def _doors(fillings: Iterable[Entity]) -> list[Entity]:
     return [filling for filling in fillings if filling.is_a("IfcDoor")]
 
 
-def _listed(entities: list[Entity]) -> str:
+def listed(entities: list[Entity]) -> str:
     """Return how many entities of each class there are, and the first of each."""
     by_class: dict[str, list[Entity]] = {}
     for one in entities:

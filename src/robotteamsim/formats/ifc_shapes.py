@@ -19,6 +19,9 @@ GRID_M = 1e-6
 _INSIDE_M, _NEXT_M = 1e-4, 1.7e-5
 """How far within both heights a solid is cut, and by how much farther where it has a corner just there."""
 
+_TOUCH_M = 0.005
+"""How far walls that touch may be apart, or into one another."""
+
 _LEAST_M2 = 1e-6
 _FLAT_M2 = 1e-9
 """Seen from above, twice the area of a triangle that is upright but for rounding."""
@@ -171,6 +174,21 @@ def as_strip(polygon: shapely.Polygon) -> Strip | None:
         return None
     middle = strip.polygon(thickness_m, length_m - thickness_m)
     return strip if middle.difference(polygon).area <= FLAT_M * polygon.length else None
+
+
+def face_to_face(strips: Sequence[Strip]) -> set[int]:
+    """Return the indices of straight walls that touch a parallel one along their length, such as furring."""
+    shapes = np.array([strip.polygon(0.0, strip.length_m) for strip in strips], dtype=object)
+    found: set[int] = set()
+    for i, j in shapely.STRtree(shapes).query(shapes, predicate="dwithin", distance=_TOUCH_M).T.tolist():
+        one, half_m = strips[i], 0.5 * strips[i].thickness_m
+        begin_m, end_m = spanned(shapes[j], one.start, one.along)
+        right_m, left_m = spanned(shapes[j], one.start, np.array([-one.along[1], one.along[0]]))
+        is_parallel = left_m - right_m < strips[j].thickness_m + _TOUCH_M
+        touches = min(abs(right_m - half_m), abs(left_m + half_m)) < _TOUCH_M
+        if is_parallel and touches and min(end_m, one.length_m) - max(begin_m, 0.0) > one.thickness_m:
+            found |= {i, j}
+    return found
 
 
 def without_holes(polygon: shapely.Polygon) -> Iterator[shapely.Polygon]:

@@ -19,6 +19,7 @@ from robotteamsim.formats.ifc_shapes import (
     Mesh,
     Strip,
     as_strip,
+    face_to_face,
     footprint,
     outlines,
     remaining,
@@ -143,6 +144,8 @@ class StoreyPlan:
                 names[base] += 1
                 keys["name"] = base if names[base] == 1 else f"{base}_{names[base]}"
         self.blocks += [block for rise in building.rises if rise.kind != "lift" for block in self._bodies(rise)]
+        strips = [one.strip for one in standing if one.strip]
+        self._said["wall in front of a parallel one: of both, the higher loss counts"] += len(face_to_face(strips))
         notes.num_walls += len({one.solid.element.id() for one in standing if one.strip})
         with_doors = [gap for some in gaps.values() for gap in some if gap.door is not None]
         leaves = [leaf for gap in with_doors for leaf in self._leaves(gap, gap.door)]
@@ -325,6 +328,13 @@ def has_walls(building: IfcBuilding, storey: Storey) -> bool:
     """Whether something blocks robots on a storey."""
     low_m, high_m = storey.floor_m + FLOOR_M, storey.floor_m + HEAD_M
     return any(solid.mesh.high_m > low_m and solid.mesh.low_m < high_m for solid in building.solids)
+
+
+def on_none(building: IfcBuilding, storeys: Sequence[Storey]) -> list[Entity]:
+    """Return what blocks robots on none of some storeys, for it is above heads or below the floor."""
+    bands_m = np.array([(storey.floor_m + FLOOR_M, storey.floor_m + HEAD_M) for storey in storeys])
+    heights_m = ((solid.element, solid.mesh.low_m, solid.mesh.high_m) for solid in building.solids)
+    return [one for one, low_m, high_m in heights_m if not np.any((high_m > bands_m[:, 0]) & (low_m < bands_m[:, 1]))]
 
 
 def _thickness_m(shape: shapely.Polygon) -> float:

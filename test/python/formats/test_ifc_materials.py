@@ -128,6 +128,38 @@ def test_layer_sets_of_one_name_stay_apart(tmp_path):
     }
 
 
+def test_furring_is_a_wall_of_its_own_before_the_masonry(tmp_path):
+    house = House("IFC2X3", "INCHES")
+    house.storey("EG", 0.0)
+    masonry = house.wall((0.0, 0.0), (5.0, 0.0), 0.2)
+    house.layers(masonry, [("Masonry - Brick", 0.2)], "IfcMaterialLayerSet", "Masonry")
+    furring = house.wall((0.0, 0.127), (4.0, 0.127), 0.054)
+    layers = [("Metal - Stud Layer", 0.038), ("Plasterboard", 0.016)]
+    house.layers(furring, layers, "IfcMaterialLayerSetUsage", "Furring")
+    house.wall((5.0, 0.1), (5.0, 3.0), 0.054)  # at a corner, not before a wall
+    found = read(tmp_path, house)
+    walls = {(wall.material, wall.thickness_m) for wall in found.plan.walls}
+    assert walls == {("Masonry", 0.2), ("Furring", 0.054), (None, 0.054)}
+    assert "2 walls in front of a parallel one: of both, the higher loss counts" in found.notes
+
+
+def test_walls_of_each_class_are_walls_also_in_parts(tmp_path):
+    house = House()
+    house.storey("EG", 0.0)
+    for y, name in ((1.0, "IfcWall"), (2.0, "IfcWallStandardCase"), (3.0, "IfcWallElementedCase")):
+        house.wall((0.0, y), (5.0, y), ifc_class=name)
+    whole = house.add("IfcWallElementedCase", None, placed(0.0, 0.0, 0.0))
+    for y, thickness, name in ((-0.05, 0.0125, "Plasterboard"), (0.05, 0.0125, "Gypsum")):
+        board = house.wall((0.0, y), (5.0, y), thickness, ifc_class="IfcBuildingElementPart", of=whole)
+        house.layers(board, [(name, 0.0)], "IfcMaterial")
+    plan = read(tmp_path, house).plan
+    assert sorted((wall.start[1], wall.thickness_m, wall.material or "") for wall in plan.walls) == [
+        (-0.05, 0.0125, "Plasterboard"),
+        (0.05, 0.0125, "Gypsum"),
+        *((y, 0.2, "") for y in (1.0, 2.0, 3.0)),
+    ]
+
+
 @pytest.mark.parametrize(
     ("rating", "kind", "is_said"),
     [

@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 import pytest
-from ifc_house import House, placed, read
+from ifc_house import House, box, placed, read
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.formats import importer_of, importers
@@ -112,6 +112,60 @@ def test_large_file_is_refused_before_it_is_read(tmp_path):
         IfcImporter().read(path)
     with pytest.raises(ScenarioError, match="there is no such file"):
         IfcImporter().read(tmp_path / "none.ifc")
+
+
+@pytest.mark.slow
+def test_too_many_entities_are_one_line(tmp_path):
+    house = House()
+    house.storey("EG", 0.0)
+    house.room()
+    text = house.file.to_string()
+    (wall, *_) = re.findall(r"(?m)^#\d+(=IFCWALL\(.*)$", text)
+    head, tail = text.split("ENDSEC;\nEND-ISO")
+    path = tmp_path / "house.ifc"
+    path.write_text(head + "".join(f"#{10**6 + i}{wall}\n" for i in range(100_000)) + "ENDSEC;\nEND-ISO" + tail)
+    line = f"{path}: 100004 walls, openings, stairs and other parts; expected at most 100000"
+    with pytest.raises(ScenarioError, match=f"^{re.escape(line)}$"):
+        IfcImporter().read(path)
+
+
+@pytest.mark.parametrize(("begin_m", "line"), [(1.5, "is open at [0.1"), (3.9, "is open on more than 2.5 m")])
+def test_walls_that_do_not_close_are_named(tmp_path, begin_m, line):
+    house = House()
+    house.storey("EG", 0.0)
+    for ends in (((0, 0), (6, 0)), ((6, 0), (6, 4)), ((6, 4), (0, 4)), ((0, 4), (0, begin_m))):
+        house.wall(*ends)
+    assert [line in note for note in read(tmp_path, house).notes if "the outer wall" in note] == [True]
+
+
+def test_walls_on_no_storey_are_named(tmp_path):
+    """Those of an upper floor for which the file has no storey."""
+    house = House()
+    house.storey("EG", 0.0)
+    house.room()
+    above = [wall.id() for wall in house.room(low=3.0, high=5.5)]
+    ids = ", ".join(f"#{id_}" for id_ in above)
+    line = f"above heads or below the floor of each storey, left out: 4 IfcWall ({ids})"
+    assert line in read(tmp_path, house).notes
+    assert not any("above heads" in note for note in read(tmp_path, house, level="EG").notes)
+
+
+def test_lift_and_stairs_of_a_building_with_walls_on_one_storey_are_named(tmp_path):
+    house = House()
+    house.storey("EG", 0.0)
+    house.room()
+    house.storey("OG", 3.0)
+    lift = house.solids("IfcTransportElement", [box((4.0, 2.0, 0.0), (5.0, 3.0, 5.5))])
+    lift.PredefinedType = "ELEVATOR"
+    stairs = house.flight((1.0, 1.5, 0.0), (1.0, 0.0), 14)
+    found = read(tmp_path, house)
+    assert [note for note in found.notes if "joins no storeys" in note] == [
+        f"#{stairs.id()} (IfcStairFlight): joins no storeys; it ends at 2.80 m, where no floor is",
+        f"#{lift.id()} (IfcTransportElement): joins no storeys; its shape, from 0.00 to 5.50 m, is free on 1 storey",
+    ]
+    left_out = f"1 IfcStairFlight (#{stairs.id()}), 1 IfcTransportElement (#{lift.id()})"
+    line = f"a plan of one storey has no passages; not joined to others: {left_out}"
+    assert line in read(tmp_path, house, level="EG").notes
 
 
 def test_file_is_recognised_by_its_content(tmp_path):
