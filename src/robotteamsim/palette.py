@@ -56,6 +56,7 @@ PAPER, FLOOR, UNSEEN = WHITE, "#f6f5f2", "#dedcd6"
 INK, SOFT_INK, FAINT_INK, GRID, CARD = "#16202e", "#4a5563", "#77746c", "#dfe3e8", "#f3f5f7"
 AXIS = "#8a94a3"
 SOLIDS = {"wall": "#3b4252", "block": "#5a6275", "pillar": "#767f92"}
+GLASS = "#4fb3bf"
 BAY = "#c9c6bd"
 DOORS = {"normal": "#b07a2a", "fireproof": "#8f2d1f"}
 OBJECT = "#a9793f"

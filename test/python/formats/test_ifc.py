@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 import shapely
 from ifc_house import UNITS, House, api, opening_m, placed, read, solid
+from matplotlib.colors import to_hex
 
-from robotteamsim import rng
+from robotteamsim import palette, rng
+from robotteamsim.analysis.import_picture import draw_import
 from robotteamsim.cli import main
 from robotteamsim.errors import ScenarioError
 from robotteamsim.scenario.materials import Layer
@@ -128,6 +130,22 @@ def test_window_that_is_high_or_in_a_block_is_of_the_material_around_it(tmp_path
     assert (found.plan.materials, len(found.plan.walls), len(found.plan.blocks)) == ((), 4, 1)
     assert "1 window closed, of the material of the wall around it" in found.notes
     assert "there is no door on storey EG" in found.notes
+
+
+def test_picture_shows_windows_and_the_two_leaves_of_a_door_by_one_name(tmp_path):
+    house = House()
+    house.storey("EG", 0.0)
+    south, east, *_ = house.room()
+    house.filling(house.opening(south, 1.0, 2.0, low=0.9), "IfcWindow")
+    door = house.filling(house.opening(east, 1.0, 1.55), operation="DOUBLE_DOOR_SINGLE_SWING")
+    figure = draw_import(read(tmp_path, house).plan, ())
+    (axes,) = figure.axes
+    assert [text.get_text() for text in axes.texts] == [str(door.id())]
+    assert axes.texts[0].get_position() == pytest.approx((6.0, 1.775))
+    (legend,) = figure.legends
+    assert [text.get_text() for text in legend.get_texts()] == ["wall", "wall of glass", "door"]
+    glass = [one for one in axes.collections if [*map(to_hex, one.get_facecolor())] == [palette.GLASS]]
+    assert [one.get_paths()[0].get_extents().bounds for one in glass] == [pytest.approx((1.0, -0.1, 2.0, 0.2))]
 
 
 @pytest.mark.parametrize(
