@@ -1,4 +1,4 @@
-"""Any floor plan, map image, DXF drawing, IFC building: what is read can be used, all else is refused in one line.
+"""Any floor plan, map image, drawing or building: what is read can be used, all else is refused in one line.
 
 The inputs are Hypothesis' own: arbitrary bytes, valid files with bytes or values changed, valid keys with odd values.
 Usage: python test/fuzz/import_fuzz.py [--seconds 60] [--seed 0] [--core FILE]; with --core, that build of the C++ is
@@ -84,6 +84,18 @@ def building() -> str:
     return str(house.file.to_string())
 
 
+def fleet_building() -> str:
+    """Return a building.yaml of Open-RMF of three levels with doors, glass, fiducials, a hole and a lift."""
+    sys.path.insert(0, str(Path(__file__).parents[1] / "python" / "formats"))
+    from rmf_house import building_of_three
+
+    found = building_of_three()
+    for level in found["levels"].values():
+        level["fiducials"] = [[0, 0, "a"], [500, 0, "b"], [500, 250, "c"]]
+    found["levels"]["L2"]["holes"] = [{"vertices": [0, 1, 5]}]
+    return str(yaml.safe_dump({"name": "house", **found}, default_flow_style=True))
+
+
 def check(path: Path) -> None:
     """Read a plan, the yaml of a map, a drawing or a building, and use it.
 
@@ -92,11 +104,16 @@ def check(path: Path) -> None:
     # Imported late, so that --core comes first.
     from robotteamsim.errors import RobotTeamSimError
     from robotteamsim.formats.ifc import IfcImporter
+    from robotteamsim.formats.open_rmf import OpenRmfImporter
     from robotteamsim.scenario import load_floor_plan
     from robotteamsim.scenario.dxf import DxfRules, import_dxf
 
     rules = DxfRules(["WALLS"], metres_per_unit=0.001)
-    readers = {".dxf": lambda: import_dxf(path, rules).plan, ".ifc": lambda: IfcImporter().read(path).plan}
+    readers = {
+        ".dxf": lambda: import_dxf(path, rules).plan,
+        ".ifc": lambda: IfcImporter().read(path).plan,
+        ".yml": lambda: OpenRmfImporter().read(path).plan,
+    }
     begin_s = time.monotonic()
     try:
         plan = readers.get(path.suffix, lambda: load_floor_plan(path))()
@@ -157,18 +174,22 @@ def changed(valid: bytes) -> st.SearchStrategy[bytes]:
     return st.lists(change, max_size=4).map(apply)
 
 
-_VALUE = re.compile(r"(?<=[(,])(#\d+|-?\d+\.?\d*(?:E-?\d+)?|'[^']*'|\.\w+\.|\$)(?=[),])")
+IFC_VALUE = re.compile(r"(?<=[(,])(#\d+|-?\d+\.?\d*(?:E-?\d+)?|'[^']*'|\.\w+\.|\$)(?=[),])")
 """A value of an instance in a file of IFC."""
 
-ODD_VALUES = ["$", "*", "''", "()", "#1", "#999999", "0.", "-1.", "1.E9", "1.E-9", "1.E300", "-1", ".T.", ".F."]
+ODD_IFC_VALUES = ["$", "*", "''", "()", "#1", "#999999", "0.", "-1.", "1.E9", "1.E-9", "1.E300", "-1", ".T.", ".F."]
+
+YAML_VALUE = re.compile(r"(?<=[\[ ])(-?\d+\.?\d*|'[^']*'|\w+)(?=[,\]}])")
+"""A value in a YAML text of brackets."""
+
+ODD_YAML_VALUES = [".nan", ".inf", "-1", "0", "1e-9", "1e9", "1e300", "''", "null", "[]", "{}", "true", "L9", "99"]
 
 
-def damaged(valid: str) -> st.SearchStrategy[bytes]:
-    """Return a strategy of an IFC file in which odd values, or others of the file, take the place of some."""
-    # Not in the header: with a damaged schema, ifcopenshell 0.9.0 crashes.
-    values = list(_VALUE.finditer(valid, valid.index("DATA;")))
+def damaged(valid: str, value: re.Pattern[str], odd: list[str]) -> st.SearchStrategy[bytes]:
+    """Return a strategy of a text in which odd values, or others of the text, take the place of some."""
+    values = list(value.finditer(valid))
     indices = st.integers(0, len(values) - 1)
-    new = st.sampled_from(ODD_VALUES) | indices.map(lambda index: values[index][0])
+    new = st.sampled_from(odd) | indices.map(lambda index: values[index][0])
 
     def apply(changes: dict[int, str]) -> bytes:
         text = valid
@@ -251,17 +272,22 @@ def fuzz(folder: Path, number: int, examples: int) -> None:
 
 
 def fuzz_buildings(folder: Path, number: int, examples: int) -> None:
-    """Check that many IFC files; those of one seed are always the same."""
-    valid = building()
+    """Check that many buildings in IFC and of Open-RMF each; those of one seed are always the same."""
+    valid, fleet = building(), fleet_building()
+    # Not in the header: with a damaged schema, ifcopenshell 0.9.0 crashes.
     begin = valid.index("DATA;")
+    head, body = valid[:begin].encode(), valid[begin:]
+    bodies = damaged(body, IFC_VALUE, ODD_IFC_VALUES) | changed(body.encode())
+    fleets = damaged(fleet, YAML_VALUE, ODD_YAML_VALUES) | changed(fleet.encode())
 
     @seed(number)
     @settings(max_examples=examples, deadline=None, database=None, suppress_health_check=list(HealthCheck))
-    @given(data=damaged(valid) | changed(valid[begin:].encode()).map(lambda data: valid[:begin].encode() + data))
-    def run(data: bytes) -> None:
-        path = folder / "house.ifc"
-        path.write_bytes(data)
-        check(path)
+    @given(body=bodies, text=fleets)
+    def run(body: bytes, text: bytes) -> None:
+        for name, data in (("house.ifc", head + body), ("house.yml", text)):
+            path = folder / name
+            path.write_bytes(data)
+            check(path)
 
     run()
 
@@ -283,7 +309,7 @@ def main() -> None:
             fuzz_buildings(Path(folder), options.seed + rounds, buildings)
             rounds += 1
     seeds = f"seeds {options.seed} to {options.seed + rounds - 1}"
-    print(f"import_fuzz: {rounds * (2 * examples + buildings)} inputs, {seeds}: nothing found")
+    print(f"import_fuzz: {rounds * 2 * (examples + buildings)} inputs, {seeds}: nothing found")
 
 
 if __name__ == "__main__":

@@ -230,7 +230,7 @@ def vertex_of(key: str, level: Level, index: int) -> tuple[float, float]:
         raise ScenarioError(f"{key}: vertex {index}; expected 0 to {len(level.vertices) - 1}")
     vertex = level.vertices[index][:2]
     if len(vertex) < 2 or not all(map(_is_number, vertex)):
-        raise ScenarioError(f"{key}: vertex {index} is at {vertex}; expected two numbers")
+        raise ScenarioError(f"{key}: vertex {index} is at {vertex!s:.60}; expected two numbers")
     return float(vertex[0]), float(vertex[1])
 
 
@@ -238,7 +238,7 @@ def number(edge: Edge, name: str, default: float | None = None) -> float:
     """Return a parameter. Raises: ScenarioError: it is missing, or no number."""
     _, value = edge.parameters.get(name, (3, default))
     if not _is_number(value):
-        raise ScenarioError(f"{edge.key}.{name}: {'missing' if value is None else value}; expected a number")
+        raise ScenarioError(f"{edge.key}.{name}: {'missing' if value is None else value!s:.60}; expected a number")
     return float(value)
 
 
