@@ -10,7 +10,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from robotteamsim.scenario.base import MAX_NAME_CHARACTERS
-from robotteamsim.scenario.materials import Layer, Material, Substance
+from robotteamsim.scenario.materials import GLASS, Layer, Material, Substance
 from robotteamsim.wording import counted, printable
 
 _WORDS: tuple[tuple[str, Substance], ...] = (
@@ -32,7 +32,6 @@ _WORDS: tuple[tuple[str, Substance], ...] = (
 )
 """Parts of names, the first match counts."""
 
-GLASS = Material(name="glass", layers=(Layer(of="glass", thickness_m=0.006),))
 _MOST_LISTED = 10
 
 

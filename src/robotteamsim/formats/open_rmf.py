@@ -36,12 +36,11 @@ from robotteamsim.scenario.base import MAX_NAME_CHARACTERS, Point
 from robotteamsim.scenario.door_places import misplaced_doors, without_misplaced_doors
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.levels import Opening
-from robotteamsim.scenario.materials import Layer, Material
+from robotteamsim.scenario.materials import GLASS
 from robotteamsim.scenario.problems import checked
 from robotteamsim.wording import counted
 from robotteamsim.world.floor_parts import floor_parts, unreached_texts
 
-_GLASS = Material(name="glass", layers=(Layer(of="glass", thickness_m=0.006),))
 _MARGIN_M, _ROBOT_M = 0.5, 0.2
 """Around everything; and radius of the robot for which parts of the floor count as connected."""
 _MOST_M = 1e5
@@ -103,7 +102,7 @@ class _DrawnLevel:
             "walls": [*level.walls(), *lift_walls],
             "blocks": blocks,
             "doors": list(level.doors({block["name"] for block in blocks})),
-            "materials": (_GLASS,) if level.num_glass else (),
+            "materials": (GLASS,) if level.num_glass else (),
         }
         plan = checked(FloorPlan, keys, place=f"{place}: ")
         prefix = "" if is_alone else f"level {name}: "
@@ -153,7 +152,7 @@ class _LevelOnMap:
             )
             ends = {"from": rounded(wall.start - before_m * along), "to": rounded(wall.end + after_m * along)}
             size = {"thickness_m": WALL_M, "height_m": WALL_HEIGHT_M}
-            yield {"name": f"wall_{index + 1}", **ends, **size, "material": _GLASS.name if _is_glass(wall) else None}
+            yield {"name": f"wall_{index + 1}", **ends, **size, "material": GLASS.name if _is_glass(wall) else None}
 
     def doors(self, taken: set[str]) -> Iterator[dict[str, Any]]:
         """Yield the leaves of doors, open; a double door is two, from both sides. Args: taken: names of blocks."""
@@ -203,7 +202,7 @@ class _LevelOnMap:
             if short := len(edges) - len(kept):
                 yield f"{counted(short, what)} without a length: left out"
         if self.num_glass:
-            thickness_mm = 1e3 * _GLASS.layers[0].thickness_m
+            thickness_mm = 1e3 * GLASS.layers[0].thickness_m
             yield f"{counted(self.num_glass, 'wall')} drawn transparent: taken as {thickness_mm:g} mm of glass"
         if self._level.holes:
             yield f"{counted(len(self._level.holes), 'hole')} in the floor: robots drive over them"

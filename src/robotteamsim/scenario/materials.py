@@ -36,3 +36,7 @@ class Material(Model):
 
     name: Name = Field(description="for `material` of walls and blocks")
     layers: Many[Layer] = Field(min_length=1, max_length=20, description="from one face to the other, in either order")
+
+
+GLASS = Material(name="glass", layers=(Layer(of="glass", thickness_m=0.006),))
+"""That of windows, in buildings whose files do not say what their panes are."""
