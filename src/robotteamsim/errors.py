@@ -1,5 +1,7 @@
 """Errors caused by users. Each message is one line that names the place, the value and what was expected."""
 
+from collections.abc import Mapping
+
 
 class RobotTeamSimError(Exception):
     """Base class of all errors that the shells report in one line, without a traceback."""
@@ -7,6 +9,14 @@ class RobotTeamSimError(Exception):
 
 class ScenarioError(RobotTeamSimError):
     """A scenario, floor plan or map file, or an override, is wrong."""
+
+
+class UnfinishedImportError(ScenarioError):
+    """A file cannot be imported, perhaps before the user has corrected `tables`; see `formats.Imported`."""
+
+    def __init__(self, message: str, tables: Mapping[str, str]) -> None:
+        super().__init__(message)
+        self.tables = tables
 
 
 class PlacementError(ScenarioError):

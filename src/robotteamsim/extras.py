@@ -6,6 +6,7 @@ _EXTRA_OF_PACKAGE = {
     "cv2": "images",
     "dask": "cluster",
     "distributed": "cluster",
+    "ezdwg": "dwg",
     "ezdxf": "dxf",
     "fdsreader": "fds",
     "gymnasium": "learning",

@@ -103,14 +103,13 @@ def check(path: Path) -> None:
     """
     # Imported late, so that --core comes first.
     from robotteamsim.errors import RobotTeamSimError
+    from robotteamsim.formats.cad import CadImporter
     from robotteamsim.formats.ifc import IfcImporter
     from robotteamsim.formats.open_rmf import OpenRmfImporter
     from robotteamsim.scenario import load_floor_plan
-    from robotteamsim.scenario.dxf import DxfRules, import_dxf
 
-    rules = DxfRules(["WALLS"], metres_per_unit=0.001)
     readers = {
-        ".dxf": lambda: import_dxf(path, rules).plan,
+        ".dxf": lambda: CadImporter().read(path, metres_per_unit=0.001).plan,
         ".ifc": lambda: IfcImporter().read(path).plan,
         ".yml": lambda: OpenRmfImporter().read(path).plan,
     }

@@ -63,7 +63,7 @@ _READERS = {
     "formats/importer.py": "drawing (DXF)",  # and others, to find out what it is
     "formats/ifc_file.py": "building (IFC)",
     "recording/results.py": "`mission.json`",
-    "scenario/dxf_content.py": "drawing (DXF)",
+    "scenario/cad_content.py": "drawing (DXF)",
     "scenario/patrol.py": "patrol graph",
     "scenario/yaml_text.py": "scenario, floor plan, map yaml",
     "stage/world_file.py": "world of Stage",

@@ -18,7 +18,7 @@ from robotteamsim.cli.output import (
 )
 from robotteamsim.cli.parser import Parser, UsageError, path_of
 from robotteamsim.cli.run_command import SCENARIO_HELP, add_set_option
-from robotteamsim.errors import ScenarioError
+from robotteamsim.errors import ScenarioError, UnfinishedImportError
 from robotteamsim.formats import (
     Exporter,
     Imported,
@@ -104,6 +104,8 @@ def import_file(known: Mapping[str, Importer], options: argparse.Namespace) -> N
     try:
         found = read_with(importer, options.file, **given(options, importer.options))
     except ScenarioError as error:
+        if isinstance(error, UnfinishedImportError):
+            _write_tables_of(error, options)
         report_mistakes(mistakes_of(error))
         raise
     said = _write_scenario(found, options) if importer.makes_scenarios else _write_plan(found, options)
@@ -117,13 +119,40 @@ def import_file(known: Mapping[str, Importer], options: argparse.Namespace) -> N
 
 
 def _write_plan(found: Imported, options: argparse.Namespace) -> str:
-    """Write a floor plan; return a line on it."""
-    out = options.out or Path("plan.yaml")
-    check_outputs({"--out": out, "--png": options.png}, [options.file, *found.files])
-    expect_new([out], options.force)
+    """Write a floor plan and the tables of its import; return a line on each."""
+    out, tables = _plan_file(options), _by_file(found.tables, options)
+    outputs = {"--out": out, "--png": options.png, **{f"the table {table}": table for table in tables}}
+    check_outputs(outputs, [options.file, *found.files])
+    expect_new([out, *tables], options.force)
     with atomically(out) as part:
         scenario.write_floor_plan(found.plan, part)
-    return f"{out}: {found}"
+    return "\n".join([f"{out}: {found}", *_write_tables(tables)])
+
+
+def _plan_file(options: argparse.Namespace) -> Path:
+    return options.out or Path("plan.yaml")
+
+
+def _by_file(tables: Mapping[str, str], options: argparse.Namespace) -> dict[Path, str]:
+    """Return tables, see `Imported.tables`, by their files, which are next to the plan."""
+    return {_plan_file(options).with_suffix(f".{name}.yaml"): text for name, text in tables.items()}
+
+
+def _write_tables(tables: Mapping[Path, str]) -> list[str]:
+    """Write tables; return a line on each."""
+    for file, text in tables.items():
+        write_atomically(file, text)
+    return [f"{file}: what was guessed; correct it for another import" for file in tables]
+
+
+def _write_tables_of(error: UnfinishedImportError, options: argparse.Namespace) -> None:
+    """Write the tables of a file that cannot be imported, unless they exist."""
+    for file, text in _by_file(error.tables, options).items():
+        if file.exists() and not options.force:
+            warn([f"{file} already exists and is not replaced; --force replaces it"])
+        else:
+            check_outputs({"--out": file}, [options.file])
+            print(*_write_tables({file: text}))
 
 
 def _write_scenario(found: Imported, options: argparse.Namespace) -> str:

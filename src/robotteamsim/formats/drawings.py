@@ -16,7 +16,9 @@ from robotteamsim.scenario.map_image import OPEN_M, DrawingRules, MapImage, open
 from robotteamsim.wording import counted
 from robotteamsim.world.floor_parts import floor_parts, unreached_texts
 
-_DOOR_WIDTHS_M = (0.6, 1.6)
+DOOR_WIDTHS_M = (0.6, 1.6)
+"""Of gaps that may be doors, unless the user says others."""
+
 _MOST_PLACES = 10
 _MOST_GREY = 0.1
 """Of the pixels, the largest share that is usual in photos and scans of drawings."""
@@ -46,10 +48,10 @@ OPENINGS: Options = {
     "--doors": {
         "type": _widths,
         "nargs": "?",
-        "const": _DOOR_WIDTHS_M,
+        "const": DOOR_WIDTHS_M,
         "metavar": "LOW,HIGH",
         "help": "gaps of these widths [m] in walls along the axes become open doors; default "
-        + ",".join(f"{width_m:g}" for width_m in _DOOR_WIDTHS_M),
+        + ",".join(f"{width_m:g}" for width_m in DOOR_WIDTHS_M),
     },
     "--windows": {
         "type": _widths,
@@ -96,7 +98,7 @@ def _summary(plan: FloorPlan, rules: DrawingRules, image: MapImage | None) -> st
     parts = [f"{x1 - x0:g} x {y1 - y0:g} m", counted(len(plan.walls) - num_windows, "wall")]
     parts += [counted(len(plan.blocks), "block")]
     parts += [counted(len(plan.doors), "door")] if rules.doors_m else []
-    parts += [counted(num_windows, "window")] if rules.windows_m else []
+    parts += [counted(num_windows, "window")] if rules.windows_m or num_windows else []
     notes = [", ".join(parts)]
     if plan.drawing_offset_m is not None:
         notes.append("[0, 0] is [{:.10g}, {:.10g}] m in the drawing".format(*plan.drawing_offset_m))

@@ -36,6 +36,7 @@ class Imported:
     files:    what was read besides the file itself.
     parts:    of the floor, the largest first, if doors between them may be missing.
     image:    from which the plan was made, and by which rules.
+    tables:   texts in YAML that the user corrects for another import, by name: plan.NAME.yaml is next to plan.yaml.
     """
 
     plan: FloorPlan
@@ -46,6 +47,7 @@ class Imported:
     files: tuple[Path, ...] = ()
     parts: tuple[FloorPart, ...] = ()
     image: tuple[MapImage, DrawingRules] | None = None
+    tables: Mapping[str, str] = field(default_factory=dict)
 
     def __str__(self) -> str:
         """Return the summary."""
@@ -84,7 +86,7 @@ class Importer(ABC):
 
 _OURS = {
     "image": "robotteamsim.formats.image:ImageImporter",
-    "dxf": "robotteamsim.formats.dxf:DxfImporter",
+    "cad": "robotteamsim.formats.cad:CadImporter",
     "stage": "robotteamsim.stage.formats:StageImporter",
     "open_rmf": "robotteamsim.formats.open_rmf:OpenRmfImporter",
     "ifc": "robotteamsim.formats.ifc:IfcImporter",

@@ -47,7 +47,7 @@ class Own(MovingAiImporter):
 
 
 class Other(MovingAiImporter):
-    options = {"--layer": {"type": int}}
+    options = {"--layers": {"type": int}}
 
 
 class NoSign(MovingAiImporter):
@@ -106,8 +106,8 @@ def test_file_is_recognised_by_its_content_and_named_to_other_commands(install):
     done = command(run, "plan import other.txt")
     assert done.returncode == 2
     assert re.fullmatch(r"robotteamsim: other.txt: no importer reads .*; expected one of .*\.map, .*\n", done.stderr)
-    done = command(run, "plan import arena.map --layer WALLS")
-    line = "robotteamsim: arena.map is a MovingAI map, for which there is no --layer\n"
+    done = command(run, "plan import arena.map --layers a.yaml")
+    line = "robotteamsim: arena.map is a MovingAI map, for which there is no --layers\n"
     assert (done.returncode, done.stderr) == (2, line)
 
 
@@ -167,7 +167,7 @@ def test_exporter_writes_into_its_folder_only(install):
         ({"exporters": {"a": "movingai:Taken"}}, "exporter a of movingai:Taken: ValueError: argument --out: "),
         ({"importers": {"a": "movingai:Plain"}}, "ValueError: option 'cell'; expected a name that begins with --"),
         ({"importers": {"a": "movingai:Own"}}, "ValueError: option --cell has dest; expected none"),
-        ({"importers": {"a": "movingai:Other"}}, "ValueError: option --layer is that of another importer, "),
+        ({"importers": {"a": "movingai:Other"}}, "ValueError: option --layers is that of another importer, "),
         ({"importers": {"a": "movingai:NoSign"}}, "importer a of movingai:NoSign: error: "),
         ({"importers": {"a": "movingai:Mute"}}, "importer a of movingai:Mute: TypeError: examples ['x']; "),
     ],

@@ -56,7 +56,7 @@ class Line(NamedTuple):
 
 
 class Content(NamedTuple):
-    """Lines, how often others are on each layer, drawings that are not in the file, and names of layers by `key`."""
+    """Lines, how often others are on each layer, what else is missing, and names of layers by `key`."""
 
     lines: list[Line]
     others: Counter[tuple[str, str]]
@@ -69,8 +69,11 @@ def key(layer: str) -> str:
     return layer.lower()
 
 
-def read_drawing(path: Path) -> Drawing:
-    """Return a drawing. Raises: ScenarioError: it cannot be read."""
+def read_drawing(path: Path) -> tuple[Drawing, Content]:
+    """Return a drawing, and what is known of its content before it is taken apart.
+
+    Raises: ScenarioError: it cannot be read.
+    """
     try:
         import ezdxf
     except (configparser.Error, UnicodeDecodeError) as error:
@@ -80,12 +83,17 @@ def read_drawing(path: Path) -> Drawing:
     if path.stat().st_size > MOST_BYTES:
         raise ScenarioError(f"{path}: larger than {MOST_BYTES // 2**20} MiB; expected a drawing of one floor")
     try:
-        return ezdxf.readfile(path)
+        drawing = ezdxf.readfile(path)
+        return drawing, Content([], Counter(), Counter(), _layer_names(drawing))
     except MemoryError:
         pass  # so that what was read is freed first
     except Exception as error:  # damaged files cause IndexError, KeyError, StopIteration and others
         raise _unreadable(path, error) from None
     raise ScenarioError(f"{path}: cannot be read as DXF: out of memory")
+
+
+def _layer_names(drawing: Drawing) -> dict[str, str]:
+    return {key(layer.dxf.name): layer.dxf.name for layer in drawing.layers}
 
 
 def _unreadable(path: Path, error: Exception) -> ScenarioError:
@@ -121,13 +129,12 @@ def metres_per_unit(path: Path, drawing: Drawing) -> float:
     raise ScenarioError(f"{path}: {text}")
 
 
-def content(path: Path, drawing: Drawing, flat: float | None) -> Content:
-    """Return what a drawing contains.
+def take_apart(path: Path, drawing: Drawing, flat: float | None, found: Content) -> None:
+    """Add what a drawing contains.
 
     Args:   flat: how far straight lines may be from a curve, in units of the drawing; None: a share of its size.
     Raises: ScenarioError: it cannot be read, or there are too many parts.
     """
-    found = Content([], Counter(), Counter(), {key(layer.dxf.name): layer.dxf.name for layer in drawing.layers})
     try:
         if _num_parts(drawing) > MOST_LINES:
             raise ScenarioError(f"{path}: more than {MOST_LINES} lines and other parts, with those of repeated blocks")
@@ -144,7 +151,6 @@ def content(path: Path, drawing: Drawing, flat: float | None) -> Content:
         raise
     except Exception as error:  # a block that contains itself, and what the file says wrongly
         raise _unreadable(path, error) from None
-    return found
 
 
 def _num_parts(drawing: Drawing) -> int:
@@ -198,9 +204,9 @@ def _parts(
     from ezdxf.protocols import SupportsVirtualEntities, virtual_entities
 
     for entity in entities:
-        if entity.dxf.get("invisible") or entity.dxftype() in _TEXTS:  # group code 60
+        layer, is_invisible = _layer(entity)
+        if is_invisible or entity.dxftype() in _TEXTS:
             continue
-        layer = str(entity.dxf.layer)
         if layer == "0" and reference is not None:
             layer = reference
         if isinstance(entity, Insert) and (name := _absent(entity)):
@@ -208,10 +214,20 @@ def _parts(
         elif isinstance(entity, Insert):
             for one in entity.multi_insert() if entity.mcount > 1 else (entity,):
                 yield from _parts(one.virtual_entities(), layer, absent)
-        elif isinstance(entity, SupportsVirtualEntities):
-            yield from _parts(virtual_entities(entity), layer, absent)
+        elif isinstance(entity, SupportsVirtualEntities) and (parts := list(virtual_entities(entity))):
+            yield from _parts(parts, layer, absent)
         else:
             yield layer, entity
+
+
+def _layer(entity: DXFEntity) -> tuple[str, bool]:
+    """Return the layer of an entity, and whether it is invisible (group code 60)."""
+    from ezdxf.entities import DXFTagStorage
+
+    if isinstance(entity, DXFTagStorage):  # of a kind that ezdxf does not know
+        properties = entity.graphic_properties()
+        return properties.get("layer", "0"), bool(properties.get("invisible"))
+    return str(entity.dxf.layer), bool(entity.dxf.get("invisible"))
 
 
 def _absent(reference: Insert) -> str | None:

@@ -27,7 +27,7 @@ from robotteamsim.cli import command_line, main
 with open("/proc/self/statm") as file:
     used = int(file.read().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (used + 60 * 2**20,) * 2)
-sys.exit(main(["plan", "import", sys.argv[1], "--layer", "WALLS"]))
+sys.exit(main(["plan", "import", sys.argv[1], "--layers", "walls.yaml"]))
 """
 """Leaves 60 MiB for a drawing."""
 
@@ -43,7 +43,9 @@ def new(unit: units.InsertUnits = units.InsertUnits.Meters) -> tuple[Drawing, Mo
 def walls_of(document: Drawing, *arguments: str) -> list[tuple]:
     """Import layer WALLS and return start, end and thickness of each wall, relative to the lower left line end."""
     document.saveas("drawing.dxf")
-    assert main(["plan", "import", "drawing.dxf", "--layer", "WALLS", "--out", "o.yaml", "--force", *arguments]) == 0
+    assert (
+        main(["plan", "import", "drawing.dxf", "--layers", "walls.yaml", "--out", "o.yaml", "--force", *arguments]) == 0
+    )
     plan = load_floor_plan("o.yaml")
     lines = [(np.subtract(wall.start, 1.0), np.subtract(wall.end, 1.0), wall.thickness_m) for wall in plan.walls]
     return sorted((*sorted((tuple(start.tolist()), tuple(end.tolist()))), thickness) for start, end, thickness in lines)
@@ -71,6 +73,7 @@ def drawing(tmp_path, monkeypatch) -> Path:
     space.add_text("KITCHEN", dxfattribs=walls).set_placement(at(500, 500))
     space.add_linear_dim(at(0, -500), at(0, 0), at(6000, 0), dxfattribs=walls).render()
     document.saveas("room.dxf")
+    Path("walls.yaml").write_text("WALLS: {kind: wall}\n")
     return tmp_path
 
 
@@ -81,7 +84,8 @@ def failed(capsys, *arguments: str) -> str:
 
 
 def test_lines_of_the_layers_are_walls_where_the_drawing_has_them(drawing, capsys):
-    assert main(["plan", "import", "room.dxf", "--layer", "WALLS", "--wall-thickness", "0.12"]) == 0
+    Path("walls.yaml").write_text("WALLS: {kind: wall, thickness_m: 0.12}")
+    assert main(["plan", "import", "room.dxf", "--layers", "walls.yaml"]) == 0
     plan = load_floor_plan("plan.yaml")
     assert len(plan.walls) == 6
     assert plan.bounds.max == (8.0, 6.0)
@@ -93,7 +97,8 @@ def test_lines_of_the_layers_are_walls_where_the_drawing_has_them(drawing, capsy
 
 
 def test_blocks_have_the_layer_where_they_are_inserted(drawing):
-    assert main(["plan", "import", "room.dxf", "--layer", "WALLS", "--layer", "PILLARS", "--out", "both.yaml"]) == 0
+    Path("walls.yaml").write_text("{WALLS: {kind: wall}, PILLARS: {kind: wall}}")
+    assert main(["plan", "import", "room.dxf", "--layers", "walls.yaml", "--out", "both.yaml"]) == 0
     plan = load_floor_plan("both.yaml")
     assert (len(plan.walls), len(plan.blocks)) == (6, 1)  # a closed outline of 0.3 m is solid
     assert shapely.Polygon(plan.blocks[0].polygon).area == pytest.approx(0.09)
@@ -224,11 +229,22 @@ def test_what_is_left_out_is_counted(drawing, capsys):
     counts = "1 of 2 lines, shorter than 0.01 m, 1 HATCH on WALLS, 1 SOLID on WALLS"
     absent = "attached drawing 'kitchen.dxf', missing block 'NOWHERE'"
     assert capsys.readouterr().err == f"robotteamsim: warning: left out: {counts}, {absent}\n"
-    line = failed(capsys, "drawing.dxf", "--layer", "OTHER")
-    assert (
-        f"layer 'OTHER' has no lines; found OTHER (1 HATCH), WALLS (2 lines, 4 x 3 units, 1 HATCH, 1 SOLID), {absent}"
-        in line
-    )
+    Path("other.yaml").write_text("OTHER: {kind: wall}")
+    line = failed(capsys, "drawing.dxf", "--layers", "other.yaml")
+    layers = f"OTHER (1 HATCH), WALLS (2 lines, 4 x 3 units, 1 HATCH, 1 SOLID), {absent}"
+    assert line.endswith(f"drawing.dxf: no layer of walls has lines; found {layers}")
+
+
+def test_part_of_an_unknown_kind_is_counted(drawing, capsys):
+    document, space = new()
+    space.add_line((0, 0), (4, 0), dxfattribs={"layer": "WALLS"})
+    document.saveas("strange.dxf")
+    text = Path("strange.dxf").read_text(encoding="utf-8")
+    head, kind = "  2\nENTITIES\n", "  0\nPLANESURFACE\n  5\n{}\n100\nAcDbEntity\n  8\nWALLS\n"
+    parts = kind.format("FFE") + kind.format("FFF") + " 60\n1\n"  # the second one is invisible
+    Path("strange.dxf").write_text(text.replace(head, head + parts), encoding="utf-8")
+    assert main(["plan", "import", "strange.dxf", "--layers", "walls.yaml"]) == 0
+    assert capsys.readouterr().err == "robotteamsim: warning: left out: 1 PLANESURFACE on WALLS\n"
 
 
 def test_small_and_vast_drawings_ask_for_their_unit(drawing, capsys):
@@ -239,18 +255,10 @@ def test_small_and_vast_drawings_ask_for_their_unit(drawing, capsys):
     assert "warning: the walls are 0.03 x 0.02 m; is $INSUNITS wrong?" in capsys.readouterr().err
     walls_of(document, "--metres-per-unit", "1")
     assert "wrong" not in capsys.readouterr().err
-    line = failed(capsys, "drawing.dxf", "--layer", "WALLS", "--metres-per-unit", "100", "--force")
+    line = failed(capsys, "drawing.dxf", "--layers", "walls.yaml", "--metres-per-unit", "100", "--force")
     assert line.endswith("; the walls are 3e+03 x 2e+03 m; is --metres-per-unit wrong?")
-    line = failed(capsys, "drawing.dxf", "--layer", "WALLS", "--metres-per-unit", "1e-5", "--force")
+    line = failed(capsys, "drawing.dxf", "--layers", "walls.yaml", "--metres-per-unit", "1e-5", "--force")
     assert "0 of 2 lines are at least 0.01 m long; the walls are 0.0003 x 0.0002 m; is" in line
-
-
-def test_layers_are_listed_before_anything_is_refused(drawing, capsys):
-    Path("plan.yaml").touch()
-    document = ezdxf.readfile("room.dxf")
-    document.units = units.InsertUnits.Unitless
-    document.saveas("unitless.dxf")
-    assert "WALLS (6 lines, 6000 x 4000 units)" in failed(capsys, "unitless.dxf")
 
 
 def test_offset_of_survey_coordinates_is_printed_and_stored(drawing, capsys):
@@ -263,15 +271,15 @@ def test_offset_of_survey_coordinates_is_printed_and_stored(drawing, capsys):
 
 def test_an_existing_plan_is_only_replaced_with_force(drawing, capsys):
     Path("o.yaml").write_text("mine")
-    line = failed(capsys, "room.dxf", "--layer", "WALLS", "--out", "o.yaml")
+    line = failed(capsys, "room.dxf", "--layers", "walls.yaml", "--out", "o.yaml")
     assert line.endswith("o.yaml already exists; choose another name with --out, or --force replaces it")
     assert Path("o.yaml").read_text() == "mine"
-    assert main(["plan", "import", "room.dxf", "--layer", "WALLS", "--out", "o.yaml", "--force"]) == 0
+    assert main(["plan", "import", "room.dxf", "--layers", "walls.yaml", "--out", "o.yaml", "--force"]) == 0
     assert load_floor_plan("o.yaml").walls
 
 
 def test_gaps_between_walls_become_doors_on_request(drawing, capsys):
-    command = ["plan", "import", "room.dxf", "--layer", "WALLS", "--doors", "--png", "import.png"]
+    command = ["plan", "import", "room.dxf", "--layers", "walls.yaml", "--doors", "--png", "import.png"]
     assert main(command) == 0
     (door,) = load_floor_plan("plan.yaml").doors
     np.testing.assert_allclose(sorted([door.start, door.end]), [(4.0, 2.5), (4.0, 3.5)], atol=0.03)
@@ -279,31 +287,23 @@ def test_gaps_between_walls_become_doors_on_request(drawing, capsys):
 
 
 def test_unit_of_the_file_can_be_replaced(drawing):
-    command = ["plan", "import", "room.dxf", "--layer", "WALLS", "--metres-per-unit", "0.002"]
+    command = ["plan", "import", "room.dxf", "--layers", "walls.yaml", "--metres-per-unit", "0.002"]
     assert main(command) == 0
     assert load_floor_plan("plan.yaml").bounds.max == (14.0, 10.0)
-
-
-def test_layers_are_listed_if_none_is_chosen(drawing, capsys):
-    line = failed(capsys, "room.dxf")
-    assert "room.dxf: choose the layers of walls with --layer; found DOORS (" in line
-    assert line.endswith("PILLARS (4 lines, 300 x 300 units), WALLS (6 lines, 6000 x 4000 units)")
-    line = failed(capsys, "room.dxf", "--layer", "MURS")
-    assert "room.dxf: layer 'MURS' has no lines; found DOORS (" in line
 
 
 def test_file_without_units_needs_a_scale(drawing, capsys):
     document = ezdxf.readfile("room.dxf")
     document.units = units.InsertUnits.Unitless
     document.saveas("unitless.dxf")
-    line = failed(capsys, "unitless.dxf", "--layer", "WALLS")
+    line = failed(capsys, "unitless.dxf", "--layers", "walls.yaml")
     assert line.endswith("names no known unit ($INSUNITS 0); give its scale with --metres-per-unit")
 
 
 def test_what_the_reader_repairs_is_not_printed(drawing):
     text = Path("room.dxf").read_text(encoding="utf-8")
     Path("odd.dxf").write_text(text.replace("ENDTAB", "ENDTABLE", 1), encoding="utf-8")
-    command = [sys.executable, "-m", "robotteamsim.cli", "plan", "import", "odd.dxf", "--layer", "WALLS"]
+    command = [sys.executable, "-m", "robotteamsim.cli", "plan", "import", "odd.dxf", "--layers", "walls.yaml"]
     done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
     assert done.stderr == ""
 
@@ -313,13 +313,13 @@ def test_curve_of_any_size_becomes_few_lines_or_is_rejected(drawing, capsys):
     document.modelspace().add_circle((0, 0), 1e12, dxfattribs={"layer": "SKY"})
     document.modelspace().add_lwpolyline([], dxfattribs={"layer": "SKY"})
     document.saveas("large.dxf")
-    assert main(["plan", "import", "large.dxf", "--layer", "WALLS"]) == 0
+    assert main(["plan", "import", "large.dxf", "--layers", "walls.yaml"]) == 0
     assert len(load_floor_plan("plan.yaml").walls) == 6
     Path("plan.yaml").unlink()
     document.modelspace().add_spline().control_points = [(0, 1e300, 0), (5, 5, 0), (5, 1, 0), (0, 8, 0)]
     document.saveas("larger.dxf")
     assert "larger.dxf: cannot be read as DXF: a SPLINE has a size of " in failed(
-        capsys, "larger.dxf", "--layer", "WALLS"
+        capsys, "larger.dxf", "--layers", "walls.yaml"
     )
 
 
@@ -327,29 +327,30 @@ def test_curve_of_any_size_becomes_few_lines_or_is_rejected(drawing, capsys):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["text.dxf", "--layer", "WALLS"], "text.dxf: cannot be read as DXF: it is not a DXF file"),
-        (["none.dxf", "--layer", "WALLS"], "none.dxf: there is no such file"),
-        (["cut.dxf", "--layer", "WALLS"], "cut.dxf: cannot be read as DXF: "),
-        (["header.dxf", "--layer", "WALLS"], "header.dxf: cannot be read as DXF: "),
+        (["text.dxf", "--layers", "walls.yaml"], "text.dxf: cannot be read as DXF: it is not a DXF file"),
+        (["none.dxf", "--layers", "walls.yaml"], "none.dxf: there is no such file"),
+        (["cut.dxf", "--layers", "walls.yaml"], "cut.dxf: cannot be read as DXF: "),
+        (["header.dxf", "--layers", "walls.yaml"], "header.dxf: cannot be read as DXF: "),
         (
-            ["within_itself.dxf", "--layer", "WALLS"],
+            ["within_itself.dxf", "--layers", "walls.yaml"],
             "within_itself.dxf: cannot be read as DXF: a block contains itself",
         ),
-        (["many.dxf", "--layer", "WALLS"], "many.dxf: more than 200000 lines"),
+        (["many.dxf", "--layers", "walls.yaml"], "many.dxf: more than 200000 lines"),
         (
-            ["hatch.dxf", "--layer", "WALLS"],
+            ["hatch.dxf", "--layers", "walls.yaml"],
             "more than 2000000 pairs of lines are closer than 0.6 m; are they a hatch?",
         ),
-        (["nested.dxf", "--layer", "WALLS"], "nested.dxf: more than 200000 lines and other parts"),
-        (["surveyors.dxf", "--layer", "WALLS"], "has a unit that cannot be converted ($INSUNITS 21)"),
+        (["nested.dxf", "--layers", "walls.yaml"], "nested.dxf: more than 200000 lines and other parts"),
+        (["surveyors.dxf", "--layers", "walls.yaml"], "has a unit that cannot be converted ($INSUNITS 21)"),
         (
-            ["room.dxf", "--layer", "WALLS", "--metres-per-pixel", "0.1"],
-            "a DXF file, for which there is no --metres",
+            ["room.dxf", "--layers", "walls.yaml", "--metres-per-pixel", "0.1"],
+            "a drawing in DXF, for which there is no --metres",
         ),
-        (["room.dxf", "--layer", "WALLS", "--wall-thickness", "2"], "thickness_m: 2.0 is above 0.8"),
-        (["room.dxf", "--layer", "WALLS", "--metres-per-unit", "1e6"], "room.dxf: bounds.max: "),
+        (["endless.dxf", "--layers", "walls.yaml"], "layer 'WALLS' has coordinates that are not finite"),
+        (["empty.dxf"], "empty.dxf: no layer of walls has lines; found no lines"),
+        (["room.dxf", "--layers", "walls.yaml", "--metres-per-unit", "1e6"], "room.dxf: bounds.max: "),
         (
-            ["room.png", "--metres-per-pixel", "0.1", "--layer", "WALLS"],
+            ["room.png", "--metres-per-pixel", "0.1", "--layers", "walls.yaml"],
             "of one, for which there is no --layer",
         ),
     ],
@@ -380,6 +381,12 @@ def test_what_cannot_be_imported_is_one_line(drawing, capsys, arguments, message
     document = ezdxf.readfile("room.dxf")
     document.header["$INSUNITS"] = 21
     document.saveas("surveyors.dxf")
+    document, space = new()
+    document.saveas("empty.dxf")
+    space.add_line((0, 0), (12345, 0), dxfattribs={"layer": "WALLS"})
+    document.saveas("endless.dxf")
+    endless = Path("endless.dxf").read_text(encoding="utf-8").replace("12345.0", "1e400")
+    Path("endless.dxf").write_text(endless, encoding="utf-8")
     assert message in failed(capsys, *arguments)
     assert not Path("plan.yaml").exists()
 
@@ -407,7 +414,7 @@ def test_a_file_that_would_fill_the_memory_is_not_read(tmp_path, capsys):
         file.truncate(64 * 2**20 + 1)  # without data on the disk
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(ezdxf, "readfile", lambda _: pytest.fail("it was read"))
-        line = failed(capsys, str(large), "--layer", "WALLS")
+        line = failed(capsys, str(large), "--layers", "walls.yaml")
     assert line == f"robotteamsim: {large}: larger than 64 MiB; expected a drawing of one floor"
 
 
