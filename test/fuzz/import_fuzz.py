@@ -13,10 +13,12 @@ import re
 import sys
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import cv2
+import ezdwg
 import ezdxf
 import numpy as np
 import yaml
@@ -56,6 +58,23 @@ def drawing() -> bytes:
     text = io.StringIO()
     document.write(text)
     return text.getvalue().encode()
+
+
+def dwg_drawing() -> bytes:
+    """Return a DWG file of walls in mm: lines, polylines, curves, and a block that is inserted turned."""
+    document = ezdwg.new()
+    document.layers["WALLS"] = {"color_index": 7}
+    block = document.blocks.new("PILLAR")
+    block.add_line((0, 0), (300, 0), layer="WALLS")
+    space = document.modelspace()
+    space.add_line((0, 0), (6000, 0), layer="WALLS")
+    space.add_lwpolyline([(0, 0), (0, 4000), (3000, 4000)], bulges=[0, 0.5, 0], layer="WALLS")
+    space.add_polyline2d([(3000, 0), (3000, 3000)], layer="WALLS")
+    space.add_arc((3000, 2000), 800, 10, 250, layer="WALLS")
+    space.add_spline([(0, 0, 0), (1000, 900, 0), (2000, 0, 0), (2500, 500, 0)], layer="WALLS")
+    space.add_blockref("PILLAR", (1000, 1000), rotation=30, layer="WALLS")
+    with tempfile.TemporaryDirectory() as folder:
+        return Path(document.save(Path(folder) / "room.dwg").output_path).read_bytes()
 
 
 def building() -> str:
@@ -108,7 +127,8 @@ def check(path: Path) -> None:
     from robotteamsim.formats.open_rmf import OpenRmfImporter
     from robotteamsim.scenario import load_floor_plan
 
-    readers = {
+    readers: dict[str, Callable[[], Any]] = {
+        ".dwg": lambda: CadImporter().read(path, metres_per_unit=0.001).plan,
         ".dxf": lambda: CadImporter().read(path, metres_per_unit=0.001).plan,
         ".ifc": lambda: IfcImporter().read(path).plan,
         ".yml": lambda: OpenRmfImporter().read(path).plan,
@@ -243,6 +263,7 @@ HUGE_IMAGES = st.tuples(
 IMAGES = st.binary(max_size=64) | images() | changed(ROOM_IMAGE) | changed(ROOM_TEXT_IMAGE) | HUGE_IMAGES
 NO_IMAGE = st.just(b"")
 DRAWINGS = changed(drawing())
+DWG_DRAWINGS = changed(dwg_drawing())
 FILES = st.tuples(st.binary(max_size=64) | changed(PLAN), NO_IMAGE) | st.tuples(maps() | changed(MAP), IMAGES)
 
 
@@ -260,12 +281,13 @@ def fuzz(folder: Path, number: int, examples: int) -> None:
 
     @seed(number)
     @settings(max_examples=examples, deadline=None, database=None, suppress_health_check=list(HealthCheck))
-    @given(files=FILES, dxf=DRAWINGS)
-    def run(files: tuple[bytes, bytes], dxf: bytes) -> None:
+    @given(files=FILES, dxf=DRAWINGS, dwg=DWG_DRAWINGS)
+    def run(files: tuple[bytes, bytes], dxf: bytes, dwg: bytes) -> None:
         check_bytes(folder, *files)
-        path = folder / "room.dxf"
-        path.write_bytes(dxf)
-        check(path)
+        for name, data in (("room.dxf", dxf), ("room.dwg", dwg)):
+            path = folder / name
+            path.write_bytes(data)
+            check(path)
 
     run()
 
@@ -308,7 +330,7 @@ def main() -> None:
             fuzz_buildings(Path(folder), options.seed + rounds, buildings)
             rounds += 1
     seeds = f"seeds {options.seed} to {options.seed + rounds - 1}"
-    print(f"import_fuzz: {rounds * 2 * (examples + buildings)} inputs, {seeds}: nothing found")
+    print(f"import_fuzz: {rounds * (3 * examples + 2 * buildings)} inputs, {seeds}: nothing found")
 
 
 if __name__ == "__main__":

@@ -48,7 +48,7 @@ def test_anything_else_is_rejected_with_its_name(tmp_path: Path, kind: str, reas
 
 _ROOT = Path(__file__).parents[2]
 _READS = re.compile(
-    r"\b(open_regular|read_text\(path|ezdxf\.readfile|ifcopenshell\.open|fdsreader\.Simulation|sqlite3\.connect|torch\.load)\b"
+    r"\b(open_regular|read_text\(path|ezdxf\.readfile|ezdwg\.read|ifcopenshell\.open|fdsreader\.Simulation|sqlite3\.connect|torch\.load)\b"
 )
 _READERS = {
     "cache.py": "cache of imported plans",
@@ -60,10 +60,11 @@ _READERS = {
     "recording/bag_reader.py": "bag (ROS 1, MCAP, SQLite",
     "recording/bag_writer.py": "bag (ROS 1, MCAP, SQLite",  # what an earlier program has left
     "recording/ros_recorder.py": "bag (ROS 1, MCAP, SQLite",
-    "formats/importer.py": "drawing (DXF)",  # and others, to find out what it is
+    "formats/importer.py": "drawing (DXF, DWG)",  # and others, to find out what it is
     "formats/ifc_file.py": "building (IFC)",
     "recording/results.py": "`mission.json`",
-    "scenario/cad_content.py": "drawing (DXF)",
+    "scenario/cad_content.py": "drawing (DXF, DWG)",
+    "scenario/dwg.py": "drawing (DXF, DWG)",
     "scenario/patrol.py": "patrol graph",
     "scenario/yaml_text.py": "scenario, floor plan, map yaml",
     "stage/world_file.py": "world of Stage",

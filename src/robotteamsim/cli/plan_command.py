@@ -40,7 +40,7 @@ from robotteamsim.setup import resolve
 from robotteamsim.wording import counted
 
 _IMPORT_TEXT = """\
-Convert a drawing (an image, or DXF), or an occupancy image as written by map_server or
+Convert a drawing (an image, DXF or DWG), or an occupancy image as written by map_server or
 slam_gmapping, or a building of Open-RMF or in IFC, into a floor plan of walls and blocks; or a
 Stage world into a scenario and its plan. A scenario can also use the yaml of an image directly
 as its plan.

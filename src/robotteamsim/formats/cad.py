@@ -1,4 +1,4 @@
-"""Imports drawings of CAD programs in DXF."""
+"""Imports drawings of CAD programs, in DXF and DWG."""
 
 import dataclasses
 from pathlib import Path
@@ -26,22 +26,22 @@ _NEAR_M = 0.1
 class CadImporter(Importer):
     """Imports the lines of layers as walls, windows and doors, see `scenario.cad.plan_of_cad`."""
 
-    noun = "a drawing in DXF"
-    suffixes = (".dxf",)
+    noun = "a drawing in DXF or DWG"
+    suffixes = (".dxf", ".dwg")
     options: ClassVar[Options] = {
         "--layers": {
             "type": Path,
             "metavar": "FILE",
-            "help": "table of the layers of a drawing in DXF; without it, one is guessed and written",
+            "help": "table of the layers of a drawing in DXF or DWG; without it, one is guessed and written",
         },
         "--metres-per-unit": {
             "type": positive_number,
             "metavar": "M",
-            "help": "scale of a drawing in DXF; default: the unit it names",
+            "help": "scale of a drawing in DXF or DWG; default: the unit it names",
         },
         **OPENINGS,
     }
-    examples = "  robotteamsim plan import house.dxf\n  robotteamsim plan import house.dxf --layers house.layers.yaml"
+    examples = "  robotteamsim plan import house.dxf\n  robotteamsim plan import house.dwg --layers house.layers.yaml"
 
     def read(self, path: Path, **options: Any) -> Imported:
         """See `Importer.read`."""

@@ -1,4 +1,4 @@
-"""Drawings of CAD programs (DXF) as floor plans: lines of some layers are walls, or the faces of walls."""
+"""Drawings of CAD programs (DXF, DWG) as floor plans: lines of some layers are walls, or the faces of walls."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ class CadImport(NamedTuple):
 
 
 def read_cad(path: Path, metres_per_unit: float | None = None) -> CadDrawing:
-    """Return the drawing of a DXF file.
+    """Return the drawing of a DXF or DWG file.
 
     Lines, polylines and curves become straight lines, those in blocks included. Part of a block on layer 0 has the
     layer of the block reference. Invisible parts, texts and dimension lines are left out; everything else is counted.

@@ -1,4 +1,4 @@
-"""What a drawing of a CAD program (DXF) contains: straight lines by layer, and how often other things.
+"""What a drawing of a CAD program (DXF, DWG) contains: straight lines by layer, and how often other things.
 
 The package ezdxf is imported where it is used, because it belongs to an extra.
 """
@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from robotteamsim.errors import ScenarioError
+from robotteamsim.scenario.dwg import read_dwg
 from robotteamsim.scenario.yaml_text import is_file
-from robotteamsim.wording import printable
+from robotteamsim.wording import counted, printable
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing
@@ -75,6 +76,8 @@ def read_drawing(path: Path) -> tuple[Drawing, Content]:
     Raises: ScenarioError: it cannot be read.
     """
     try:
+        if _form(path) == "DWG":
+            import ezdwg  # noqa: F401  # before ezdxf, which its extra includes, so that a message names this extra
         import ezdxf
     except (configparser.Error, UnicodeDecodeError) as error:
         raise ScenarioError(f"ezdxf: its configuration is damaged: {printable(' '.join(str(error).split()))}") from None
@@ -83,33 +86,54 @@ def read_drawing(path: Path) -> tuple[Drawing, Content]:
     if path.stat().st_size > MOST_BYTES:
         raise ScenarioError(f"{path}: larger than {MOST_BYTES // 2**20} MiB; expected a drawing of one floor")
     try:
+        if _form(path) == "DWG":
+            return _of_dwg(path)
         drawing = ezdxf.readfile(path)
         return drawing, Content([], Counter(), Counter(), _layer_names(drawing))
+    except (KeyboardInterrupt, ScenarioError, ModuleNotFoundError):
+        raise
     except MemoryError:
         pass  # so that what was read is freed first
-    except Exception as error:  # damaged files cause IndexError, KeyError, StopIteration and others
+    except BaseException as error:  # damaged files cause IndexError, KeyError, panics of ezdwg and others
         raise _unreadable(path, error) from None
-    raise ScenarioError(f"{path}: cannot be read as DXF: out of memory")
+    raise ScenarioError(f"{path}: cannot be read as {_form(path)}: out of memory")
+
+
+def _of_dwg(path: Path) -> tuple[Drawing, Content]:
+    """Return the drawing and the content of a DWG file."""
+    found = read_dwg(path, MOST_LINES)
+    names = _layer_names(found.drawing)
+    others = Counter[tuple[str, str]]()
+    for (layer, kind), number in found.others.items():
+        names.setdefault(key(layer), layer)
+        others[key(layer), kind] += number
+    unknown = f"{counted(found.num_unknown, 'object')} of unknown kinds, perhaps without a shape"
+    return found.drawing, Content([], others, Counter([unknown] if found.num_unknown else []), names)
 
 
 def _layer_names(drawing: Drawing) -> dict[str, str]:
     return {key(layer.dxf.name): layer.dxf.name for layer in drawing.layers}
 
 
-def _unreadable(path: Path, error: Exception) -> ScenarioError:
-    """Return the line for an error of ezdxf; those of Python mean nothing to the user."""
+def _form(path: Path) -> str:
+    """Return the name of a file's format."""
+    return "DWG" if path.suffix.lower() == ".dwg" else "DXF"
+
+
+def _unreadable(path: Path, error: BaseException) -> ScenarioError:
+    """Return the line for an error of ezdxf or ezdwg; those of Python mean nothing to the user."""
     from ezdxf import DXFError
 
     reason = "it is damaged"
     if isinstance(error, DXFError):
         reason = " ".join(str(error).split()).removeprefix("DXFStructureError: ").rstrip(".") or reason
     elif isinstance(error, OSError):  # also those that have no number, of ezdxf
-        reason = error.strerror or "it is not a DXF file"
+        reason = error.strerror or f"it is not a {_form(path)} file"
     elif isinstance(error, RecursionError):
         reason = "a block contains itself"
     elif isinstance(error, MemoryError):
         reason = "out of memory"
-    return ScenarioError(f"{path}: cannot be read as DXF: {printable(reason)}")
+    return ScenarioError(f"{path}: cannot be read as {_form(path)}: {printable(reason)}")
 
 
 def metres_per_unit(path: Path, drawing: Drawing) -> float:

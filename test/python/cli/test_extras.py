@@ -18,6 +18,7 @@ OF_EXTRAS = (
     "cv2",
     "dask",
     "distributed",
+    "ezdwg",
     "ezdxf",
     "ifcopenshell",
     "imageio_ffmpeg",
@@ -96,6 +97,7 @@ def test_campaign_of_one_machine_needs_no_dask(folder: Path) -> None:
         (("plan", "export-mesh", "garage_sar", "--out", "mesh"), "mesh"),
         (("plan", "import", str(ROOT / "maps" / "garage" / "map.yaml"), "--out", "plan.yaml"), "images"),
         (("plan", "import", "house.dxf"), "dxf"),
+        (("plan", "import", "house.dwg"), "dwg"),
         (("plan", "import", "house.ifc"), "ifc"),
     ],
 )

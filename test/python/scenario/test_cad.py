@@ -344,7 +344,7 @@ def test_curve_of_any_size_becomes_few_lines_or_is_rejected(drawing, capsys):
         (["surveyors.dxf", "--layers", "walls.yaml"], "has a unit that cannot be converted ($INSUNITS 21)"),
         (
             ["room.dxf", "--layers", "walls.yaml", "--metres-per-pixel", "0.1"],
-            "a drawing in DXF, for which there is no --metres",
+            "a drawing in DXF or DWG, for which there is no --metres",
         ),
         (["endless.dxf", "--layers", "walls.yaml"], "layer 'WALLS' has coordinates that are not finite"),
         (["empty.dxf"], "empty.dxf: no layer of walls has lines; found no lines"),
