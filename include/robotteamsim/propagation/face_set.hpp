@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -110,11 +109,7 @@ class FaceSet {
   std::size_t StoreyOf(PointMm point) const;
 
   /// Returns what lies between two points in the building: without storeys, and on one storey, WeightBetween.
-  /// Args: enough: between storeys, a weight from which on no more is added.
-  Ray Between(PointMm a, PointMm b, std::int64_t enough = std::numeric_limits<std::int64_t>::max()) const;
-
-  /// Returns the square of the distance of two points in the building [mm^2].
-  double SquareBetween(PointMm a, PointMm b) const { return Between(a, b, 0).square_mm2; }
+  Ray Between(PointMm a, PointMm b) const;
 
   /// A storey that rays between two others pass, and between which shares of their way.
   struct Passed {
@@ -125,7 +120,7 @@ class FaceSet {
 
   /// What rays from a storey to one above have in common.
   struct Rise {
-    double square_mm2 = 0.0;         ///< of the difference of heights
+    double square_mm2 = 0.0;         ///< of the difference of heights; all else is only for a storey above
     double leaving = 0.0;            ///< share of the way at which they leave the lower storey
     double entering = 0.0;           ///< .. and enter the upper one
     std::vector<Passed> floors;      ///< the floors that they cross, all at `from`
@@ -142,8 +137,21 @@ class FaceSet {
     return {point.x - a.x + b.x, point.y - a.y + b.y};
   }
 
-  /// Returns the length of a ray from a to b above, and what the floors cost.
-  Ray ThroughFloors(std::size_t low, PointMm a, std::size_t high, PointMm b) const;
+  bool IsAbove(std::size_t storey, std::size_t other) const {
+    return storeys_[storey].floor_mm > storeys_[other].floor_mm;
+  }
+
+  // Of a ray between points of two storeys, in any order:
+
+  /// Returns the square of its length [mm^2].
+  double SquareBetween(std::size_t of_a, PointMm a, std::size_t of_b, PointMm b) const;
+
+  /// Returns its length and what the floors cost.
+  Ray ThroughFloors(std::size_t of_a, PointMm a, std::size_t of_b, PointMm b) const;
+
+  /// Returns the sum of the weights of the faces that it crosses: on the storeys in between, of those up to where it
+  /// leaves the storey, less those up to where it enters it.
+  std::int64_t WallsBetween(std::size_t of_a, PointMm a, std::size_t of_b, PointMm b) const;
 
  private:
   /// The bounding box of consecutive faces, edges included.

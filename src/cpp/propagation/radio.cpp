@@ -11,6 +11,7 @@
 #include "robotteamsim/base/large_pages.hpp"
 #include "robotteamsim/base/log10.hpp"
 #include "robotteamsim/propagation/links/link_weights.hpp"
+#include "robotteamsim/propagation/links/storey_links.hpp"
 
 namespace robotteamsim::propagation {
 namespace {
@@ -95,7 +96,7 @@ void WriteStoreySignals(const FaceSet& faces, const RadioModel& model, const std
 class BuildingSignals {
  public:
   BuildingSignals(const FaceSet& faces, const RadioModel& model, const std::vector<PointMm>& points, base::Simd simd)
-      : faces_(faces), model_(model), simd_(simd), on_storey_(faces.storeys().size()) {
+      : faces_(faces), model_(model), simd_(simd), on_storey_(faces.storeys().size()), links_(faces, simd) {
     for (std::size_t i = 0; i < points.size(); ++i) {
       Team& team = on_storey_[faces.StoreyOf(points[i])];
       team.robots.push_back(static_cast<Eigen::Index>(i));
@@ -104,7 +105,7 @@ class BuildingSignals {
     for (std::size_t k = 0; k <= on_storey_.size(); ++k) floors_db_.push_back(FloorLossDb(model, static_cast<int>(k)));
   }
 
-  void Write(Eigen::Ref<CellValues> rssi_dbm) const {
+  void Write(Eigen::Ref<CellValues> rssi_dbm) {
     for (std::size_t i = 0; i < on_storey_.size(); ++i) {
       const Team& team = on_storey_[i];
       const auto count = static_cast<Eigen::Index>(team.robots.size());
@@ -112,7 +113,7 @@ class BuildingSignals {
       WriteStoreySignals(faces_.OnStorey(i), model_, team.points, signals_dbm, simd_);
       rssi_dbm(team.robots, team.robots) = signals_dbm;
       for (std::size_t j = 0; j < on_storey_.size(); ++j) {
-        if (faces_.storeys()[i].floor_mm < faces_.storeys()[j].floor_mm) WriteBetween(i, j, rssi_dbm);
+        if (faces_.IsAbove(j, i)) WriteBetween(i, j, rssi_dbm);
       }
     }
   }
@@ -123,16 +124,10 @@ class BuildingSignals {
     std::vector<PointMm> points;
   };
 
-  void WriteBetween(std::size_t low, std::size_t high, Eigen::Ref<CellValues> rssi_dbm) const {
+  void WriteBetween(std::size_t low, std::size_t high, Eigen::Ref<CellValues> rssi_dbm) {
     const Team &below = on_storey_[low], &above = on_storey_[high];
     if (below.robots.empty() || above.robots.empty()) return;
-    const FaceSet::Rise& rise = faces_.RiseOf(low, high);
-    CellValues weights = WeightsTo(low, below.points, low, above.points, high, rise.leaving);
-    weights += WeightsTo(high, above.points, high, below.points, low, 1.0 - rise.entering).transpose();
-    for (const FaceSet::Passed& passed : rise.in_between) {
-      const CellValues before = WeightsTo(passed.storey, below.points, low, above.points, high, passed.from);
-      weights += (WeightsTo(passed.storey, below.points, low, above.points, high, passed.to) - before).cwiseMax(0.0);
-    }
+    const CellValues weights = links_.WallsBetween(low, below.points, high, above.points);
     for (Eigen::Index i = 0; i < weights.rows(); ++i) {
       for (Eigen::Index j = 0; j < weights.cols(); ++j) {
         const Ray ray = faces_.ThroughFloors(low, below.points[i], high, above.points[j]);
@@ -144,28 +139,11 @@ class BuildingSignals {
     }
   }
 
-  /// Returns the weights of the faces of a storey between points of one storey and a share of the way to those of
-  /// another, all as if they were on that storey.
-  CellValues WeightsTo(std::size_t storey, const std::vector<PointMm>& from, std::size_t from_storey,
-                       const std::vector<PointMm>& to, std::size_t to_storey, double share) const {
-    CellValues weights(static_cast<Eigen::Index>(from.size()), static_cast<Eigen::Index>(to.size()));
-    LinkWeights links(faces_.OnStorey(storey), simd_);
-    std::vector<PointMm> ends(to.size());
-    for (Eigen::Index i = 0; i < weights.rows(); ++i) {
-      const PointMm start = faces_.Moved(from[i], from_storey, storey);
-      for (std::size_t j = 0; j < to.size(); ++j) {
-        ends[j] = Along(start, faces_.Moved(to[j], to_storey, storey), share);
-      }
-      const LinkTargets found = links.From(start, ends.data(), ends.size());
-      for (Eigen::Index j = 0; j < weights.cols(); ++j) weights(i, j) = found.Weight(j);
-    }
-    return weights;
-  }
-
   const FaceSet& faces_;
   const RadioModel& model_;
   const base::Simd simd_;
   std::vector<Team> on_storey_;
+  StoreyLinks links_;
   std::vector<double> floors_db_;
 };
 

@@ -39,8 +39,8 @@ bool IsIn(const Storey& storey, PointMm point) {
 /// Returns whether a point is in a polygon: whether a ray from it to the right crosses an odd number of its edges.
 bool IsInside(const std::vector<PointMm>& polygon, PointMm point) {
   bool is_inside = false;
-  for (std::size_t i = 0; i < polygon.size(); ++i) {
-    const PointMm a = polygon[i], b = polygon[(i + 1) % polygon.size()];
+  for (std::size_t i = 0, before = polygon.size() - 1; i < polygon.size(); before = i++) {
+    const PointMm a = polygon[before], b = polygon[i];
     if ((a.y > point.y) == (b.y > point.y)) continue;
     const auto [low, high] = a.y < b.y ? std::pair{a, b} : std::pair{b, a};
     is_inside ^= (high.x - low.x) * (point.y - low.y) > (point.x - low.x) * (high.y - low.y);
@@ -100,10 +100,10 @@ void FaceSet::DivideFaces() {
 FaceSet::Rise FaceSet::RiseBetween(std::size_t low, std::size_t high) const {
   const std::int64_t from_mm = storeys_[low].floor_mm + kHeightMm;
   const auto height_mm = static_cast<double>(storeys_[high].floor_mm - storeys_[low].floor_mm);
-  if (height_mm <= 0.0) return {};
   const auto share_at = [&](std::int64_t at_mm) { return static_cast<double>(at_mm - from_mm) / height_mm; };
   Rise rise;
   rise.square_mm2 = height_mm * height_mm;
+  if (height_mm <= 0.0) return rise;
   rise.leaving = std::clamp(share_at(storeys_[low].ceiling_mm), 0.0, 1.0);
   rise.entering = std::clamp(share_at(storeys_[high].floor_mm), 0.0, 1.0);
   for (std::size_t i = 0; i < storeys_.size(); ++i) {
@@ -115,37 +115,28 @@ FaceSet::Rise FaceSet::RiseBetween(std::size_t low, std::size_t high) const {
   return rise;
 }
 
-Ray FaceSet::Between(PointMm a, PointMm b, std::int64_t enough) const {
+Ray FaceSet::Between(PointMm a, PointMm b) const {
   const std::size_t of_a = StoreyOf(a), of_b = StoreyOf(b);
   if (of_a == of_b) {
     const auto dx = static_cast<double>(b.x - a.x), dy = static_cast<double>(b.y - a.y);
     return {dx * dx + dy * dy, storeys_.size() > 1 ? on_storey_[of_a].WeightBetween(a, b) : WeightBetween(a, b), 0};
   }
-  if (storeys_[of_a].floor_mm > storeys_[of_b].floor_mm) return Between(b, a, enough);
-  const Rise& rise = RiseOf(of_a, of_b);
   Ray ray = ThroughFloors(of_a, a, of_b, b);
-  const auto add = [&](const FaceSet& faces, PointMm from, PointMm to) {
-    const std::int64_t weight = ray.weight < enough ? faces.WeightBetween(from, to) : 0;
-    ray.weight += weight;
-    return weight;
-  };
-  add(on_storey_[of_a], a, Along(a, Moved(b, of_b, of_a), rise.leaving));
-  add(on_storey_[of_b], b, Along(b, Moved(a, of_a, of_b), 1.0 - rise.entering));
-  for (const Passed& passed :
-       rise.in_between) {  // up to where the ray leaves the storey, less up to where it enters it
-    const PointMm from = Moved(a, of_a, passed.storey), to = Moved(b, of_b, passed.storey);
-    const std::int64_t before = on_storey_[passed.storey].WeightBetween(from, Along(from, to, passed.from));
-    ray.weight -= std::min(before, add(on_storey_[passed.storey], from, Along(from, to, passed.to)));
-  }
+  ray.weight += WallsBetween(of_a, a, of_b, b);
   return ray;
 }
 
-Ray FaceSet::ThroughFloors(std::size_t low, PointMm a, std::size_t high, PointMm b) const {
-  const Rise& rise = RiseOf(low, high);
-  const PointMm from = a - storeys_[low].origin, to = b - storeys_[high].origin;
+double FaceSet::SquareBetween(std::size_t of_a, PointMm a, std::size_t of_b, PointMm b) const {
+  const PointMm from = a - storeys_[of_a].origin, to = b - storeys_[of_b].origin;
   const auto dx = static_cast<double>(to.x - from.x), dy = static_cast<double>(to.y - from.y);
-  Ray ray{dx * dx + dy * dy + rise.square_mm2, 0, 0};
-  for (const Passed& floor : rise.floors) {
+  return dx * dx + dy * dy + RiseOf(of_a, of_b).square_mm2;
+}
+
+Ray FaceSet::ThroughFloors(std::size_t of_a, PointMm a, std::size_t of_b, PointMm b) const {
+  if (IsAbove(of_a, of_b)) return ThroughFloors(of_b, b, of_a, a);
+  const PointMm from = a - storeys_[of_a].origin, to = b - storeys_[of_b].origin;
+  Ray ray{SquareBetween(of_a, a, of_b, b), 0, 0};
+  for (const Passed& floor : RiseOf(of_a, of_b).floors) {
     const Storey& storey = storeys_[floor.storey];
     const PointMm through = Along(from, to, floor.from) + storey.origin;
     const auto is_around = [&](const std::vector<PointMm>& opening) { return IsInside(opening, through); };
@@ -154,6 +145,20 @@ Ray FaceSet::ThroughFloors(std::size_t low, PointMm a, std::size_t high, PointMm
     ray.weight += std::max(storey.floor_weight, 0);
   }
   return ray;
+}
+
+std::int64_t FaceSet::WallsBetween(std::size_t of_a, PointMm a, std::size_t of_b, PointMm b) const {
+  if (IsAbove(of_a, of_b)) return WallsBetween(of_b, b, of_a, a);
+  const Rise& rise = RiseOf(of_a, of_b);
+  std::int64_t weight = on_storey_[of_a].WeightBetween(a, Along(a, Moved(b, of_b, of_a), rise.leaving)) +
+                        on_storey_[of_b].WeightBetween(b, Along(b, Moved(a, of_a, of_b), 1.0 - rise.entering));
+  for (const Passed& passed : rise.in_between) {
+    const FaceSet& faces = on_storey_[passed.storey];
+    const PointMm from = Moved(a, of_a, passed.storey), to = Moved(b, of_b, passed.storey);
+    const std::int64_t before = faces.WeightBetween(from, Along(from, to, passed.from));
+    weight += std::max(faces.WeightBetween(from, Along(from, to, passed.to)) - before, std::int64_t{0});
+  }
+  return weight;
 }
 
 }  // namespace robotteamsim::propagation

@@ -117,13 +117,14 @@ def test_openings_cost_nothing() -> None:
     assert field.path_loss_db((x0 + 5.0, y0 + 5.0), (x2 + 5.0, y2 + 5.0)) == pytest.approx(two_db + 18.3, abs=1e-9)
 
 
-def test_links_of_a_team_are_those_of_its_pairs() -> None:
+@pytest.mark.parametrize("num_robots", [12, 60])
+def test_links_of_a_team_are_those_of_its_pairs(num_robots: int) -> None:
     rng = np.random.default_rng(1)
     field = RadioField(make_building(rng), Radio())
-    on = rng.integers(0, 3, 60)
-    positions_m = rng.uniform((0.0, 0.0), (16.0, 10.0), (60, 2)) + np.array(ORIGINS)[on]
+    on = rng.integers(0, 3, num_robots)
+    positions_m = rng.uniform((0.0, 0.0), (16.0, 10.0), (num_robots, 2)) + np.array(ORIGINS)[on]
     rssi_dbm = field.rssi_matrix_dbm(positions_m)
-    for i, j in itertools.permutations(range(60), 2):
+    for i, j in itertools.permutations(range(num_robots), 2):
         assert rssi_dbm[i, j] == Radio().tx_power_dbm - field.path_loss_db(tuple(positions_m[i]), tuple(positions_m[j]))
 
 

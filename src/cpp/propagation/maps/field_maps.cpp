@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <iterator>
 #include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "robotteamsim/base/log10.hpp"
 #include "robotteamsim/base/parallel.hpp"
+#include "robotteamsim/propagation/links/storey_links.hpp"
 #include "robotteamsim/propagation/maps/wall_shadows.hpp"
 
 namespace robotteamsim::propagation {
@@ -17,6 +18,9 @@ namespace {
 
 /// Rows are processed in bands whose changes of weight take about this many bytes, to stay in the core's cache.
 constexpr std::size_t kBandBytes = 1 << 18;
+
+/// Cells that are processed together for sources on other storeys.
+constexpr int kDistantCells = 1 << 13;
 
 bool FitsNarrow(const FaceSet& faces) { return faces.TotalWeight() <= std::numeric_limits<std::int16_t>::max(); }
 
@@ -110,19 +114,73 @@ struct StoreyCells {
   IndexRange rows, cols;
 };
 
-/// Returns the value of a source at a point on another storey; any value up to `least_db` if it is not above that.
-float ValueAt(const FaceSet& faces, const FieldSource& source, PointMm point, double least_db) {
-  const Fading& fading = source.fading;
-  const double least_mm = fading.min_distance_m * 1000.0;
-  const double square_mm2 = std::max(faces.SquareBetween(source.position, point), least_mm * least_mm);
-  const double free_db = fading.constant_db - 0.5 * fading.slope_db * base::Log10(square_mm2 * 1e-6);
-  if (free_db <= least_db) return static_cast<float>(least_db);
-  constexpr double kMost = 1e18;
-  const double enough = fading.unit_db > 0.0 ? std::min((free_db - least_db) / fading.unit_db + 1.0, kMost) : kMost;
-  const Ray ray = faces.Between(source.position, point, static_cast<std::int64_t>(enough));
-  const double floors_db = ray.floors > 0 ? source.floors_db.at(static_cast<std::size_t>(ray.floors)) : 0.0;
-  return static_cast<float>(free_db - fading.unit_db * static_cast<double>(ray.weight) - floors_db);
-}
+/// A source on another storey than the cells of a map.
+struct DistantSource {
+  FieldSource source;
+  std::size_t storey;
+};
+
+/// The value of a distant source at a cell, and what it would be without walls.
+struct OpenValue {
+  float* cell;
+  double free_db;    // without floors, too
+  double floors_db;  // of those without a weight
+  std::int64_t floors_weight;
+
+  double WithWalls(double unit_db, std::int64_t walls) const {
+    return free_db - unit_db * static_cast<double>(floors_weight + walls) - floors_db;
+  }
+};
+
+/// Writes the values of distant sources to rows of cells of a storey, where they are higher.
+class DistantRows {
+ public:
+  DistantRows(const FaceSet& faces, std::size_t storey, const MapWork& work)
+      : faces_(faces), storey_(storey), least_db_(work.least_db), links_(faces, work.simd) {}
+
+  void WriteHigher(const DistantSource& from, const CellCentersMm& centers, IndexRange rows, IndexRange cols,
+                   MapView map) {
+    points_.clear();
+    open_.clear();
+    for (int row = rows.first; row < rows.last; ++row) {
+      for (int col = cols.first; col < cols.last; ++col) LookAt(from, centers.At(row, col), &map(row, col));
+    }
+    const std::vector<PointMm> source{from.source.position};
+    const CellValues walls = faces_.IsAbove(from.storey, storey_)
+                                 ? links_.WallsBetween(storey_, points_, from.storey, source)
+                                 : links_.WallsBetween(from.storey, source, storey_, points_);
+    for (std::size_t i = 0; i < open_.size(); ++i) {
+      const auto weight = static_cast<std::int64_t>(walls.data()[i]);
+      const auto value_db = static_cast<float>(open_[i].WithWalls(from.source.fading.unit_db, weight));
+      *open_[i].cell = std::max(*open_[i].cell, value_db);
+    }
+  }
+
+ private:
+  /// Notes a cell that may become higher.
+  void LookAt(const DistantSource& from, PointMm center, float* cell) {
+    const auto& [position, fading, floors_db] = from.source;
+    const double least_db = std::max(*cell, least_db_);
+    const double least_mm = fading.min_distance_m * 1000.0;
+    const double square_mm2 = faces_.SquareBetween(from.storey, position, storey_, center);
+    const double limited_mm2 = std::max(square_mm2, least_mm * least_mm);
+    const double free_db = fading.constant_db - 0.5 * fading.slope_db * base::Log10(limited_mm2 * 1e-6);
+    if (free_db <= least_db) return;
+    const Ray ray = faces_.ThroughFloors(from.storey, position, storey_, center);
+    const OpenValue value{cell, free_db, ray.floors > 0 ? floors_db.at(static_cast<std::size_t>(ray.floors)) : 0.0,
+                          ray.weight};
+    if (value.WithWalls(fading.unit_db, 0) <= least_db) return;
+    open_.push_back(value);
+    points_.push_back(center);
+  }
+
+  const FaceSet& faces_;
+  const std::size_t storey_;
+  const float least_db_;
+  StoreyLinks links_;
+  std::vector<OpenValue> open_;
+  std::vector<PointMm> points_;  // their centres
+};
 
 /// As WriteHighest, for a building with storeys.
 void WriteHighestOfStoreys(const FaceSet& faces, const std::vector<FieldSource>& sources, const plan::GridShape& grid,
@@ -133,20 +191,25 @@ void WriteHighestOfStoreys(const FaceSet& faces, const std::vector<FieldSource>&
     const StoreyCells cells(faces.storeys()[i], centers);
     if (cells.IsEmpty()) continue;
     const plan::GridShape part = cells.In(grid);
-    const auto is_here = [&](const FieldSource& source) { return faces.StoreyOf(source.position) == i; };
-    std::vector<FieldSource> here, elsewhere;
-    std::partition_copy(sources.begin(), sources.end(), std::back_inserter(here), std::back_inserter(elsewhere),
-                        is_here);
+    std::vector<FieldSource> here;
+    std::vector<DistantSource> elsewhere;
+    for (const FieldSource& source : sources) {
+      const std::size_t storey = faces.StoreyOf(source.position);
+      if (storey == i) {
+        here.push_back(source);
+      } else {
+        elsewhere.push_back({source, storey});
+      }
+    }
     MapView values = map.block(cells.rows.first, cells.cols.first, part.rows, part.cols);
     if (!here.empty()) WriteStorey(faces.OnStorey(i), here, part, values, work);
-    base::ForEachInParallel(elsewhere.empty() ? 0 : part.rows, work.threads, [&](int row) {
-      for (int col = 0; col < part.cols; ++col) {
-        const PointMm center = centers.At(cells.rows.first + row, cells.cols.first + col);
-        for (const FieldSource& source : elsewhere) {
-          const float least_db = std::max(values(row, col), work.least_db);
-          values(row, col) = std::max(values(row, col), ValueAt(faces, source, center, least_db));
-        }
-      }
+    if (elsewhere.empty()) continue;
+    const int band_rows = std::max(kDistantCells / part.cols, 1);
+    base::ForEachInParallel((part.rows + band_rows - 1) / band_rows, work.threads, [&](int band) {
+      const int first = cells.rows.first + band * band_rows;
+      const IndexRange rows{first, std::min(first + band_rows, cells.rows.last)};
+      DistantRows distant(faces, i, work);
+      for (const DistantSource& source : elsewhere) distant.WriteHigher(source, centers, rows, cells.cols, map);
     });
   }
 }
