@@ -110,17 +110,17 @@ class PlanningGrid {
     double length_m;
   };
 
-  /// A portal in one direction.
-  struct Jump {
-    int from;
-    int to;
-    double length_m;
-  };
-
   struct Cell {
     int index;
     int row;
     int col;
+  };
+
+  /// A portal in one direction.
+  struct Jump {
+    Cell from;
+    Cell to;
+    double length_m;
   };
 
   bool Inside(int row, int col) const { return row >= 0 && row < shape_.rows && col >= 0 && col < shape_.cols; }
@@ -129,12 +129,13 @@ class PlanningGrid {
   int RowOf(double y) const;
   int ColOf(double x) const;
   int FreeCellOf(const base::Point& point) const;
+  Cell CellAt(int index) const;
   base::Point Center(int row, int col) const;
   base::Point Center(int cell) const;
   template <typename Visit>
   void ForJumpsFrom(int cell, const Visit& visit) const;
-  double LeastOnGrid(int from, int to) const;
-  std::vector<double> LeastFromJumps(int goal) const;
+  double LeastOnGrid(const Cell& from, const Cell& to) const;
+  std::vector<double> LeastFromJumps(const Cell& goal) const;
   template <typename Value>
   std::optional<Valued> BestReachable(const base::Point& from, double radius_m, const Value& value) const;
 

@@ -90,12 +90,13 @@ PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_
     const int a = FreeCellOf(portal.a), b = FreeCellOf(portal.b);
     if (a < 0 || b < 0 || a == b) continue;
     portals_.push_back(portal);
-    jumps_.push_back({a, b, portal.length_m});
-    jumps_.push_back({b, a, portal.length_m});
+    jumps_.push_back({CellAt(a), CellAt(b), portal.length_m});
+    jumps_.push_back({CellAt(b), CellAt(a), portal.length_m});
   }
-  std::stable_sort(jumps_.begin(), jumps_.end(), [](const Jump& a, const Jump& b) { return a.from < b.from; });
+  std::stable_sort(jumps_.begin(), jumps_.end(),
+                   [](const Jump& a, const Jump& b) { return a.from.index < b.from.index; });
   if (!jumps_.empty()) has_jump_.assign(blocked_.size(), 0);
-  for (const Jump& jump : jumps_) has_jump_[jump.from] = 1;
+  for (const Jump& jump : jumps_) has_jump_[jump.from.index] = 1;
   stamp_.assign(blocked_.size(), 0);
   length_m_.resize(blocked_.size());
   parent_.resize(blocked_.size());
@@ -115,6 +116,11 @@ int PlanningGrid::FreeCellOf(const base::Point& point) const {
   const int row = RowOf(point.y);
   const int col = ColOf(point.x);
   return row >= 0 && col >= 0 && Free(row, col) ? row * shape_.cols + col : -1;
+}
+
+PlanningGrid::Cell PlanningGrid::CellAt(int index) const {
+  const int row = index / shape_.cols;
+  return {index, row, index - row * shape_.cols};
 }
 
 base::Point PlanningGrid::Center(int row, int col) const {
@@ -202,38 +208,38 @@ std::vector<float> PlanningGrid::DistanceMap(const base::Point& goal) const {
   // the order within a bucket does not matter. The longest step reaches two buckets ahead; portals may be longer, but
   // count as one step at least.
   std::vector<double> distance(blocked_.size(), kInfinity);
-  const double width = shape_.resolution_m * (1.0 - 1e-9);
+  const double width = shape_.resolution_m * (1.0 - 1e-9), per_width = 1.0 / width;
   double longest_m = 0.0;
   for (const Jump& jump : jumps_) longest_m = std::max(longest_m, jump.length_m);
-  std::vector<std::vector<int>> buckets(std::max<std::size_t>(4, static_cast<std::size_t>(longest_m / width) + 2));
-  const auto bucket_of = [&](double length) { return static_cast<std::size_t>(length / width) % buckets.size(); };
-  distance[start] = 0.0;
-  buckets[0].push_back(start);
-  std::size_t num_open = 1;
-  for (std::size_t current = 0; num_open > 0; current = (current + 1) % buckets.size()) {
-    for (std::size_t i = 0; i < buckets[current].size(); ++i) {
-      const int cell = buckets[current][i];
+  std::size_t num_buckets = 4;  // a power of two: the remainder of a division by it costs nothing
+  while (static_cast<double>(num_buckets - 2) * width < longest_m) num_buckets *= 2;
+  std::vector<std::vector<int>> buckets(num_buckets);
+  std::size_t num_open = 0;
+  const auto bucket_of = [&](double length) {
+    return static_cast<std::size_t>(length * per_width) & (num_buckets - 1);
+  };
+  const auto reach = [&](int cell, double length) {
+    if (length >= distance[cell]) return;
+    distance[cell] = length;
+    buckets[bucket_of(length)].push_back(cell);
+    ++num_open;
+  };
+  reach(start, 0.0);
+  std::vector<int> nearest;
+  for (std::size_t current = 0; num_open > 0; current = (current + 1) % num_buckets) {
+    nearest.swap(buckets[current]);
+    for (const int cell : nearest) {
       const double length = distance[cell];
       if (bucket_of(length) != current) continue;  // a shorter path was found since
+      const unsigned exits = exits_[cell];
       for (std::size_t s = 0; s < steps_.size(); ++s) {
-        if ((exits_[cell] >> s & 1U) == 0) continue;
-        const Step& step = steps_[s];
-        const double new_length = length + step.length_m;
-        if (new_length >= distance[cell + step.offset]) continue;
-        distance[cell + step.offset] = new_length;
-        buckets[bucket_of(new_length)].push_back(cell + step.offset);
-        ++num_open;
+        if ((exits >> s & 1U) != 0) reach(cell + steps_[s].offset, length + steps_[s].length_m);
       }
-      ForJumpsFrom(cell, [&](const Jump& jump) {
-        const double new_length = length + std::max(jump.length_m, shape_.resolution_m);
-        if (new_length >= distance[jump.to]) return;
-        distance[jump.to] = new_length;
-        buckets[bucket_of(new_length)].push_back(jump.to);
-        ++num_open;
-      });
+      ForJumpsFrom(
+          cell, [&](const Jump& jump) { reach(jump.to.index, length + std::max(jump.length_m, shape_.resolution_m)); });
     }
-    num_open -= buckets[current].size();
-    buckets[current].clear();
+    num_open -= nearest.size();
+    nearest.clear();
   }
   return {distance.begin(), distance.end()};
 }
@@ -275,22 +281,22 @@ std::optional<base::Point> PlanningGrid::Descend(const float* distances, std::si
 template <typename Visit>
 void PlanningGrid::ForJumpsFrom(int cell, const Visit& visit) const {
   if (has_jump_.empty() || has_jump_[cell] == 0) return;
-  const auto is_before = [](const Jump& jump, int from) { return jump.from < from; };
+  const auto is_before = [](const Jump& jump, int from) { return jump.from.index < from; };
   for (auto jump = std::lower_bound(jumps_.begin(), jumps_.end(), cell, is_before);
-       jump != jumps_.end() && jump->from == cell; ++jump) {
+       jump != jumps_.end() && jump->from.index == cell; ++jump) {
     visit(*jump);
   }
 }
 
 /// Returns the length of the path between two cells if nothing were blocked.
-double PlanningGrid::LeastOnGrid(int from, int to) const {
-  const int rows = std::abs(from / shape_.cols - to / shape_.cols);
-  const int cols = std::abs(from % shape_.cols - to % shape_.cols);
+double PlanningGrid::LeastOnGrid(const Cell& from, const Cell& to) const {
+  const int rows = std::abs(from.row - to.row);
+  const int cols = std::abs(from.col - to.col);
   return (std::max(rows, cols) + (std::sqrt(2.0) - 1.0) * std::min(rows, cols)) * shape_.resolution_m;
 }
 
 /// Returns, for each portal in each direction, the length of the path through it to a goal if nothing were blocked.
-std::vector<double> PlanningGrid::LeastFromJumps(int goal) const {
+std::vector<double> PlanningGrid::LeastFromJumps(const Cell& goal) const {
   std::vector<double> least;
   const auto through = [&](const Jump& jump, double from_end) {
     return std::max(jump.length_m, shape_.resolution_m) + from_end;
@@ -320,11 +326,12 @@ std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, con
   const int start = FreeCellOf(from);
   const int goal = FreeCellOf(to);
   if (start < 0 || goal < 0) return {};
-  const std::vector<double> from_jumps = LeastFromJumps(goal);
+  const Cell at_goal = CellAt(goal);
+  const std::vector<double> from_jumps = LeastFromJumps(at_goal);
   double least_from_jumps = kInfinity;
   for (const double length : from_jumps) least_from_jumps = std::min(least_from_jumps, length);
-  const auto least_remaining = [&](int cell) {
-    double least = LeastOnGrid(cell, goal);
+  const auto least_remaining = [&](const Cell& cell) {
+    double least = LeastOnGrid(cell, at_goal);
     if (least <= least_from_jumps) return least;
     if (jumps_.size() > kManyJumps) return least_from_jumps;
     for (std::size_t i = 0; i < jumps_.size(); ++i) {
@@ -345,8 +352,9 @@ std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, con
   ++search_;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
   const auto reach = [&](int cell, int parent, double length) {
-    const double remaining = least_remaining(cell);
-    if (length + remaining > max_length_m || (stamp_[cell] == search_ && length >= length_m_[cell])) return;
+    if (stamp_[cell] == search_ && length >= length_m_[cell]) return;
+    const double remaining = least_remaining(CellAt(cell));
+    if (length + remaining > max_length_m) return;
     stamp_[cell] = search_;
     length_m_[cell] = length;
     parent_[cell] = parent;
@@ -364,7 +372,7 @@ std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, con
       reach(entry.cell + steps_[s].offset, entry.cell, length + steps_[s].length_m);
     }
     ForJumpsFrom(entry.cell, [&](const Jump& jump) {
-      reach(jump.to, entry.cell, length + std::max(jump.length_m, shape_.resolution_m));
+      reach(jump.to.index, entry.cell, length + std::max(jump.length_m, shape_.resolution_m));
     });
   }
   std::vector<base::Point> path;
@@ -390,7 +398,7 @@ std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const base::Poin
   const int start = FreeCellOf(from);
   if (start < 0) return std::nullopt;
   ++search_;
-  reached_.assign(1, {start, start / shape_.cols, start % shape_.cols});
+  reached_.assign(1, CellAt(start));
   stamp_[start] = search_;
   int best = -1;
   double best_value = kInfinity;
