@@ -49,6 +49,27 @@ def is_instant(network: NetworkSection, num_robots: int, step_ns: int) -> bool:
     return network.loss == "none" and round(network.hop_delay_s * 1e9) * (num_robots - 1) <= step_ns
 
 
+class _Losses:
+    """The losses of one step.
+
+    may_happen: whether each robot has a link over which a transmission may be lost.
+    """
+
+    def __init__(self, probability: np.ndarray, seed: int, step: int) -> None:
+        """Args: probability: see `loss_probability`, shape (n, n)."""
+        self.may_happen: list[bool] = np.asarray(probability.any(axis=1)).tolist()
+        self._probability, self._seed, self._step = probability, seed, step
+        self._generators: dict[int, np.random.Generator] = {}
+
+    def survivors(self, transmitter: int) -> np.ndarray:
+        """Draw which robots in reach receive one transmission; bool, shape (n,)."""
+        generator = self._generators.get(transmitter)
+        if generator is None:
+            generator = rng.stream(self._seed, "network", self._step, transmitter)
+            self._generators[transmitter] = generator
+        return np.asarray(generator.random(len(self._probability)) >= self._probability[transmitter])
+
+
 class Delivery:
     """Carries messages between `num_robots` robots.
 
@@ -67,7 +88,6 @@ class Delivery:
         self._is_instant = is_instant(network, num_robots, step_ns)
         self._step = 0
         self._flights: list[_Flight] = []
-        self._generators: dict[int, np.random.Generator] = {}
         self.follow_team(np.ones(num_robots, dtype=bool))
 
     def follow_team(self, present: np.ndarray) -> None:
@@ -110,8 +130,7 @@ class Delivery:
     def _carry(
         self, links: State, outboxes: Sequence[Sequence[Message]], refused: tuple[Refusal, ...]
     ) -> tuple[Inboxes, Traffic]:
-        self._generators.clear()
-        loss = loss_probability(links.rssi_dbm, self._section)
+        losses = _Losses(loss_probability(links.rssi_dbm, self._section), self._seed, self._step)
         self._flights += [
             self._take_off(message, number)
             for outbox in outboxes
@@ -122,7 +141,7 @@ class Delivery:
         lost = cut_off = 0
         going = []
         for flight in self._flights:
-            if self._advance(flight, links, loss, arrivals):
+            if self._advance(flight, links, losses, arrivals):
                 going.append(flight)
             else:
                 missed, apart = self._missed(flight, links)
@@ -144,52 +163,43 @@ class Delivery:
         reached[message.sender] = True
         return _Flight(message, self._step - 1, number, reached, np.array([message.sender]))
 
-    def _advance(self, flight: _Flight, links: State, loss: np.ndarray, arrivals: list[list[_Flight]]) -> bool:
+    def _advance(self, flight: _Flight, links: State, losses: _Losses, arrivals: list[list[_Flight]]) -> bool:
         """Let a message make the hops that are due and note whom it reaches; return whether it is still under way."""
         time_ns = (self._step - flight.sent_step) * self._step_ns
         due = self._num_robots if self._hop_delay_ns == 0 else time_ns // self._hop_delay_ns
         while flight.hops < due and len(flight.holders):
             flight.hops += 1
             if flight.message.receiver == EVERYBODY:
-                flight.holders = self._flood(flight, links, loss)
+                flight.holders = self._flood(flight, links, losses)
                 for robot_id in flight.holders.tolist():
                     arrivals[robot_id].append(flight)
                 if flight.reached.all():
                     return False
             else:
-                flight.holders = self._pass_on(flight, links, loss)
+                flight.holders = self._pass_on(flight, links, losses)
                 if flight.reached[flight.message.receiver]:
                     arrivals[flight.message.receiver].append(flight)
                     return False
         return len(flight.holders) > 0
 
-    def _flood(self, flight: _Flight, links: State, loss: np.ndarray) -> np.ndarray:
+    def _flood(self, flight: _Flight, links: State, losses: _Losses) -> np.ndarray:
         """Let all holders pass a message on; return the ids of those who receive it for the first time."""
         heard = links.adjacency[flight.holders] & ~flight.reached
         for row, holder in enumerate(flight.holders.tolist()):
-            heard[row] &= self._survives(holder, loss)
+            if losses.may_happen[holder]:
+                heard[row] &= losses.survivors(holder)
         fresh: np.ndarray = heard.any(axis=0)
         flight.reached |= fresh
         return np.flatnonzero(fresh)
 
-    def _pass_on(self, flight: _Flight, links: State, loss: np.ndarray) -> np.ndarray:
+    def _pass_on(self, flight: _Flight, links: State, losses: _Losses) -> np.ndarray:
         """Let the holder pass a message on towards its receiver; return the id of the next holder, or none."""
         holder = int(flight.holders[0])
         robot_id = next_hop(links.hop_count, links.rssi_dbm, holder, flight.message.receiver)
-        if robot_id < 0 or not self._survives(holder, loss)[robot_id]:
+        if robot_id < 0 or (losses.may_happen[holder] and not losses.survivors(holder)[robot_id]):
             return np.array([], dtype=np.int64)
         flight.reached[robot_id] = True
         return np.array([robot_id])
-
-    def _survives(self, transmitter: int, loss: np.ndarray) -> np.ndarray:
-        """Draw which robots in reach receive one transmission; bool, shape (n,)."""
-        if not loss[transmitter].any():
-            return np.ones(self._num_robots, dtype=bool)
-        generator = self._generators.get(transmitter)
-        if generator is None:
-            generator = rng.stream(self._seed, "network", self._step, transmitter)
-            self._generators[transmitter] = generator
-        return np.asarray(generator.random(self._num_robots) >= loss[transmitter])
 
     def _missed(self, flight: _Flight, links: State) -> tuple[int, int]:
         """Return how many copies of an ended flight were lost under way, and how many had no path of links."""
