@@ -21,6 +21,9 @@ CELL_M = BLOCK_M
 _KEPT_LENGTHS = 256
 """Cells whose path lengths to all others are kept: 5 MB for 60 x 40 m, of 46 MB for all cells."""
 
+_KEPT_TEXTS = 64
+"""Messages whose covered cells are kept: those that all of a team receive in a few steps."""
+
 Disc = tuple[Vector, float]
 """Centre in `map` and radius [m]."""
 
@@ -47,6 +50,7 @@ class _Floor:
         self._columns, self._rows = cells[..., 0], cells[..., 1]
         self._has_place = np.array([[place is not None for place in row] for row in self.places])
         self.lengths_m = functools.lru_cache(_KEPT_LENGTHS)(self._lengths_of)
+        self.cells_in = functools.lru_cache(_KEPT_TEXTS)(self._cells_in)
 
     def reachable(self, start: Vector) -> np.ndarray:
         """Return which cells can be reached from a place in `map` [m], bool, shape (rows, cols)."""
@@ -60,6 +64,18 @@ class _Floor:
         """
         place = self.places[cell[0]][cell[1]]
         return None if place is None else self._lengths_from(place)
+
+    def _cells_in(self, text: str) -> np.ndarray | None:
+        """Return the covered cells in a text from `FloorCover.to_hex`, bool, shape (rows, cols).
+
+        None if it does not fit this floor. Do not change them.
+        """
+        size = math.prod(self.shape)
+        try:
+            bits = np.unpackbits(np.frombuffer(bytes.fromhex(text), dtype=np.uint8))
+        except ValueError:
+            return None
+        return bits[:size].reshape(self.shape).astype(bool) if len(bits) == 8 * math.ceil(size / 8) else None
 
     def _lengths_from(self, start: Vector) -> np.ndarray:
         field = self.grid.distance_map(start)
@@ -152,13 +168,10 @@ class FloorCover:
 
     def merge(self, text: str) -> bool:
         """Add the covered cells in a text from `to_hex`. Returns: whether the text fits this floor."""
-        try:
-            bits = np.unpackbits(np.frombuffer(bytes.fromhex(text), dtype=np.uint8))
-        except ValueError:
+        cells = self._floor.cells_in(text)
+        if cells is None:
             return False
-        if len(bits) != 8 * math.ceil(self._covered.size / 8):
-            return False
-        self._covered |= bits[: self._covered.size].reshape(self._covered.shape).astype(bool)
+        self._covered |= cells
         return True
 
     def _cell_of(self, place: Vector) -> tuple[int, int]:
