@@ -54,16 +54,17 @@ class Sight:
             reach_m = np.minimum(self._range_m, visibility_m)[:, None]
         near = np.argwhere((distances_m <= reach_m).T)
         ordered = sorted((person, distances_m[robot, person], robot) for person, robot in near.tolist())
-        return [(robot, person) for person, _, robot in ordered if self._is_free(positions_m[robot], people_m[person])]
+        if not ordered:
+            return []
+        lines = shapely.linestrings([(positions_m[robot], people_m[person]) for person, _, robot in ordered])
+        is_blocked = np.zeros(len(ordered), dtype=bool)
+        is_blocked[self._solids.query(lines, predicate="intersects")[0]] = True
+        for leaf in self._leaves:
+            is_blocked |= shapely.intersects(leaf, lines)
+        return [(robot, person) for (person, _, robot), blocked in zip(ordered, is_blocked, strict=True) if not blocked]
 
     def measured_m(self, robot_id: int, position_m: Point, person_m: Point) -> Point:
         """Return where an observer at a position believes to see a person; the error grows with the distance [m]."""
         deviation_m = self._error * math.dist(position_m, person_m)
         error_x, error_y = (deviation_m * self._streams[robot_id].standard_normal(2)).tolist()
         return person_m[0] + error_x, person_m[1] + error_y
-
-    def _is_free(self, start_m: np.ndarray, end_m: Point) -> bool:
-        line = shapely.LineString([(float(start_m[0]), float(start_m[1])), end_m])
-        if len(self._solids.query(line, predicate="intersects")):
-            return False
-        return not any(shapely.intersects(leaf, line) for leaf in self._leaves)
