@@ -175,7 +175,8 @@ class Mission:
             self._judge(now, decisions)
         self._team_was_running = self._state == "running"
         is_quiet = not (self._news or self._is_task_new)
-        self._quiet = self._judged(now, decisions) if is_quiet and self._team_was_running else None
+        may_rest = is_quiet and self._team_was_running and self._rescue is None
+        self._quiet = self._judged(now, decisions) if may_rest else None
         if is_quiet:  # nothing but the time has changed
             self.status = msgspec.structs.replace(self.status, time_s=self._elapsed_ns / 1e9)
             return ()
@@ -201,7 +202,7 @@ class Mission:
         """Whether nothing can come of a step but new voices: nothing came of the last one, and nothing has happened."""
         if self._news or self._is_task_new or now.moved or now.smoke_is_new or now.network.traffic.refused:
             return False
-        if self._elapsed_ns >= self._time_limit_ns or self._rescue is not None or self._base.undelivered:
+        if self._elapsed_ns >= self._time_limit_ns or self._base.undelivered:
             return False
         for decision in decisions:
             if decision.outbox:

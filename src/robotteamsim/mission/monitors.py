@@ -57,7 +57,7 @@ class WorldMonitor:
         """Whether nobody is present, as of the last step."""
         self._firefighters = frozenset(scenario.firefighter_ids)
         self._levels = scenario.plan.levels if scenario.plan.passages else ()
-        self._corners_m = np.array([(*level.bounds.min, *level.bounds.max) for level in self._levels]).reshape(-1, 4)
+        self._corners_m = np.array([(*level.bounds.min, *level.bounds.max) for level in self._levels]).reshape(-1, 4).T
         self._level_of: tuple[int | None, ...] = ()
 
     def level_of(self, now: Sensed) -> tuple[int | None, ...]:
@@ -67,11 +67,12 @@ class WorldMonitor:
         """
         if not self._levels:
             return ()
-        places = now.state.positions_m[:, None, :]
-        low_m, high_m = self._corners_m[:, :2], self._corners_m[:, 2:]
-        inside: np.ndarray = np.all((places >= low_m) & (places <= high_m), axis=2)
+        x_m, y_m = now.state.positions_m.T[:, :, None]
+        left_m, low_m, right_m, high_m = self._corners_m
+        inside = (x_m >= left_m) & (x_m <= right_m) & (y_m >= low_m) & (y_m <= high_m)
         is_on = inside.any(axis=1) & now.present
-        return tuple(int(i) if there else None for i, there in zip(inside.argmax(axis=1), is_on, strict=True))
+        levels = zip(inside.argmax(axis=1).tolist(), is_on.tolist(), strict=True)
+        return tuple([i if there else None for i, there in levels])
 
     def changes(self, now: Sensed) -> Iterator[Happening]:
         """Yield what has happened to fuel, doors, people, robots, objects and who is on which level."""
