@@ -55,6 +55,7 @@ class PassageStage:
         self._setup, self._world, self._levels = setup, world, plan.levels
         travellers: tuple[Traveller, ...] = ("robots", "people")
         self._ways = {by: both_ways(plan.levels, plan.passages, by) for by in travellers}
+        self._travels_as = [setup.scenario.travels_as(robot_id) for robot_id in range(setup.scenario.team_size)]
         self._areas = [area.center for area in setup.scenario.mission.areas]
         self._trips: dict[int, _Trip] = {}
         self._came_by: dict[int, Way] = {}
@@ -122,7 +123,7 @@ class PassageStage:
         came_by = self._came_by.get(robot_id)
         if came_by is not None and math.dist(came_by.end, position) > 2.0 * came_by.passage.radius_m:
             del self._came_by[robot_id]
-        by = self._setup.scenario.travels_as(robot_id)
+        by = self._travels_as[robot_id]
         here = [way for way in self._ways[by] if math.dist(way.start, position) <= way.passage.radius_m]
         if not here:
             return None
