@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -141,7 +142,7 @@ class PlanningGrid {
 
   GridShape shape_;
   std::vector<std::uint8_t> blocked_;
-  std::vector<Step> steps_;
+  std::array<Step, 8> steps_{};
   std::vector<Portal> portals_;
   std::vector<Jump> jumps_;             ///< in the order of their cells
   std::vector<std::uint8_t> has_jump_;  ///< whether a portal begins in this cell; empty without portals

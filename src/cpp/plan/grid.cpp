@@ -62,11 +62,12 @@ PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_
     : shape_(shape), blocked_(occupied) {
   CheckShape(shape, occupied.size());
   base::CheckNotNegative(inflation_m, "inflation_m");
+  std::size_t step = 0;
   for (int d_row = -1; d_row <= 1; ++d_row) {
     for (int d_col = -1; d_col <= 1; ++d_col) {
       if (d_row == 0 && d_col == 0) continue;
       const double length = (d_row != 0 && d_col != 0 ? std::sqrt(2.0) : 1.0) * shape.resolution_m;
-      steps_.push_back({d_row * shape.cols + d_col, d_row, d_col, length});
+      steps_[step++] = {d_row * shape.cols + d_col, d_row, d_col, length};
     }
   }
   const auto stamp = InflationStamp(inflation_m, shape);
