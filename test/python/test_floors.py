@@ -25,6 +25,7 @@ FLOORS = (
     ("sensing", "network", "formats"),
     ("swarm", "stage", "gazebo"),
     ("interface",),
+    ("maps",),
     ("control",),
     ("mission",),
     ("simulation",),

@@ -74,4 +74,4 @@ class DrivenRobots:
         driver.update_map(last.sim_time_ns, tuple(world.door_states().closed_since(self._plan_doors).items()))
         others = {i: (pose.x_m, pose.y_m) for i, pose in enumerate(world.poses()) if i != robot_id and world.present[i]}
         speed_mps = self._setup.robots[robot_id].drive.max_speed_mps
-        return driver.drive(now, driver.pose(now), goal_m, speed_mps, lambda: others)
+        return driver.drive(now, now.pose, goal_m, speed_mps, lambda: others)

@@ -99,7 +99,7 @@ class CoverController:
                 self._add_victim(victim)
 
     def _decide(self, observation: Observation) -> Decision:
-        sim_time_ns, pose = observation.sim_time_ns, self._driver.pose(observation)
+        sim_time_ns, pose = observation.sim_time_ns, observation.pose
         outbox: tuple[Message, ...] = ()
         iteration = sim_time_ns // self._iteration_ns
         if iteration != self._iteration:
@@ -130,7 +130,7 @@ class CoverController:
         was = self._was_beside
         if was is None or observation.voice.local_best_level_db >= was.local_best_level_db:
             return
-        pose = self._driver.pose(observation)
+        pose = observation.pose
         if math.dist((pose.x_m, pose.y_m), was.local_best_m) <= self._found_within_m:
             time_s = observation.sim_time_ns * 1e-9
             self._add_victim(Discovery("victim", "", self._robot_id, was.local_best_m, time_s))

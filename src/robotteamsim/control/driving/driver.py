@@ -1,4 +1,4 @@
-"""What a robot needs in order to drive: its pose, the map that it knows, and the way to a point."""
+"""What a robot needs in order to drive: the map that it knows, and the way to a point."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from robotteamsim import _core
 from robotteamsim.control.driving.hot_places import HotPlaces
 from robotteamsim.control.driving.known_map import Disc, known_map
 from robotteamsim.control.driving.navigation import Navigator
-from robotteamsim.control.driving.own_pose import OwnPose
 from robotteamsim.control.driving.places import OtherPlaces, Places
 from robotteamsim.geometry import Pose, Twist
 from robotteamsim.interface import Observation, Task
@@ -46,11 +45,10 @@ class Driver:
     def __init__(self, robot_id: int, setup: Setup) -> None:
         body, control = setup.robots[robot_id], setup.scenario.control
         self._robot_id = robot_id
-        self._looks = bool(body.sensors) or control.localisation != "ground_truth"
-        """Whether it needs the readings of each step, of a thermal camera or of odometry."""
+        self._looks = bool(body.sensors)
+        """Whether it needs the readings of each step, of a thermal camera."""
         self._building, self._reach_m = setup.building, body.reach_m
         self._by = setup.scenario.travels_as(robot_id)
-        self._own_pose = OwnPose(robot_id, setup)
         self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
         self.hot = HotPlaces(setup.scenario.plan, setup.scenario.hot_for_c(robot_id))
         """The hot places that it knows."""
@@ -77,10 +75,6 @@ class Driver:
         if center is None or start is None or self.map.reaches(start, center, task.area_radius_m):
             return None
         return center
-
-    def pose(self, observation: Observation) -> Pose:
-        """Return the pose in `map` that the robot uses as its own, see `OwnPose`."""
-        return self._own_pose.at(observation)
 
     def way_out(self, position: Vector) -> Vector | None:
         """Return where a robot that heat surrounds leaves to; None if it does not."""

@@ -1,4 +1,4 @@
-"""Base class of the simpler controllers: it localises the robot, knows the map and drives to a point."""
+"""Base class of the simpler controllers: it knows the map and drives to a point."""
 
 import abc
 from collections.abc import Mapping, Sequence
@@ -61,7 +61,7 @@ class PathController(abc.ABC):
         """Return the command and the messages of this step; the robot stands still while the mission does not run."""
         self.driver.hot.look(observation.robot)
         self.driver.update_map(observation.sim_time_ns, kept_out=self.kept_out(task))
-        now = Situation(observation, inbox, task, self.driver.pose(observation))
+        now = Situation(observation, inbox, task, observation.pose)
         self.note(now)
         return self.decide(now) if task.running else Decision()
 

@@ -94,7 +94,7 @@ class RdpsoController(DrivesOn):
         if not task.running:
             return self._standing
         sim_time_ns = observation.sim_time_ns
-        pose = self._driver.pose(observation)
+        pose = observation.pose
         outbox: tuple[Message, ...] = ()
         if self._own is not None and self._has_waited_enough(sim_time_ns):
             self._choose_next_point(pose, observation, self._own)

@@ -12,7 +12,6 @@ import msgspec
 
 from robotteamsim.control.baselines.sebs import gain, visit_probability
 from robotteamsim.control.driving.known_map import known_map
-from robotteamsim.control.driving.own_pose import OwnPose
 from robotteamsim.interface import EVERYBODY, Controller, Decision, Message, Observation, Task
 from robotteamsim.interface.area_news import AreaNews, area_news, area_news_in
 from robotteamsim.interface.closed_area import closed_area_in
@@ -43,7 +42,6 @@ class AreaPlanner:
         self._drives_to_areas, self._ends_in_last = control.drives_to_areas, control.values_areas
         self._best_area = best_area
         self._sebs = control.as_kind(SebsControl)
-        self._own_pose = OwnPose(robot_id, setup)
         self._map = known_map(setup.building, setup.robots[robot_id].reach_m)
         self._period_ns = round(control.iteration_s * 1e9)
         self._due_ns = 0
@@ -106,7 +104,7 @@ class AreaPlanner:
         """Learn in the next area whether somebody else has explored it, without a message of them."""
         if self._next is None or self._next >= len(task.explored_by) or task.explored_by[self._next] < 0:
             return
-        area, pose = self._areas[self._next], self._own_pose.at(observation)
+        area, pose = self._areas[self._next], observation.pose
         if math.dist((pose.x_m, pose.y_m), area.center) <= area.radius_m:
             self._learn((self._next,))
 
@@ -140,7 +138,7 @@ class AreaPlanner:
             self._next = self._best(candidates, observation) if candidates else None
 
     def _best(self, candidates: Sequence[int], observation: Observation) -> int:
-        pose = self._own_pose.at(observation)
+        pose = observation.pose
         position = pose.x_m, pose.y_m
         intended = [index for index in self._intended.values() if index is not None]
         if self._order == "search" and self._best_area is not None:

@@ -9,8 +9,10 @@ from robotteamsim.control.people.dispatch import DispatchController
 from robotteamsim.control.people.firefighter import FirefighterController
 from robotteamsim.control.runtime.area_planner import AreaPlanner
 from robotteamsim.control.runtime.base_station import StandingBase, controls_base, with_base
+from robotteamsim.control.runtime.located import Located
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.interface import Controller
+from robotteamsim.maps.localiser import DeadReckoning
 from robotteamsim.own_parts import PartError, load_part, own_parts
 from robotteamsim.scenario.controllers import ALGORITHMS, is_policy_file
 from robotteamsim.scenario.problems import suggestion
@@ -62,9 +64,10 @@ def make_controller(robot_id: int, setup: Setup, arrival: int = 1) -> Controller
         problem = f"makes a {type(made).__module__}.{type(made).__name__}, which has no step(observation, inbox, task)"
         raise ScenarioError(f"{scenario.name}: control.algorithm: '{name}' {problem}")
     complete = made if scenario.base is None else with_base(made, robot_id, scenario)
-    if scenario.mission.area_order == "given" or robot_id not in scenario.searcher_ids:
-        return complete
-    return AreaPlanner(complete, robot_id, setup, getattr(made, "best_area", None))
+    if scenario.mission.area_order != "given" and robot_id in scenario.searcher_ids:
+        complete = AreaPlanner(complete, robot_id, setup, getattr(made, "best_area", None))
+    by_odometry = scenario.control.localisation == "odometry"
+    return Located(complete, DeadReckoning(robot_id, setup)) if by_odometry else complete
 
 
 def _make_for(robot_id: int, scenario: Scenario) -> MakeController:

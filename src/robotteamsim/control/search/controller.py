@@ -92,7 +92,7 @@ class SearchController:
             self._hear(message, observation.sim_time_ns * 1e-9)
 
     def _decide(self, observation: Observation, task: Task) -> Decision:
-        sim_time_ns, pose, choice = observation.sim_time_ns, self._driver.pose(observation), self._choice
+        sim_time_ns, pose, choice = observation.sim_time_ns, observation.pose, self._choice
         outbox: tuple[Message, ...] = ()
         belief: FieldMap | None = None
         iteration = sim_time_ns // self._iteration_ns
@@ -182,6 +182,6 @@ class SearchController:
         was, self._was_beside = self._was_beside, None
         if was is None or observation.voice.local_best_level_db >= was.local_best_level_db:
             return
-        pose = self._driver.pose(observation)
+        pose = observation.pose
         if math.dist((pose.x_m, pose.y_m), was.local_best_m) <= self._reached_within_m:
             self.knowledge.add_found(was.local_best_m)

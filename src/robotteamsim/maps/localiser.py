@@ -1,8 +1,9 @@
-"""The pose that a robot uses as its own."""
+"""Where a robot believes that it is."""
 
 from __future__ import annotations
 
 import math
+from typing import Protocol
 
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import Observation
@@ -13,23 +14,26 @@ _CARRIED_M = 1.0
 """No robot drives that far in a step."""
 
 
-class OwnPose:
-    """The pose of one robot in `map` by `control.localisation`: the true one, or its known start and its odometry.
+class Localiser(Protocol):
+    """Follows the pose of one robot."""
 
-    With localisation tf, the nodes of ROS put the pose from tf in place of the true one. A robot that stairs, a ramp or
-    a lift have taken to another level knows by how far.
+    def pose(self, observation: Observation) -> Pose:
+        """Return the pose in `map` in a step; called once in each, with what the robot measured."""
+
+
+class DeadReckoning:
+    """The known start and the odometry, which nothing corrects: `control.localisation: odometry`.
+
+    A robot that stairs, a ramp or a lift have taken to another level knows by how far.
     """
 
     def __init__(self, robot_id: int, setup: Setup) -> None:
-        by_odometry = setup.scenario.control.localisation == "odometry"
-        self._map_T_odom = Pose(*setup.robots[robot_id].start_pose) if by_odometry else None
-        self._levels, self._before = setup.scenario.plan.levels, Pose(*setup.robots[robot_id].start_pose)
+        self._map_T_odom = self._before = Pose(*setup.robots[robot_id].start_pose)
+        self._levels = setup.scenario.plan.levels
 
-    def at(self, observation: Observation) -> Pose:
+    def pose(self, observation: Observation) -> Pose:
         """Return the pose in a step."""
         robot = observation.robot
-        if self._map_T_odom is None:
-            return robot.true_pose
         if self._levels:
             now, before = robot.true_pose, self._before
             shift_m = now.x_m - before.x_m, now.y_m - before.y_m
