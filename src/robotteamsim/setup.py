@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from robotteamsim.errors import ScenarioError
 from robotteamsim.hazards.hazards import make_hazards
 from robotteamsim.scenario.base import Point
-from robotteamsim.scenario.building import Building, building_of
+from robotteamsim.scenario.building import Building, MapSource, building_of
 from robotteamsim.scenario.controllers import Control
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.scenario import Scenario
@@ -34,6 +34,10 @@ class Setup:
     def plan(self) -> FloorPlan:
         """The floor plan."""
         return self.scenario.plan
+
+    def map_of(self, robot_id: int) -> MapSource:
+        """Return what a member of the team knows of the building: all of it."""
+        return self.building
 
     @property
     def smallest_reach_m(self) -> float:

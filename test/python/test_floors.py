@@ -201,3 +201,15 @@ def test_every_module_below_the_shells_of_ros_imports_without_ros():
     )
     done = subprocess.run([sys.executable, "-c", code, *names], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+def test_controllers_know_of_the_building_only_what_their_map_has():
+    # Vertices of a patrol are the mission's: whoever patrols is given them.
+    files = [path for path in PYTHON_FILES if part_of(path) == "control" and path.name != "patrol_graph.py"]
+    read = [
+        f"{path.relative_to(ROOT)}:{node.lineno}"
+        for path in files
+        for node in nodes(path)
+        if isinstance(node, ast.Attribute) and node.attr == "building"
+    ]
+    assert read == []

@@ -9,7 +9,7 @@ import numpy as np
 from robotteamsim import _core
 from robotteamsim.propagation.faces import radio_faces
 from robotteamsim.propagation.field_map import FieldMap, map_array
-from robotteamsim.scenario.building import Building
+from robotteamsim.scenario.building import MapSource
 from robotteamsim.scenario.floor_plan import Bounds, FloorPlan
 from robotteamsim.scenario.plan import grid_shape, shape_over
 from robotteamsim.scenario.sections import Radio
@@ -123,10 +123,10 @@ class RadioField:
         self.core_faces.set_active(self._faces.door_face(name), closed)
 
 
-def shared_radio_field(building: Building, radio: Radio) -> RadioField:
+def shared_radio_field(building: MapSource, radio: Radio) -> RadioField:
     """Return the field that all robots of a building share; its doors must not be changed."""
     return building.shared(_radio_field, radio.model_dump_json())
 
 
-def _radio_field(building: Building, radio_json: str) -> RadioField:
+def _radio_field(building: MapSource, radio_json: str) -> RadioField:
     return RadioField(building.plan, Radio.model_validate_json(radio_json))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import Any, Concatenate, ParamSpec, TypeVar
+from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import OccupancyGrid, occupancy_grid
@@ -19,18 +19,38 @@ P = ParamSpec("P")
 T = TypeVar("T")
 
 
+class MapSource(Protocol):
+    """What a robot may know of a building. A `Building` is all of it; one that a robot maps changes."""
+
+    @property
+    def plan(self) -> FloorPlan:
+        """The floor plan as believed."""
+
+    @property
+    def version(self) -> int:
+        """Grows with each change; what was computed from an older version is out of date."""
+
+    def shared(self, make: Callable[Concatenate[Any, P], T], *arguments: P.args, **keys: P.kwargs) -> T:
+        """Return `make(self, *arguments)`, or its earlier result for equal arguments and the same version.
+
+        Args: make: depends on nothing but the map and its arguments, which are hashable. Its result is not changed.
+        """
+
+    def grid(self, resolution_m: float, doors: Doors = ()) -> OccupancyGrid:
+        """Return the occupancy grid, whose cells may be UNKNOWN; do not change it."""
+
+
 class Building:
     """A floor plan, and the grids, maps and graphs that robots of a trial share, and trials on the same plan."""
+
+    version = 0
 
     def __init__(self, plan: FloorPlan) -> None:
         self.plan = plan
         self._functions: dict[Callable[..., Any], Callable[..., Any]] = {}
 
-    def shared(self, make: Callable[Concatenate[Building, P], T], *arguments: P.args, **keys: P.kwargs) -> T:
-        """Return `make(building, *arguments)`, or its earlier result for equal arguments.
-
-        Args: make: depends on nothing but the plan and its arguments, which are hashable. Its result is not changed.
-        """
+    def shared(self, make: Callable[Concatenate[Any, P], T], *arguments: P.args, **keys: P.kwargs) -> T:
+        """As for all sources."""
         if make not in self._functions:
             self._functions[make] = functools.lru_cache(_KEPT)(functools.partial(make, self))
         result: T = self._functions[make](*arguments, **keys)

@@ -28,7 +28,7 @@ def meter(hall_scenario):
 
     def make(control: RdpsoControl = CRISP) -> ContextMeter:
         scenario = hall_scenario(control=control, network=Network(link="distance", max_distance_m=11.0))
-        return ContextMeter(control, control.adaptation, LinkKeeper(resolve(scenario)))
+        return ContextMeter(control, control.adaptation, LinkKeeper(0, resolve(scenario)))
 
     return make
 
@@ -94,7 +94,7 @@ def test_context_does_not_depend_on_the_direction_of_the_axes(meter, adaptation)
 
 def test_connectivity_by_signal_is_the_fiedler_value_of_networkx(hall_scenario):
     scenario = hall_scenario(control=CRISP, network=Network(lost_below_dbm=-70.0, endangered_below_dbm=-60.0))
-    links, field = LinkKeeper(resolve(scenario)), RadioField(scenario.plan, scenario.radio)
+    links, field = LinkKeeper(0, resolve(scenario)), RadioField(scenario.plan, scenario.radio)
     generator = np.random.default_rng(3)
     found = set()
     for _ in range(20):

@@ -37,7 +37,7 @@ def keeper(hall_scenario):
     def make(*walls: Wall, control: dict[str, object] | None = None, **network: object) -> LinkKeeper:
         plan = FloorPlan(name="field", bounds=Bounds(max=(400.0, 100.0)), walls=walls)
         settings = RdpsoControl(**({"c4": 0.4} | (control or {})))
-        return LinkKeeper(resolve(hall_scenario(plan=plan, control=settings, network=Network(**network))))
+        return LinkKeeper(0, resolve(hall_scenario(plan=plan, control=settings, network=Network(**network))))
 
     return make
 
@@ -104,7 +104,7 @@ def test_link_by_distance_pulls_from_four_fifths_of_the_range(keeper):
 
 
 def test_without_c4_no_radio_is_computed(hall_scenario):
-    links = LinkKeeper(resolve(hall_scenario(control=RdpsoControl(c4=0.0))))
+    links = LinkKeeper(0, resolve(hall_scenario(control=RdpsoControl(c4=0.0))))
     assert links.pull((3.0, 4.0), {1: (math.inf, 0.0)}, {}) == ((3.0, 4.0), 0.0)
 
 

@@ -15,7 +15,7 @@ from robotteamsim.control.driving.path_controller import Situation
 from robotteamsim.errors import ScenarioError
 from robotteamsim.interface.payload import Index, Update, update_reader
 from robotteamsim.network.messages import EVERYBODY, Message
-from robotteamsim.scenario.building import Building
+from robotteamsim.scenario.building import MapSource
 from robotteamsim.scenario.controllers.routes import BoustrophedonControl
 from robotteamsim.setup import Setup
 from robotteamsim.swarm import Vector
@@ -44,7 +44,7 @@ class BoustrophedonController(RouteController):
         control = scenario.control.as_kind(BoustrophedonControl)
         super().__init__(robot_id, setup, control)
         spacing_m = control.spacing_m
-        segments = setup.building.shared(sweep, setup.robots[robot_id].reach_m, spacing_m, setup.start_m(0))
+        segments = setup.map_of(robot_id).shared(sweep, setup.robots[robot_id].reach_m, spacing_m, setup.start_m(0))
         if not segments:
             raise ScenarioError(
                 f"{scenario.name}: control.spacing_m: no line of the sweep crosses floor that robots can reach"
@@ -94,7 +94,7 @@ class _Cell:
     neighbours: list[_Cell] = field(default_factory=list)
 
 
-def sweep(building: Building, robot_radius_m: float, spacing_m: float, start: Vector) -> tuple[Segment, ...]:
+def sweep(building: MapSource, robot_radius_m: float, spacing_m: float, start: Vector) -> tuple[Segment, ...]:
     """Return the segments of all cells that a robot can reach from `start`, in the order of the sweep.
 
     Lines are parallel to the longer side of the plan and `spacing_m` apart. A cell ends at a line where the free floor

@@ -14,7 +14,7 @@ from robotteamsim.errors import ScenarioError
 from robotteamsim.interface.payload import Index, Update, update_reader
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.propagation import VoiceField, VoiceSource
-from robotteamsim.scenario.building import Building
+from robotteamsim.scenario.building import MapSource
 from robotteamsim.scenario.controllers.routes import InfotaxisControl
 from robotteamsim.scenario.sections import Voice
 from robotteamsim.setup import Setup
@@ -151,7 +151,7 @@ class InfotaxisController(RouteController):
             raise ScenarioError(
                 f"{scenario.name}: control.spacing_m: {tuning.spacing_m:g} m leaves no two places linked"
             )
-        self._hearing = setup.building.shared(Hearing, scenario.voice, self._graph.places)
+        self._hearing = setup.map_of(robot_id).shared(Hearing, scenario.voice, self._graph.places)
         self._places_m = np.array(self._graph.places)
         self._save_m = max(scenario.mission.save_distance_m, 0.5 * tuning.spacing_m)
         self._belief = Belief(len(self._graph.places))
@@ -241,7 +241,7 @@ class Hearing:
     the robot's own place has the levels that it would hear. Doors have their states at the start.
     """
 
-    def __init__(self, building: Building, voice: Voice, places: tuple[Vector, ...]) -> None:
+    def __init__(self, building: MapSource, voice: Voice, places: tuple[Vector, ...]) -> None:
         # Without noise, levels that are not heard are known, too.
         self._field = VoiceField(building.plan, voice.model_copy(update={"noise_db": 0.0}))
         self._voice, self._places = voice, places

@@ -7,7 +7,7 @@ import numpy as np
 
 from robotteamsim.control.driving.known_map import UNREACHABLE_M, KnownMap, known_map
 from robotteamsim.errors import ScenarioError
-from robotteamsim.scenario.building import Building
+from robotteamsim.scenario.building import MapSource
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.levels import portals
 from robotteamsim.setup import Setup
@@ -55,7 +55,7 @@ def reachable_lattice(setup: Setup, robot_radius_m: float, spacing_m: float, lon
     return setup.building.shared(_lattice, robot_radius_m, spacing_m, longest_edge, setup.start_m(0))
 
 
-def _lattice(building: Building, robot_radius_m: float, spacing_m: float, longest_edge: float, start: Vector) -> Graph:
+def _lattice(building: MapSource, robot_radius_m: float, spacing_m: float, longest_edge: float, start: Vector) -> Graph:
     known = known_map(building, robot_radius_m)
     near = known.grid.nearest_free(start, 1.0)
     if near is None:

@@ -42,9 +42,9 @@ class CoverController:
         self._level_at_1_m_db = -scenario.voice.constant_db[1]
         self._driver = Driver(robot_id, setup)
         self._cover = FloorCover(
-            setup.building, setup.robots[robot_id].reach_m, setup.start_m(robot_id), control.radius_m
+            setup.map_of(robot_id), setup.robots[robot_id].reach_m, setup.start_m(robot_id), control.radius_m
         )
-        self._links = LinkKeeper(setup)
+        self._links = LinkKeeper(robot_id, setup)
         self._ruled_out = RuledOut(scenario, control.rule_out_places)
 
         self._epoch = 0

@@ -10,7 +10,7 @@ import numpy as np
 from robotteamsim.control.driving.known_map import GRID_RESOLUTION_M, known_map
 from robotteamsim.interface.discovery import Discovery
 from robotteamsim.interface.payload import Index, Point, Update, update_reader
-from robotteamsim.scenario.building import Building
+from robotteamsim.scenario.building import MapSource
 from robotteamsim.scenario.fire import BLOCK_M, Block
 from robotteamsim.scenario.levels import Traveller
 from robotteamsim.swarm import Vector
@@ -31,7 +31,7 @@ Disc = tuple[Vector, float]
 class _Floor:
     """The cells of a plan for a robot of one size; expensive results are cached."""
 
-    def __init__(self, building: Building, robot_radius_m: float, by: Traveller) -> None:
+    def __init__(self, building: MapSource, robot_radius_m: float, by: Traveller) -> None:
         plan = building.plan
         self.grid = known_map(building, robot_radius_m, by=by).grid
         self.origin_m = low_m = plan.bounds.min
@@ -86,7 +86,7 @@ class FloorCover:
     """The floor as cells of 1 m; a cell is covered once a robot was within `radius_m` of its centre and saw it."""
 
     def __init__(
-        self, building: Building, robot_radius_m: float, start: Vector, radius_m: float, by: Traveller = "robots"
+        self, building: MapSource, robot_radius_m: float, start: Vector, radius_m: float, by: Traveller = "robots"
     ) -> None:
         """Args: by: who goes between levels: robots, or people and firefighters."""
         self._floor = building.shared(_Floor, robot_radius_m, by)

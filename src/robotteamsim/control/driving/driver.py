@@ -47,7 +47,7 @@ class Driver:
         self._robot_id = robot_id
         self._looks = bool(body.sensors)
         """Whether it needs the readings of each step, of a thermal camera."""
-        self._building, self._reach_m = setup.building, body.reach_m
+        self._building, self._reach_m = setup.map_of(robot_id), body.reach_m
         self._by = setup.scenario.travels_as(robot_id)
         self._navigator = Navigator(body, robot_id, control.navigation, control.navigator)
         self.hot = HotPlaces(setup.scenario.plan, setup.scenario.hot_for_c(robot_id))
@@ -55,7 +55,7 @@ class Driver:
         self.doors: Doors = ()
         """The doors that differ from the plan in `map`."""
         self._kept_out: Disc | None = None
-        self.map = known_map(setup.building, body.reach_m, by=self._by)
+        self.map = known_map(setup.map_of(robot_id), body.reach_m, by=self._by)
         """Free space, with doors and hot places as believed at the last update."""
 
     def update_map(self, sim_time_ns: int, doors: Doors = (), kept_out: Disc | None = None) -> bool:

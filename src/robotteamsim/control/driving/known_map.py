@@ -7,10 +7,10 @@ import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.control.driving.hot_places import with_hot_blocks
-from robotteamsim.scenario.building import Building, Doors
+from robotteamsim.scenario.building import Doors, MapSource
 from robotteamsim.scenario.fire import Block
 from robotteamsim.scenario.levels import Traveller, portals
-from robotteamsim.scenario.plan import FREE, Grid, OccupancyGrid
+from robotteamsim.scenario.plan import OCCUPIED, Grid, OccupancyGrid
 from robotteamsim.swarm import Vector
 
 GRID_RESOLUTION_M = 0.1
@@ -44,7 +44,7 @@ class KnownMap:
 
     def __init__(
         self,
-        building: Building,
+        building: MapSource,
         robot_radius_m: float,
         doors: Doors,
         hot: tuple[Block, ...] = (),
@@ -53,7 +53,7 @@ class KnownMap:
     ) -> None:
         occupancy, clearance_m = building.grid(GRID_RESOLUTION_M, doors), robot_radius_m + MARGIN_M
         cells = with_hot_blocks(occupancy, hot) if hot else occupancy.cells
-        blocked = cells != FREE
+        blocked = cells == OCCUPIED  # robots try what they do not know
         if kept_out is not None:
             blocked |= _within(occupancy, kept_out, clearance_m)
         self.layout = Grid(occupancy.origin_m, GRID_RESOLUTION_M)
@@ -131,7 +131,7 @@ class KnownMap:
 
 
 def known_map(
-    building: Building,
+    building: MapSource,
     robot_radius_m: float,
     doors: Doors = (),
     hot: tuple[Block, ...] = (),

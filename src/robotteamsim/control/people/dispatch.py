@@ -104,7 +104,7 @@ class DispatchController:
         self._position = setup.start_m(robot_id)
         self._search = FloorSearch(robot_id, setup, scenario.firefighters.floor_search)
         """Which floor has been searched, passed on to those who have not heard it from each other."""
-        self._building, self._reach_m = setup.building, scenario.firefighters.reach_m
+        self._building, self._reach_m = setup.map_of(robot_id), scenario.firefighters.reach_m
         self._map = known_map(self._building, self._reach_m, by="people")
         self._hot = HotPlaces(scenario.plan, scenario.firefighters.block_c)
         self._news: dict[str, _News] = {}

@@ -31,7 +31,9 @@ class FloorSearch:
         self._robot_id = robot_id
         self._tuning = tuning
         reach_m, start = setup.robots[robot_id].reach_m, setup.start_m(robot_id)
-        self._cover = FloorCover(setup.building, reach_m, start, tuning.radius_m, setup.scenario.travels_as(robot_id))
+        self._cover = FloorCover(
+            setup.map_of(robot_id), reach_m, start, tuning.radius_m, setup.scenario.travels_as(robot_id)
+        )
         self._others: dict[int, CoverUpdate] = {}
         self._avoided: list[tuple[Point, float]] = []
         """Places that could not be reached, and until when they are avoided [s]."""

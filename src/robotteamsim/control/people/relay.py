@@ -14,7 +14,7 @@ from robotteamsim.control.rdpso.terms import strongest_tree
 from robotteamsim.interface import EVERYBODY, Decision, Message
 from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.base import Point
-from robotteamsim.scenario.building import Building
+from robotteamsim.scenario.building import MapSource
 from robotteamsim.scenario.sections import Radio
 from robotteamsim.setup import Setup
 
@@ -42,7 +42,7 @@ class RelayController(PathController):
         if scenario.base is not None and scenario.base != robot_id:
             self._heard[scenario.base] = float("inf"), setup.start_m(scenario.base)
         reach_m, start = setup.robots[robot_id].reach_m, setup.start_m(robot_id)
-        self._links = setup.building.shared(_LinkPredictor, scenario.radio.model_dump_json(), reach_m, start)
+        self._links = setup.map_of(robot_id).shared(_LinkPredictor, scenario.radio.model_dump_json(), reach_m, start)
         self._needed_dbm = scenario.network.endangered_below_dbm + _MARGIN_DB
         self._goal: Point | None = None
 
@@ -92,7 +92,7 @@ class RelayController(PathController):
 class _LinkPredictor:
     """Predicted signals between places on a plan, and the places that a robot can reach from its start."""
 
-    def __init__(self, building: Building, radio_json: str, radius_m: float, start: Point) -> None:
+    def __init__(self, building: MapSource, radio_json: str, radius_m: float, start: Point) -> None:
         plan = building.plan
         self._field = RadioField(plan, Radio.model_validate_json(radio_json))
         grid = known_map(building, radius_m).grid

@@ -52,7 +52,7 @@ class RdpsoController(DrivesOn):
         self._driver = Driver(robot_id, setup)
         self._doors = DoorBeliefs(scenario.plan, body.laser, control.doors)
         self._surroundings = Surroundings(body.laser, control.sensing_radius_m)
-        self._links = LinkKeeper(setup)
+        self._links = LinkKeeper(robot_id, setup)
         self._meter = None
         """Measures the context; None without adaptation."""
         if control.adaptation != "none":

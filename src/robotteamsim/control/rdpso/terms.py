@@ -200,7 +200,7 @@ class LinkKeeper:
     crosses now, would be at the endangered threshold.
     """
 
-    def __init__(self, setup: Setup) -> None:
+    def __init__(self, robot_id: int, setup: Setup) -> None:
         scenario = setup.scenario
         control = scenario.control.as_kind(RdpsoControl)
         self._c4 = control.c4
@@ -218,7 +218,7 @@ class LinkKeeper:
         at_risk_dbm = max(endangered_dbm, lost_dbm + 1e-9)
         self._endangered_proximity = swarm.robot_proximity_by_signal(at_risk_dbm, lost_dbm, self._reference_dbm)
         needs_field = self._c4 > 0.0 or control.adaptation != "none"
-        self._field = shared_radio_field(setup.building, scenario.radio) if needs_field else None
+        self._field = shared_radio_field(setup.map_of(robot_id), scenario.radio) if needs_field else None
 
     def pull(
         self, position: Vector, heard: Mapping[int, Vector], missing: Mapping[int, Vector], c4: float | None = None

@@ -42,7 +42,7 @@ class AreaPlanner:
         self._drives_to_areas, self._ends_in_last = control.drives_to_areas, control.values_areas
         self._best_area = best_area
         self._sebs = control.as_kind(SebsControl)
-        self._map = known_map(setup.building, setup.robots[robot_id].reach_m)
+        self._map = known_map(setup.map_of(robot_id), setup.robots[robot_id].reach_m)
         self._period_ns = round(control.iteration_s * 1e9)
         self._due_ns = 0
         self._began_ns: int | None = None

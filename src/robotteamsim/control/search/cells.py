@@ -8,7 +8,7 @@ import numpy as np
 from robotteamsim import _core
 from robotteamsim.control.driving.known_map import Disc, known_map
 from robotteamsim.propagation import voice_obstacles
-from robotteamsim.scenario.building import Building, Doors
+from robotteamsim.scenario.building import Doors, MapSource
 from robotteamsim.scenario.controllers.search import SearchControl
 from robotteamsim.scenario.fire import Block
 from robotteamsim.scenario.scenario import Scenario
@@ -91,7 +91,7 @@ def loss_step_db(voice: Voice) -> float:
     return max(-voice.constant_db[0], 1.0) / 250.0
 
 
-def _voice_losses(building: Building, voice: Voice, grid: CellGrid, doors: Doors) -> _core.control.VoiceLosses:
+def _voice_losses(building: MapSource, voice: Voice, grid: CellGrid, doors: Doors) -> _core.control.VoiceLosses:
     faces, unit_db = voice_obstacles(building.plan, voice)
     face_set = faces.core()
     for name, closed in doors:
@@ -111,14 +111,14 @@ def _voice_losses(building: Building, voice: Voice, grid: CellGrid, doors: Doors
     )
 
 
-def voice_losses(building: Building, voice: Voice, grid: CellGrid, doors: Doors) -> _core.control.VoiceLosses:
+def voice_losses(building: MapSource, voice: Voice, grid: CellGrid, doors: Doors) -> _core.control.VoiceLosses:
     """Return the losses of voices between all cells, with doors as believed."""
     # The noise is not known to the robots.
     return building.shared(_voice_losses, voice.model_copy(update={"noise_db": 0.0}), grid, doors)
 
 
 def cell_paths(
-    building: Building,
+    building: MapSource,
     robot_radius_m: float,
     grid: CellGrid,
     doors: Doors,
@@ -151,7 +151,7 @@ class Places:
 
 
 def places(
-    building: Building, robot_radius_m: float, grid: CellGrid, start: int, save_distance_m: float, stride: int
+    building: MapSource, robot_radius_m: float, grid: CellGrid, start: int, save_distance_m: float, stride: int
 ) -> Places:
     """Return the places that matter to a robot.
 

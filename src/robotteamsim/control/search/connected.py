@@ -26,7 +26,7 @@ from robotteamsim.control.search.cells import NO_CELL, CellGrid, cell_paths
 from robotteamsim.control.search.team import SearchUpdate, Teammates, Work
 from robotteamsim.network.delivery import loss_probability
 from robotteamsim.propagation import RadioField
-from robotteamsim.scenario.building import Building, Doors
+from robotteamsim.scenario.building import Doors, MapSource
 from robotteamsim.scenario.controllers.search import SearchControl
 from robotteamsim.scenario.sections import Network, Radio
 from robotteamsim.setup import Setup
@@ -65,7 +65,7 @@ _BASE = -1
 
 
 def predicted_links(
-    building: Building,
+    building: MapSource,
     robot_radius_m: float,
     grid: CellGrid,
     doors: Doors,
@@ -143,7 +143,7 @@ class ConnectedTeam:
     def __init__(self, robot_id: int, setup: Setup, grid: CellGrid, team: Teammates) -> None:
         scenario = setup.scenario
         self._tuning = scenario.control.as_kind(SearchControl)
-        self._robot_id, self._grid, self._team, self._building = robot_id, grid, team, setup.building
+        self._robot_id, self._grid, self._team, self._building = robot_id, grid, team, setup.map_of(robot_id)
         self._reach_m, self._network = setup.robots[robot_id].reach_m, scenario.network
         self._radio_json = scenario.radio.model_dump_json()
         self._base_m = None if scenario.base is None else setup.start_m(scenario.base)

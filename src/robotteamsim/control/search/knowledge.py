@@ -47,7 +47,7 @@ class Knowledge:
         """Args: start: the cell where the robot starts; NO_CELL for none."""
         scenario = setup.scenario
         search, voice = scenario.control.as_kind(SearchControl), scenario.voice
-        self._voice, self._building, self._grid = voice, setup.building, grid
+        self._voice, self._building, self._grid = voice, setup.map_of(robot_id), grid
         self._reach_m, self._start = setup.robots[robot_id].reach_m, start
         self._save_distance_m, self._tuning = scenario.mission.save_distance_m, search
         self._mean_victims = search.expected_victims
@@ -59,7 +59,7 @@ class Knowledge:
         self.noise_db = search.assumed_noise_db
         """The noise that the belief assumes [dB]."""
         self.log = ListeningLog()
-        self.losses = voice_losses(setup.building, voice, grid, ())
+        self.losses = voice_losses(setup.map_of(robot_id), voice, grid, ())
         self.places = self._spaced_places()
         """Where victims may be and where to listen."""
         self.belief = _core.control.VictimBelief(self.losses, self.places.prior)

@@ -42,7 +42,7 @@ class Paths:
     """The paths of one robot between all cells, with doors and heat as known, and those outside the last area."""
 
     def __init__(self, robot_id: int, setup: Setup, grid: CellGrid, areas: Areas) -> None:
-        self._building, self._reach_m = setup.building, setup.robots[robot_id].reach_m
+        self._building, self._reach_m = setup.map_of(robot_id), setup.robots[robot_id].reach_m
         self._start_m, self._grid = setup.start_m(robot_id), grid
         self.update((), (), areas)
 
