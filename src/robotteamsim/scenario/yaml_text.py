@@ -5,7 +5,6 @@ Depth and number of values are limited; a value counts again for each alias of i
 
 from __future__ import annotations
 
-import math
 import re
 from pathlib import Path
 from typing import Any
@@ -235,23 +234,20 @@ class _Dumper(yaml.SafeDumper):  # type: ignore[misc]  # PyYAML has no types
 _Dumper.yaml_implicit_resolvers = _Values.yaml_implicit_resolvers
 
 
-def _number(dumper: yaml.SafeDumper, value: float) -> yaml.ScalarNode:
-    text = repr(value) if math.isfinite(value) else f"{value}".replace("inf", ".inf").replace("nan", ".nan")
-    return dumper.represent_scalar("tag:yaml.org,2002:float", text)
-
-
 def _text(dumper: yaml.SafeDumper, value: str) -> yaml.ScalarNode:
     # Only the double-quoted style preserves every control character.
     style = None if value.isprintable() else '"'
     return dumper.represent_scalar("tag:yaml.org,2002:str", value, style=style)
 
 
-_Dumper.add_representer(float, _number)
 _Dumper.add_representer(str, _text)
 
 
 def write(value: Any) -> str:
-    """Return the YAML text of plain values, with keys in their order; `parse` returns the same value."""
+    """Return the YAML text of plain values, with keys in their order.
+
+    `parse` returns the same value, and so do loaders of YAML 1.1, such as that of roslaunch, to which 5e-05 is text.
+    """
     text: str = yaml.dump(value, Dumper=_Dumper, sort_keys=False, allow_unicode=True, width=110)
     return text
 

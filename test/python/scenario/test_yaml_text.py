@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -110,6 +111,11 @@ PLAIN = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False) |
 @given(st.recursive(PLAIN, lambda inner: st.lists(inner) | st.dictionaries(st.text("abc_1.-~:"), inner), max_leaves=12))
 def test_written_value_is_read_back(value: Any) -> None:
     assert parse(write({"value": value}), "x") == {"value": value}
+
+
+@given(st.floats(allow_nan=False))
+def test_written_number_is_a_number_to_programs_with_yaml_1_1(value: float) -> None:
+    assert yaml.safe_load(write({"value": value})) == {"value": value}
 
 
 @pytest.mark.parametrize(
