@@ -5,12 +5,23 @@
 
 namespace robotteamsim::sensing {
 
-/// Variances of the odometry motion model [thrun2005, Table 5.6].
+/// The motions to which the variances of an OdometryModel refer take this long [s].
+constexpr double kOdometryStepS = 0.1;
+
+/// Variances of the odometry motion model [thrun2005, Table 5.6], for motions of kOdometryStepS.
+///
+/// The errors of steps are independent, and each has a variance with the square of its motion: n steps together have an
+/// n-th of the variance of one step with the same motion. So the variances of shorter steps are larger in proportion,
+/// and a drive has the same drift whatever the length of its steps.
 struct OdometryModel {
   double alpha1 = 0.0;  ///< of a turn per turn [rad^2/rad^2]
   double alpha2 = 0.0;  ///< of a turn per distance [rad^2/m^2]
   double alpha3 = 0.0;  ///< of a distance per distance [m^2/m^2]
   double alpha4 = 0.0;  ///< of a distance per turn [m^2/rad^2]
+
+  /// Returns the variances for steps of a length [s].
+  /// Throws std::invalid_argument if one is negative or not finite, or the step is not above 0.
+  OdometryModel ForSteps(double step_s) const;
 };
 
 /// A robot's odometry: its true motion plus drift, in a frame `odom` that begins where the robot does.

@@ -57,12 +57,17 @@ state::PoseCovariance CarriedOmni(state::PoseCovariance p, double x, double y, d
 
 }  // namespace
 
-Odometry::Odometry(const OdometryModel& model, double step_s, bool omni) : model_(model), step_s_(step_s), omni_(omni) {
-  for (const double alpha : {model.alpha1, model.alpha2, model.alpha3, model.alpha4}) {
+OdometryModel OdometryModel::ForSteps(double step_s) const {
+  for (const double alpha : {alpha1, alpha2, alpha3, alpha4}) {
     base::CheckNotNegative(alpha, "a coefficient of the odometry");
   }
   base::CheckPositive(step_s, "step_s");
+  const double scale = kOdometryStepS / step_s;
+  return {scale * alpha1, scale * alpha2, scale * alpha3, scale * alpha4};
 }
+
+Odometry::Odometry(const OdometryModel& model, double step_s, bool omni)
+    : model_(model.ForSteps(step_s)), step_s_(step_s), omni_(omni) {}
 
 void Odometry::StepOmni(const base::Pose& motion, const base::Twist& twist, const Noise& noise) {
   const double turn = twist.angular_z * step_s_, distance2 = Square(motion.x) + Square(motion.y);

@@ -117,9 +117,14 @@ class Voice(Model):
 
 
 class Odometry(Model):
-    """Drift of the odometry relative to the true motion; with zero alphas it is exact."""
+    """Drift of the odometry relative to the true motion; with zero alphas it is exact.
 
-    alpha1: float = Field(default=0.01, ge=0.0, le=10.0, description="turn noise per turn [rad^2/rad^2]")
+    The variances are those of motions of 0.1 s; a drive has the same drift whatever `run.step_s` is.
+    """
+
+    alpha1: float = Field(
+        default=0.01, ge=0.0, le=10.0, description="turn noise per turn, of motions of 0.1 s [rad^2/rad^2]"
+    )
     alpha2: float = Field(default=0.001, ge=0.0, le=10.0, description="turn noise per distance [rad^2/m^2]")
     alpha3: float = Field(default=0.001, ge=0.0, le=10.0, description="distance noise per distance [m^2/m^2]")
     alpha4: float = Field(default=0.0001, ge=0.0, le=10.0, description="distance noise per turn [m^2/rad^2]")

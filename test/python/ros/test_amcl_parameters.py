@@ -51,6 +51,11 @@ def test_each_amcl_starts_where_its_robot_does_and_has_its_frames(printed, seed,
         assert found["base_frame_id"] == f"robot_{robot_id}/base_link"
 
 
+def test_noise_of_the_odometry_is_that_of_two_steps(printed):
+    found = printed("garage_sar", "1", "", "robots.odometry.alpha3=0.002", "0")
+    assert [found[f"odom_alpha{i}"] for i in (1, 2, 3, 4)] == [0.005, 0.0005, 0.001, 0.00005]
+
+
 def test_weights_of_the_beam_model_add_up_to_1(printed):
     found = printed("garage_sar", "-1", "", "", "0")
     assert found["laser_model_type"] == "beam"

@@ -18,10 +18,10 @@ MODEL = OdometryModel(alpha1=0.04, alpha2=0.01, alpha3=0.02, alpha4=0.03)
 SMALL = OdometryModel(alpha1=0.004, alpha2=0.001, alpha3=0.002, alpha4=0.003)
 
 
-def arc(speed_mps: float, turn_radps: float) -> tuple[Pose, Twist]:
+def arc(speed_mps: float, turn_radps: float, step_s: float = STEP_S) -> tuple[Pose, Twist]:
     """Return way and twist of a step at constant speed."""
-    half_rad = 0.5 * turn_radps * STEP_S
-    chord_m = speed_mps * STEP_S * (math.sin(half_rad) / half_rad if half_rad else 1.0)
+    half_rad = 0.5 * turn_radps * step_s
+    chord_m = speed_mps * step_s * (math.sin(half_rad) / half_rad if half_rad else 1.0)
     way = Pose(chord_m * math.cos(half_rad), chord_m * math.sin(half_rad), 2.0 * half_rad)
     return way, Twist(speed_mps, 0.0, turn_radps)
 
@@ -29,12 +29,14 @@ def arc(speed_mps: float, turn_radps: float) -> tuple[Pose, Twist]:
 class Team:
     """The odometry of robots whose motions a test gives."""
 
-    def __init__(self, model: OdometryModel, generators: list[np.random.Generator], *, omni: bool = False) -> None:
+    def __init__(
+        self, model: OdometryModel, generators: list[np.random.Generator], *, omni: bool = False, step_s: float = STEP_S
+    ) -> None:
         robots, alphas = len(generators), (model.alpha1, model.alpha2, model.alpha3, model.alpha4)
         fan = Fan(beams=1, angle_min_rad=0.0, angle_max_rad=0.0, forward_m=0.0, left_m=0.0, range_max_m=1.0)
         limits = RangeLimits(range_min_m=0.0, range_max_m=1.0, too_near_m=0.0, no_return_m=1.0)
         lasers = [Lasers(fan, limits, range(robots))]
-        self._sensors = TeamSensors(lasers, [alphas] * robots, STEP_S, [omni] * robots)
+        self._sensors = TeamSensors(lasers, [alphas] * robots, step_s, [omni] * robots)
         self._generators, self._robots = generators, robots
 
     def step(self, motion: Pose, twist: Twist) -> State:
@@ -60,6 +62,20 @@ def pose_of(readings: State) -> tuple[float, float, float]:
     """Return the pose of the first robot."""
     pose = readings[0].odometry.pose.pose
     return pose.x_m, pose.y_m, pose.yaw_rad
+
+
+@pytest.mark.parametrize("turn_radps", [0.0, 0.8])
+@pytest.mark.parametrize("step_s", [0.02, 0.05, 0.2])
+def test_a_drive_drifts_alike_in_steps_of_any_length(step_s, turn_radps):
+    # In 8 s, first forwards, then along an arc.
+    covariances = []
+    for length_s in (STEP_S, step_s):
+        team = Team(SMALL, [np.random.default_rng(5)], step_s=length_s)
+        for motion, twist in [arc(0.5, 0.0, length_s), arc(0.5, turn_radps, length_s)]:
+            for _ in range(round(4.0 / length_s)):
+                state = team.step(motion, twist)
+        covariances.append(state[0].odometry.pose_covariance)
+    assert covariances[0] == pytest.approx(covariances[1], rel=0.1, abs=2e-4)
 
 
 @pytest.mark.parametrize("steps", [1, 7, 200])

@@ -37,7 +37,7 @@ def main() -> None:
 
 
 def parameters_of(robot_id: int, launched: dict[str, Any]) -> dict[str, Any]:
-    """Return the frames and the start of a robot, as parameters of amcl.
+    """Return the frames, the noise of the odometry and the start of a robot, as parameters of amcl.
 
     Args:   launched: the scenario, by the names of the settings of nodes, see `read_scenario`.
     Raises: RobotTeamSimError: amcl is not installed, the scenario has a mistake, or there is no such robot.
@@ -53,4 +53,6 @@ def parameters_of(robot_id: int, launched: dict[str, Any]) -> dict[str, Any]:
     x_m, y_m, yaw_rad = robots[robot_id].start_pose
     name = robot_name(robot_id)
     frames = {"global_frame_id": MAP_FRAME, "odom_frame_id": f"{name}/odom", "base_frame_id": f"{name}/base_link"}
-    return frames | {"initial_pose_x": x_m, "initial_pose_y": y_m, "initial_pose_a": yaw_rad}
+    odometry = robots[robot_id].odometry
+    noise = {f"odom_alpha{i}": 0.5 * getattr(odometry, f"alpha{i}") for i in (1, 2, 3, 4)}
+    return frames | noise | {"initial_pose_x": x_m, "initial_pose_y": y_m, "initial_pose_a": yaw_rad}
