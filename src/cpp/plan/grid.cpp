@@ -71,9 +71,17 @@ PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_
     }
   }
   const auto stamp = InflationStamp(inflation_m, shape);
+  const auto is_occupied = [&](int row, int col) {
+    return !Inside(row, col) || occupied[static_cast<std::size_t>(row) * shape.cols + col] != 0;
+  };
   for (int row = 0; row < shape.rows; ++row) {
     for (int col = 0; col < shape.cols; ++col) {
-      if (occupied[row * shape.cols + col] == 0) continue;
+      if (!is_occupied(row, col)) continue;
+      // One of these four is at least as near to each free cell.
+      if (is_occupied(row - 1, col) && is_occupied(row + 1, col) && is_occupied(row, col - 1) &&
+          is_occupied(row, col + 1)) {
+        continue;
+      }
       for (const auto& [d_row, d_col] : stamp) {
         if (Inside(row + d_row, col + d_col)) blocked_[(row + d_row) * shape.cols + col + d_col] = 1;
       }
