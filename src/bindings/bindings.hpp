@@ -18,6 +18,7 @@ void BindState(nb::module_&& m);
 void BindSensing(nb::module_&& m);
 void BindNetwork(nb::module_&& m);
 void BindSwarm(nb::module_&& m);
+void BindMaps(nb::module_&& m);
 void BindControl(nb::module_&& m);
 void BindSimulation(nb::module_&& m);
 void BindLearning(nb::module_&& m);

@@ -70,6 +70,12 @@ template <>
 struct type_caster<base::Pose> {
   NB_TYPE_CASTER(base::Pose, const_name("robotteamsim.geometry.Pose"))
 
+  static handle from_cpp(const base::Pose& pose, rv_policy /*policy*/, cleanup_list* /*cleanup*/) {
+    // Kept for as long as the interpreter runs.
+    static const handle pose_class = object(module_::import_("robotteamsim.geometry").attr("Pose")).release();
+    return pose_class(pose.x, pose.y, pose.yaw).release();
+  }
+
   bool from_python(handle source, uint32_t /*flags*/, cleanup_list* /*cleanup*/) noexcept {
     static const std::array<PyObject*, 3> names{PyUnicode_InternFromString("x_m"), PyUnicode_InternFromString("y_m"),
                                                 PyUnicode_InternFromString("yaw_rad")};

@@ -16,6 +16,7 @@ NB_MODULE(_core, m) {
   BindSensing(m.def_submodule("sensing", "Lasers, odometry and hearing."));
   BindNetwork(m.def_submodule("network", "Links between robots."));
   BindSwarm(m.def_submodule("swarm", "Velocities of a robotic swarm."));
+  BindMaps(m.def_submodule("maps", "What a robot knows of the building, and where it is."));
   BindControl(m.def_submodule("control", "Driving, and the memory of a robot."));
   BindSimulation(m.def_submodule("simulation", "Steps of many missions, and totals over a trial."));
   BindLearning(m.def_submodule("learning", "What agents perceive."));

@@ -31,10 +31,11 @@ ODD = (
 TIME_LIMIT_S = 5.0
 MEMORY_LIMIT_MB = 1024
 # An infinite length means that there is no path, an infinite range no return (REP-117). hypot equals math.hypot, and
-# the pose of a removed robot is NaN. A state has the numbers that it is given.
+# the pose of a removed robot is NaN. Without a wall, distances to one are infinite. A state has the numbers that it is
+# given.
 MAY_BE_INFINITE = {
     *("base.hypot", "distance_map", "value_at", "values_near", "least_reachable", "cast", "read", "remove_robot"),
-    *("lengths_from", "length_m"),
+    *("lengths_from", "length_m", "distances_m", "trace"),
     "state.State",
 }
 INFINITE_IF_GIVEN = {"sensing.report", "sensing.dim"}
@@ -64,7 +65,7 @@ def is_finite(value: Any) -> bool:
 
 def check(call: Any, expected: tuple[type[Exception], ...] = EXPECTED) -> None:
     """Make a call within the time limit; anything but an expected error or finite results raises an exception."""
-    from core_calls import evaluate
+    from call_trees import evaluate
 
     filled: list[Any] = []
     signal.setitimer(signal.ITIMER_REAL, TIME_LIMIT_S)
@@ -81,7 +82,7 @@ def check(call: Any, expected: tuple[type[Exception], ...] = EXPECTED) -> None:
 
 
 def each_once(calls: tuple[Any, ...]) -> Iterator[Any]:
-    from core_calls import leaves, replaced
+    from call_trees import leaves, replaced
 
     for call in calls:
         for path in leaves(call):
@@ -89,7 +90,7 @@ def each_once(calls: tuple[Any, ...]) -> Iterator[Any]:
 
 
 def at_random(calls: tuple[Any, ...], seconds: float, seed: int) -> Iterator[Any]:
-    from core_calls import leaves, replaced
+    from call_trees import leaves, replaced
 
     generator, end_s = random.Random(seed), time.monotonic() + seconds
     paths = {index: list(leaves(call)) for index, call in enumerate(calls)}

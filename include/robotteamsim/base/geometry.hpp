@@ -34,4 +34,7 @@ double NormaliseAngle(double angle_rad);
 /// Returns the motion from `from` to `to`, in the frame of `from`.
 Pose RelativePose(const Pose& from, const Pose& to);
 
+/// Returns the pose that a motion in the frame of `from` leads to: the inverse of RelativePose.
+Pose Composed(const Pose& from, const Pose& motion);
+
 }  // namespace robotteamsim::base

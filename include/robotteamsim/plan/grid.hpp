@@ -7,16 +7,9 @@
 #include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
+#include "robotteamsim/plan/grid_shape.hpp"
 
 namespace robotteamsim::plan {
-
-/// Where the cells of a grid lie in the map frame [m]; row 0 has the lowest y, cells are stored row by row.
-struct GridShape {
-  base::Point origin;  ///< lower left corner of the lower left cell
-  double resolution_m = 0.1;
-  int rows = 0;
-  int cols = 0;
-};
 
 /// A way between two places that does not lead over the grid, such as a lift, in both directions.
 struct Portal {
@@ -126,6 +119,7 @@ class PlanningGrid {
 
   bool Inside(int row, int col) const { return row >= 0 && row < shape_.rows && col >= 0 && col < shape_.cols; }
   bool Free(int row, int col) const { return Inside(row, col) && blocked_[row * shape_.cols + col] == 0; }
+  void FindExits();
   std::uint8_t ExitsOf(int cell) const;
   int RowOf(double y) const;
   int ColOf(double x) const;

@@ -24,6 +24,43 @@ struct OdometryModel {
   OdometryModel ForSteps(double step_s) const;
 };
 
+/// Three standard normal numbers: for the first turn, the distance and the second turn; for an omnidirectional robot:
+/// for the turn, along the motion and sideways.
+struct OdometryNoise {
+  double first_turn = 0.0;
+  double distance = 0.0;
+  double second_turn = 0.0;
+};
+
+/// The motion of one step as the model describes it, with the variances of its errors: those of the first turn, the
+/// distance and the second turn; for an omnidirectional robot those of the turn, along the motion and sideways.
+struct ModelledMotion {
+  /// Where a robot is after the motion, its displacement (x, y) and the direction of the motion, in the same frame.
+  struct Moved {
+    base::Pose pose;
+    double x = 0.0;
+    double y = 0.0;
+    double cos = 1.0;
+    double sin = 0.0;
+  };
+
+  /// Args: motion: in the frame of its beginning, its yaw is not used; turn: of the body [rad], of any size.
+  ModelledMotion(const OdometryModel& model, const base::Pose& motion, double turn, bool omni);
+
+  /// Returns the errors that random numbers stand for [rad, m, rad], or [rad, m, m].
+  OdometryNoise ErrorsOf(const OdometryNoise& noise) const;
+
+  /// Returns where a robot that starts at `from` is after the motion with these errors.
+  Moved From(const base::Pose& from, const OdometryNoise& errors) const;
+
+  bool omni;
+  double turn;
+  double heading = 0.0;   ///< relative to the yaw at its beginning [rad]
+  double distance = 0.0;  ///< negative if backwards [m]
+  OdometryNoise variances;
+  OdometryNoise deviations;
+};
+
 /// A robot's odometry: its true motion plus drift, in a frame `odom` that begins where the robot does.
 ///
 /// A motion is a turn, a distance and a second turn, each with Gaussian noise of the variances
@@ -45,20 +82,12 @@ struct OdometryModel {
 /// first-order approximation, valid while the yaw error is small (up to about 0.3 rad).
 class Odometry {
  public:
-  /// Three standard normal numbers: for the first turn, the distance and the second turn; for an omnidirectional robot:
-  /// for the turn, along the motion and sideways.
-  struct Noise {
-    double first_turn = 0.0;
-    double distance = 0.0;
-    double second_turn = 0.0;
-  };
-
   /// Args: step_s: length of a step [s]; omni: whether the robot is omnidirectional.
   /// Throws std::invalid_argument if a coefficient is negative or not finite, or the step is not above 0.
   Odometry(const OdometryModel& model, double step_s, bool omni = false);
 
   /// Adds one step. Args: motion: in the frame of its beginning; twist: the mean velocity, in base_link.
-  void Step(const base::Pose& motion, const base::Twist& twist, const Noise& noise);
+  void Step(const base::Pose& motion, const base::Twist& twist, const OdometryNoise& noise);
 
   /// The estimated pose in `odom`.
   const base::Pose& pose() const { return pose_; }
@@ -71,8 +100,6 @@ class Odometry {
   const state::TwistVariances& twist_variances() const { return twist_variances_; }
 
  private:
-  void StepOmni(const base::Pose& motion, const base::Twist& twist, const Noise& noise);
-
   OdometryModel model_;
   double step_s_;
   bool omni_;

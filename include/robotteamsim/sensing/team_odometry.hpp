@@ -23,7 +23,7 @@ class TeamOdometry {
 
   /// Adds one step of all robots, and writes their readings from a row of the state on.
   /// Args: motions: in the frames of their beginnings; twists: mean velocities, in base_link; noise: three standard
-  /// normal numbers per robot, see `Odometry::Noise`.
+  /// normal numbers per robot, see `OdometryNoise`.
   /// Throws std::invalid_argument if there is not one row of each per robot.
   void Step(const std::vector<base::Pose>& motions, const std::vector<base::Twist>& twists,
             const base::Table<const double>& noise, state::State* state, std::size_t first_row);

@@ -44,7 +44,7 @@ class TeamSensors {
   /// Lets smoke hide the returns of lasers from now on; null: the air is clear.
   void SetHaze(std::shared_ptr<const hazards::Haze> haze) { haze_ = std::move(haze); }
   /// Adds the random numbers of the odometry for further steps. Args: noise: standard normal numbers, a row per step of
-  /// three per robot, see `Odometry::Noise`. Throws std::invalid_argument if it has another shape.
+  /// three per robot, see `OdometryNoise`. Throws std::invalid_argument if it has another shape.
   void AddNoise(const base::Table<const double>& noise);
   /// The number of steps for which there are random numbers.
   std::size_t noise_left() const { return steps_left_; }

@@ -21,4 +21,10 @@ Pose RelativePose(const Pose& from, const Pose& to) {
   return {cos * dx + sin * dy, cos * dy - sin * dx, NormaliseAngle(to.yaw - from.yaw)};
 }
 
+Pose Composed(const Pose& from, const Pose& motion) {
+  const double cos = std::cos(from.yaw), sin = std::sin(from.yaw);
+  return {from.x + cos * motion.x - sin * motion.y, from.y + sin * motion.x + cos * motion.y,
+          NormaliseAngle(from.yaw + motion.yaw)};
+}
+
 }  // namespace robotteamsim::base

@@ -23,36 +23,14 @@ constexpr double kNearby = 1.0;
 /// With more portals, in both directions, paths are searched with a weaker bound.
 constexpr std::size_t kManyJumps = 64;
 
+/// A bit for each of the eight steps.
+constexpr std::uint8_t kAllExits = 0xFF;
+
 /// The number of steps along a row or a column; the others are diagonal.
 constexpr std::array<std::size_t, 4> kStraightSteps{1, 3, 4, 6};
 
 double SquaredDistance(const base::Point& a, const base::Point& b) {
   return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
-}
-
-void CheckShape(const GridShape& shape, std::size_t num_cells) {
-  base::CheckPositive(shape.resolution_m, "resolution_m");
-  base::Check(shape.origin, "the origin of a grid");
-  if (shape.rows < 1 || shape.cols < 1) throw std::invalid_argument("a grid needs at least one row and one column");
-  if (num_cells != static_cast<std::size_t>(shape.rows) * static_cast<std::size_t>(shape.cols)) {
-    throw std::invalid_argument("the number of cells must be rows * cols");
-  }
-}
-
-/// Returns row and column offsets of the cells whose centre is nearer than `inflation_m` to the square of cell (0, 0).
-std::vector<std::pair<int, int>> InflationStamp(double inflation_m, const GridShape& shape) {
-  std::vector<std::pair<int, int>> stamp;
-  const double reach = std::ceil(inflation_m / shape.resolution_m) + 1.0;
-  const int rows = base::ClampedInt(reach, 0, shape.rows), cols = base::ClampedInt(reach, 0, shape.cols);
-  for (int d_row = -rows; d_row <= rows; ++d_row) {
-    for (int d_col = -cols; d_col <= cols; ++d_col) {
-      const double x = std::max(0.0, std::abs(d_col) - 0.5) * shape.resolution_m;
-      const double y = std::max(0.0, std::abs(d_row) - 0.5) * shape.resolution_m;
-      // The margin keeps a cell at exactly the inflation free despite rounding.
-      if (x * x + y * y < inflation_m * inflation_m - 1e-9) stamp.emplace_back(d_row, d_col);
-    }
-  }
-  return stamp;
 }
 
 }  // namespace
@@ -87,8 +65,7 @@ PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_
       }
     }
   }
-  exits_.resize(blocked_.size());
-  for (int cell = 0; cell < static_cast<int>(blocked_.size()); ++cell) exits_[cell] = ExitsOf(cell);
+  FindExits();
   for (const Portal& portal : portals) {
     base::Check(portal.a, "an end of a portal");
     base::Check(portal.b, "an end of a portal");
@@ -137,6 +114,24 @@ base::Point PlanningGrid::Center(int row, int col) const {
 }
 
 base::Point PlanningGrid::Center(int cell) const { return Center(cell / shape_.cols, cell % shape_.cols); }
+
+void PlanningGrid::FindExits() {
+  exits_.resize(blocked_.size());
+  std::vector<std::uint8_t> beside(shape_.cols);  // whether a cell, or the one above or below it, is blocked
+  for (int row = 0; row < shape_.rows; ++row) {
+    const std::uint8_t* here = &blocked_[row * shape_.cols];
+    const std::uint8_t* above = here - (row > 0 ? shape_.cols : 0);
+    const std::uint8_t* below = here + (row < shape_.rows - 1 ? shape_.cols : 0);
+    for (int col = 0; col < shape_.cols; ++col) beside[col] = above[col] | here[col] | below[col];
+    const bool at_border = row == 0 || row == shape_.rows - 1;
+    for (int col = 0; col < shape_.cols; ++col) {
+      // Most cells have eight free neighbours.
+      const bool all =
+          !at_border && col > 0 && col < shape_.cols - 1 && (beside[col - 1] | beside[col] | beside[col + 1]) == 0;
+      exits_[row * shape_.cols + col] = all ? kAllExits : ExitsOf(row * shape_.cols + col);
+    }
+  }
+}
 
 std::uint8_t PlanningGrid::ExitsOf(int cell) const {
   const int row = cell / shape_.cols;

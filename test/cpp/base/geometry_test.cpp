@@ -27,6 +27,15 @@ TEST(RelativePose, IsSeenFromTheFirstPose) {
   EXPECT_NEAR(motion.yaw, kPi / 2.0, 1e-12);
 }
 
+TEST(Composed, UndoesRelativePose) {
+  const Pose from{1.0, 2.0, kPi / 2.0}, motion{3.0, 1.0, kPi};
+  const Pose to = Composed(from, motion);
+  EXPECT_NEAR(to.x, 0.0, 1e-12);
+  EXPECT_NEAR(to.y, 5.0, 1e-12);
+  EXPECT_NEAR(to.yaw, -kPi / 2.0, 1e-12);
+  EXPECT_NEAR(RelativePose(from, to).x, motion.x, 1e-12);
+}
+
 TEST(NearestPoint, IsTheFirstOfEquallyNearOnes) {
   EXPECT_EQ(NearestPoint({0.0, 0.0}, {{3.0, 0.0}, {0.0, -2.0}, {2.0, 0.0}}).y, -2.0);
   EXPECT_THROW(NearestPoint({0.0, 0.0}, {}), std::invalid_argument);

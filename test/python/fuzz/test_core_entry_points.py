@@ -16,7 +16,8 @@ from robotteamsim import _core
 _FUZZ = Path(__file__).parents[2] / "fuzz"
 sys.path.insert(0, str(_FUZZ))
 
-from core_calls import Call, calls  # noqa: E402
+from call_trees import Call  # noqa: E402
+from core_calls import calls  # noqa: E402
 
 # Objects that other calls return; their attributes are read there.
 _RESULTS = {"simulation.RobotTotals", "world.DoorState"}

@@ -49,8 +49,8 @@ def test_key_that_looks_like_the_tag_of_a_union_is_an_unknown_key(tmp_path: Path
     [
         ({"image": "x" * 300}, b"", "image: there is no file '" + "x" * 56 + "..."),
         ({"image": "a\x00b"}, b"", "image: there is no file 'a\\x00b'"),
-        ({"resolution": 1e-300}, TARGET["ROOM_IMAGE"], "resolution: 1e-300 is below 0.001"),
-        ({"resolution": 1e-6}, TARGET["ROOM_IMAGE"], "resolution: 1e-06 is below 0.001"),
+        ({"resolution": 1e-300}, TARGET["ROOM_IMAGE"], "resolution: 1.0e-300 is below 0.001"),
+        ({"resolution": 1e-6}, TARGET["ROOM_IMAGE"], "resolution: 1.0e-06 is below 0.001"),
         (
             {"origin": [1e300, 0, 0]},
             TARGET["ROOM_IMAGE"],

@@ -1,0 +1,119 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <unordered_map>
+#include <vector>
+
+#include "robotteamsim/base/geometry.hpp"
+#include "robotteamsim/maps/occupancy_grid.hpp"
+#include "robotteamsim/maps/scan.hpp"
+
+namespace robotteamsim::maps {
+
+/// A cell of an unbounded grid; cell (0, 0) has its lower left corner in the origin of the frame.
+struct Cell {
+  int col = 0;
+  int row = 0;
+};
+
+/// The hits in one cell: how many, and their mean, in the frame of the map.
+struct HitCell {
+  int count = 0;
+  SurfacePoint mean;
+};
+
+/// An occupancy grid of log odds [thrun2005, Table 9.1] that grows where it is needed, with the mean hit of each cell.
+///
+/// A cell is known once a beam has hit or crossed it. A scan changes each cell at most once, and a hit outweighs the
+/// beams of the same scan that cross its cell. The log odds are limited, so that a door that opens, or a robot that has
+/// gone, disappears.
+class LogOddsMap {
+ public:
+  /// Throws std::invalid_argument if the edge of a cell is not from 1 mm to 10 m.
+  explicit LogOddsMap(double cell_m);
+  LogOddsMap(LogOddsMap&&) = default;
+  LogOddsMap& operator=(LogOddsMap&&) = default;
+
+  double cell_m() const { return cell_m_; }
+
+  /// Adds a scan. Args: pose: of base_link, in the frame of the map.
+  /// Throws std::invalid_argument if a coordinate is above kLargest, a beam is longer than kLongestBeam, or the map
+  /// would become wider than kWidest.
+  void Insert(const Scan& scan, const base::Pose& pose);
+
+  /// Add what is free in another map, and what was hit there. Args: pose: of its frame, in this one.
+  /// Throw std::invalid_argument as above.
+  void AddFree(const OccupancyGrid& grid, const base::Pose& pose);
+  void AddHits(const std::vector<HitCell>& hits, const base::Pose& pose);
+
+  /// The cell that contains a point, whose coordinates are at most kLargest.
+  Cell CellOf(const base::Point& point) const;
+
+  /// The log odds of a cell, 0: unknown. A hit adds kHit, a beam that crosses it kMiss.
+  int LogOdds(const Cell& cell) const {
+    const int place = PlaceOfTile(cell);
+    return place < 0 || tiles_[place] == nullptr ? 0 : (*tiles_[place])[PlaceInTile(cell)];
+  }
+
+  /// Calls a function with the hits of each occupied cell in a square of cells around a point within kLargest.
+  /// Args: reach: the cells between the point's own and the border of the square.
+  template <typename Function>
+  void ForHitsNear(const base::Point& point, int reach, Function function) const {
+    const Cell center = CellOf(point);
+    for (int row = center.row - reach; row <= center.row + reach; ++row) {
+      for (int col = center.col - reach; col <= center.col + reach; ++col) {
+        if (LogOdds({col, row}) > 0) function(hits_.at(KeyOf({col, row})));
+      }
+    }
+  }
+
+  /// The hits of all occupied cells, row by row.
+  std::vector<HitCell> Hits() const;
+
+  /// What is known, in a rectangle of whole tiles that contains everything known.
+  /// Throws std::invalid_argument if that has more than 1e8 cells.
+  OccupancyGrid Occupancy() const;
+
+  /// How many times a cell became free or occupied that was something else before.
+  std::size_t changes() const { return changes_; }
+
+  /// The memory of cells and hits [bytes].
+  std::size_t Bytes() const;
+
+  static constexpr int kHit = 17, kMiss = -8;
+  static constexpr double kLargest = 1e6;  ///< coordinate [m]
+  static constexpr int kWidest = 1 << 17;  ///< number of cells from the first column or row to the last one
+
+ private:
+  static constexpr int kTileBits = 6, kTileCells = 1 << kTileBits;
+  using Tile = std::array<std::int8_t, kTileCells * kTileCells>;
+
+  static std::uint64_t KeyOf(const Cell& cell) {
+    return static_cast<std::uint64_t>(static_cast<std::uint32_t>(cell.row)) << 32 |
+           static_cast<std::uint32_t>(cell.col);
+  }
+  static int PlaceInTile(const Cell& cell) {
+    return (cell.row & (kTileCells - 1)) << kTileBits | (cell.col & (kTileCells - 1));
+  }
+  /// The place of a cell's tile in `tiles_`; -1: beyond it.
+  int PlaceOfTile(const Cell& cell) const {
+    const int col = (cell.col >> kTileBits) - first_tile_.col, row = (cell.row >> kTileBits) - first_tile_.row;
+    return col >= 0 && col < tile_cols_ && row >= 0 && row < tile_rows_ ? row * tile_cols_ + col : -1;
+  }
+  void Reach(const base::Point& least, const base::Point& most);
+  void Merge(const HitCell& hits);
+  void Change(const Cell& cell, int by);
+
+  double cell_m_;
+  Cell first_tile_;
+  int tile_cols_ = 0, tile_rows_ = 0;
+  std::vector<std::unique_ptr<Tile>> tiles_;         ///< row by row; null: nothing known
+  std::unordered_map<std::uint64_t, HitCell> hits_;  ///< of the occupied cells
+  std::size_t changes_ = 0;
+  std::vector<std::uint8_t> marks_;  ///< of the cells of a scan; a member, so that its memory is reused
+};
+
+}  // namespace robotteamsim::maps
