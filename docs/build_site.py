@@ -69,6 +69,7 @@ SECTIONS = {
         "network",
         "swarm",
         "search",
+        "unknown_buildings",
         "testing",
         "reliability",
         "SECURITY",

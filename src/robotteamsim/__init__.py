@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from robotteamsim.propagation import FieldMap
     from robotteamsim.rng import stream
     from robotteamsim.scenario import Scenario, load
-    from robotteamsim.scenario.plan import Grid
+    from robotteamsim.scenario.building import MapSource
+    from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN, Grid
     from robotteamsim.sensing.readings import OdometryReading, RobotReading, VoiceReading
     from robotteamsim.setup import Setup
     from robotteamsim.simulation import Observer, Result, Simulation, StepRecord
@@ -43,7 +44,10 @@ __version__ = "0.1.0"
 
 __all__ = [
     "EVERYBODY",
+    "FREE",
+    "OCCUPIED",
     "OUTSIDE",
+    "UNKNOWN",
     "Assistance",
     "Controller",
     "Decision",
@@ -52,6 +56,7 @@ __all__ = [
     "Grid",
     "KnownMap",
     "LiveView",
+    "MapSource",
     "Message",
     "Observation",
     "Observer",
@@ -87,7 +92,8 @@ _MODULES = {
     "propagation": ("FieldMap",),
     "rng": ("stream",),
     "scenario": ("Scenario", "load"),
-    "scenario.plan": ("Grid",),
+    "scenario.building": ("MapSource",),
+    "scenario.plan": ("FREE", "OCCUPIED", "UNKNOWN", "Grid"),
     "sensing.readings": ("OdometryReading", "RobotReading", "VoiceReading"),
     "setup": ("Setup",),
     "simulation": ("Observer", "Result", "Simulation", "StepRecord"),

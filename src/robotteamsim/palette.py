@@ -39,6 +39,8 @@ VICTIM_STATES = VICTIMS | RESCUED | {"fleeing": FLEEING, "collapsed": CASUALTY, 
 SKIN = "#f1d3b8"
 OPEN_AREA, TARGET_AREA, EXPLORED_AREA = "#c3ccd6", WHITE, GREEN
 COLLISION = VERMILLION
+FOUND, WRONGLY_FOUND = "#a6d854", "#ff2d55"
+"""What a team has found of a building that it does not know; walls that are not there."""
 
 STRONG_LINK, WEAK_LINK, ENDANGERED_LINK = GREEN, YELLOW, VERMILLION
 RELAYED = "#8d97a3"

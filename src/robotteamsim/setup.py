@@ -24,11 +24,13 @@ class Setup:
     scenario: with the victims of `mission.random_victims` and the people of `people.groups` at their places.
     robots:   the team with start poses, in id order: robots, firefighters, command centre.
     building: the floor plan, with the grids and maps of it that several users need.
+    found:    what a robot has found of a building that it does not know; None: it knows all of it.
     """
 
     scenario: Scenario
     robots: tuple[PlacedRobot, ...]
     building: Building
+    found: MapSource | None = None
 
     @property
     def plan(self) -> FloorPlan:
@@ -36,8 +38,8 @@ class Setup:
         return self.scenario.plan
 
     def map_of(self, robot_id: int) -> MapSource:
-        """Return what a member of the team knows of the building: all of it."""
-        return self.building
+        """Return what a member of the team knows of the building."""
+        return self.found or self.building
 
     @property
     def smallest_reach_m(self) -> float:
@@ -47,6 +49,11 @@ class Setup:
     def start_m(self, robot_id: int) -> Point:
         """Return where a member of the team starts, in `map` [m]."""
         return self.robots[robot_id].start_pose[:2]
+
+    def without_building(self, known: FloorPlan, found: MapSource) -> Setup:
+        """Return what a robot gets that does not know the building. Args: known: what it is told of the plan."""
+        scenario = self.scenario.model_copy(update={"plan": known})
+        return replace(self, scenario=scenario, building=Building(known), found=found)
 
     def with_control(self, control: Control) -> Setup:
         """Return the same setup with another section `control`."""
@@ -70,5 +77,5 @@ def check_headless(scenario: Scenario) -> None:
     """Raises: ScenarioError: the robots' poses come from tf, which only nodes of ROS can read."""
     if scenario.control.localisation == "tf":
         key = "control.localisation"
-        text = f"{key}: 'tf' is available only in ROS; expected 'ground_truth' or 'odometry'"
+        text = f"{key}: 'tf' is available only in ROS; expected ground_truth, odometry or laser"
         raise ScenarioError(scenario.origin.line(text, key))

@@ -85,7 +85,7 @@ class InterfaceTest(unittest.TestCase):
         for topic in TEAM_TOPICS:
             self.assertEqual(topic.name in published, topic.is_in(scenario))
         for name in ROBOTS:
-            expected |= {f"/{name}/{topic.name}": topic.type_name for topic in ROBOT_TOPICS}
+            expected |= {f"/{name}/{topic.name}": topic.type_name for topic in ROBOT_TOPICS if topic.is_in(scenario)}
         self.assertEqual({name: published.get(name) for name in expected}, expected)
 
     def test_services_have_their_types(self) -> None:

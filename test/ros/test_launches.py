@@ -29,7 +29,7 @@ from robotteamsim.message_parts import robot_name
 from robotteamsim.recording import BagWriter, TrajectoryHash
 from robotteamsim.recording.bag_types import bag_typestore
 from robotteamsim.recording.replay.reading import read_run
-from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS
+from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS, Topic
 from robotteamsim.recording.topics.robots import read_odometry
 from robotteamsim.ros.programs import installed
 from robotteamsim.scenario import load
@@ -127,13 +127,19 @@ def test_launch_ends_with_the_mission_and_its_totals(run: Run, headless_hash: st
     assert "Traceback" not in run.output
 
 
+def topics_of_robot() -> list[Topic]:
+    """Return the topics of each robot of garage_sar that have messages in a bag."""
+    scenario = load("garage_sar")
+    return [one for one in ROBOT_TOPICS if one.in_bags and one.is_in(scenario) and one.name not in SILENT]
+
+
 def test_recorded_bag_has_the_topics_and_types_of_a_headless_bag(run: Run) -> None:
-    wanted = [topic for topic in TEAM_TOPICS if topic.is_in(load("garage_sar")) and topic.name not in SILENT]
+    scenario = load("garage_sar")
+    wanted = [topic for topic in TEAM_TOPICS if topic.is_in(scenario) and topic.name not in SILENT]
     expected = {topic.name: topic.type_name for topic in wanted}
-    of_robot = [topic for topic in ROBOT_TOPICS if topic.in_bags and topic.name not in SILENT]
     for robot_id in range(3):
         name = robot_name(robot_id)
-        expected |= {f"/{name}/{topic.name}": topic.type_name for topic in of_robot}
+        expected |= {f"/{name}/{topic.name}": topic.type_name for topic in topics_of_robot()}
     with Reader(run.bag) as bag:
         found = {name: topic.msgtype.replace("/msg/", "/") for name, topic in bag.topics.items() if topic.msgcount}
     assert found == expected
@@ -147,8 +153,7 @@ def test_bag_of_a_fast_mission_in_lockstep_lacks_no_message(tmp_path: Path) -> N
         assert program.wait() == 0, program.output
     assert "/recorder" not in program.output
     each_step = {"/network/links", "/network/state", "/mission/status", "/tf"}
-    of_robot = [topic.name for topic in ROBOT_TOPICS if topic.in_bags and topic.name not in SILENT]
-    each_step |= {f"/{robot_name(robot_id)}/{name}" for robot_id in range(3) for name in of_robot}
+    each_step |= {f"/{robot_name(robot_id)}/{topic.name}" for robot_id in range(3) for topic in topics_of_robot()}
     with Reader(tmp_path / "run.bag") as bag:
         counts = {name: bag.topics[name].msgcount for name in (*each_step, "/clock")}
     assert counts == dict.fromkeys(each_step, 1001) | {"/clock": 5005}

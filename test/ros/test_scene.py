@@ -171,6 +171,17 @@ def test_rviz_shows_the_scans_of_each_robot_in_its_colour():
     assert of_robots["/robot_1/base_scan"]["Color"] == f"{red}; {green}; {blue}"
 
 
+def test_rviz_shows_the_beliefs_of_robots_that_localise_themselves_alone():
+    config = ROOT / "rviz" / "robotteamsim.rviz"
+    topics = {}
+    for name in ("office_unknown", "garage_sar"):
+        displays = fitted(config, load(name))["Visualization Manager"]["Displays"]
+        topics[name] = {one.get("Topic"): one["Class"] for one in displays}
+    assert topics["office_unknown"]["/robot_3/amcl_pose"] == "rviz/PoseWithCovariance"
+    assert topics["office_unknown"]["/robot_3/map"] == "rviz/Map"
+    assert not {"/robot_0/amcl_pose", "/robot_0/map"} & topics["garage_sar"].keys()
+
+
 def grab(display: str) -> np.ndarray:
     """Return the screen, shape (height, width, 3)."""
     command = ["import", "-display", display, "-window", "root", "-depth", "8", "rgb:-"]

@@ -23,14 +23,20 @@ def headless_hash(name: str) -> str:
     return Simulation(load(name, ["run.seed=7", "mission.time_limit_s=30"])).run().trajectory_hash
 
 
-@pytest.mark.parametrize("controllers", ["nodes", "team", "inside"])
-def test_mission_in_lockstep_has_the_hash_of_a_run_without_ros(tmp_path, controllers):
-    command = (*MISSION, "garage_sar", *SHORT, "--lockstep", "--controllers", controllers, "--out", "there")
+@pytest.mark.parametrize(
+    ("name", "controllers"),
+    [
+        *(("garage_sar", hosted) for hosted in ("nodes", "team", "inside")),
+        *(("garage_unknown", "nodes"), ("office_unknown", "team")),
+    ],
+)
+def test_mission_in_lockstep_has_the_hash_of_a_run_without_ros(tmp_path, name, controllers):
+    command = (*MISSION, name, *SHORT, "--lockstep", "--controllers", controllers, "--out", "there")
     with running(command, tmp_path) as mission:
         assert mission.wait() == 0, mission.output
-    assert headless_hash("garage_sar") in mission.output
+    assert headless_hash(name) in mission.output
     result = json.loads((tmp_path / "there" / "mission.json").read_text())
-    assert result["result"]["trajectory_hash"] == headless_hash("garage_sar")
+    assert result["result"]["trajectory_hash"] == headless_hash(name)
 
 
 def test_fire_with_additional_sensors_has_the_hash_of_a_run_without_ros(tmp_path):

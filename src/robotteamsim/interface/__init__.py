@@ -3,6 +3,7 @@
 from robotteamsim.interface.controller import Controller, Observation
 from robotteamsim.interface.decision import OUTSIDE, Decision, SwarmContext
 from robotteamsim.interface.discovery import Discovery
+from robotteamsim.interface.localisation import Estimate, Localisation
 from robotteamsim.interface.task import Assistance, Task
 from robotteamsim.network.messages import EVERYBODY, Message
 
@@ -13,6 +14,8 @@ __all__ = [
     "Controller",
     "Decision",
     "Discovery",
+    "Estimate",
+    "Localisation",
     "Message",
     "Observation",
     "SwarmContext",

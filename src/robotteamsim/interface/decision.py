@@ -3,8 +3,10 @@
 import msgspec
 
 from robotteamsim.geometry import Twist
+from robotteamsim.interface.localisation import Localisation
 from robotteamsim.network.messages import Message
 from robotteamsim.propagation import FieldMap
+from robotteamsim.scenario.plan import OccupancyGrid
 
 OUTSIDE = -1
 """`Decision.swarm` of a robot that is socially excluded."""
@@ -47,6 +49,9 @@ class Decision(msgspec.Struct, frozen=True):
     done:         one line: why the robot has nothing left to do; "" while it has. The mission ends when all are done.
     belief:       for display, where it expects victims: per cell 0 to 100 % of what it expected at first; None in most
                   steps, and from controllers without a belief.
+    localisation: where it believes that it is; None: it uses its true pose, or that of tf.
+    found:        for display, what it and its team have found of a building that they do not know: the cells around all
+                  that are known; None in most steps.
     """
 
     twist: Twist = Twist()
@@ -62,3 +67,5 @@ class Decision(msgspec.Struct, frozen=True):
     belief: FieldMap | None = None
     local_best_m: tuple[float, float] | None = None
     area: int = -1
+    localisation: Localisation | None = None
+    found: OccupancyGrid | None = None

@@ -440,6 +440,12 @@ def _checked(scenario: AnyScenario, rules: Rules) -> Scenario:
     """Return a scenario. Raises: RobotTeamSimError: it is invalid, or no mission of agents with these rules."""
     scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
     check_headless(scenario)
+    control = scenario.control
+    if control.localisation == "laser" or control.map == "unknown":
+        key = "control.map" if control.map == "unknown" else "control.localisation"
+        expected = "expected the plan, and true poses or odometry"
+        text = f"{key}: '{getattr(control, key[8:])}' is not possible for agents; {expected}"
+        raise LearningError(scenario.origin.line(text, key))
     if not scenario.searcher_ids:
         raise LearningError(scenario.origin.line("robots.count: no robot can be driven", "robots.count"))
     arriving = [f"schedule.{i}.spawn" for i, event in enumerate(scenario.schedule) if event.spawn is not None]

@@ -12,7 +12,7 @@ from typing import Any
 import msgspec
 
 from robotteamsim.geometry import Twist
-from robotteamsim.interface import Decision
+from robotteamsim.interface import Decision, Localisation
 from robotteamsim.message_parts import robot_name
 from robotteamsim.mission import Sensed
 from robotteamsim.network.messages import Message
@@ -22,7 +22,9 @@ from robotteamsim.nodes.outputs import Decided, decision_outputs
 from robotteamsim.nodes.settings import Settings
 from robotteamsim.nodes.steps import REPORT_TIMEOUT_S
 from robotteamsim.recording.topics import Topic
+from robotteamsim.recording.topics.beliefs import FOUND_MAP, LOCALISATION
 from robotteamsim.recording.topics.decisions import COMMAND, OUTBOX, STAMPED_COMMAND, STATUS
+from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.simulation import TeamControllers
 
@@ -30,7 +32,7 @@ CHECK_PERIOD_S = 1.0
 """Interval of checks for silent controllers [s, wall]."""
 
 ANSWERS = (STAMPED_COMMAND, OUTBOX, STATUS)
-"""The topics by which a controller answers."""
+"""The topics by which a controller answers, with LOCALISATION if it localises the robot."""
 Answer = tuple[int, Topic]
 """A robot's id, and one of these topics."""
 
@@ -84,6 +86,10 @@ class _Robot:
         self.status = Decision()
         self.twist = STOP
         self.outbox: list[Message] = []
+        self.localisation: Localisation | None = None
+        """Of the current step."""
+        self.found: OccupancyGrid | None = None
+        """A map that came since the last step."""
 
 
 class ControllersByTopic:
@@ -118,7 +124,9 @@ class ControllersByTopic:
         self._robots = [_Robot() for _ in range(settings.num_robots)]
         self.faults = ("",) * settings.num_robots
         """As for all controllers: these publish theirs."""
-        for topic in ANSWERS if settings.mission else ():
+        self._answers = (*ANSWERS, LOCALISATION) if LOCALISATION.is_in(settings.scenario) else ANSWERS
+        shown = (FOUND_MAP,) if FOUND_MAP.is_in(settings.scenario) else ()
+        for topic in (*self._answers, *shown) if settings.mission else ():
             if topic is not STAMPED_COMMAND or settings.controlled:
                 for robot_id in range(settings.num_robots):
                     Input.of(node, topic, settings, robot_id).listen(partial(self._receive, (robot_id, topic)))
@@ -140,7 +148,7 @@ class ControllersByTopic:
         """As for all controllers."""
         with self._changed:
             self._time_ns = sensed.sim_time_ns
-            expected = {(i, topic) for i in self._settings.controlled if sensed.present[i] for topic in ANSWERS}
+            expected = {(i, topic) for i in self._settings.controlled if sensed.present[i] for topic in self._answers}
             lockstep = self._settings.lockstep
             self._waiting = expected - self._silent if lockstep else expected & self._known
         self._publish(sensed)
@@ -163,15 +171,17 @@ class ControllersByTopic:
     def _decision(self, robot_id: int) -> Decision:
         robot = self._robots[robot_id]
         outbox, robot.outbox = tuple(robot.outbox), []
+        believed = {"localisation": robot.localisation, "found": robot.found}
+        robot.localisation = robot.found = None
         if not self._settings.lockstep or robot_id not in self._settings.controlled:
-            return msgspec.structs.replace(robot.status, twist=robot.twist, outbox=outbox)
+            return msgspec.structs.replace(robot.status, twist=robot.twist, outbox=outbox, **believed)
         missing = self._waiting | self._silent
         status = robot.status if (robot_id, STATUS) not in missing else Decision()
         twist = robot.twist if (robot_id, STAMPED_COMMAND) not in missing else STOP
         if silent := _names(answer for answer in self._silent if answer[0] == robot_id):
             too_slow = f"{', '.join(silent)}: silent for {self._settings.silence_limit_s:g} s"
             status = msgspec.structs.replace(status, fault=status.fault or too_slow)
-        return msgspec.structs.replace(status, twist=twist, outbox=outbox)
+        return msgspec.structs.replace(status, twist=twist, outbox=outbox, **believed)
 
     def _forget(self, robot_id: int) -> Decision:
         self._robots[robot_id] = _Robot()
@@ -203,11 +213,16 @@ class ControllersByTopic:
             is_answer = stamp_ns == self._time_ns
             if robot_id in self._settings.controlled:
                 is_of_former_run = stamp_ns > self._time_ns
-                if is_of_former_run or (self._settings.lockstep and not is_answer):
+                # No step waits for a map, which may come late.
+                is_late = self._settings.lockstep and not is_answer and topic is not FOUND_MAP
+                if is_of_former_run or is_late:
                     return
-            self._store(robot_id, topic, value)
+            if is_answer or topic is not LOCALISATION:
+                self._store(robot_id, topic, value)
             if is_answer:
                 self._waiting.discard(answer)
+                if topic is STATUS and value.fault:  # a stopped controller localises its robot no more
+                    self._waiting.discard((robot_id, LOCALISATION))
                 if not self._waiting:
                     self._changed.notify_all()
 
@@ -217,6 +232,10 @@ class ControllersByTopic:
             robot.twist = value
         elif topic is OUTBOX:
             robot.outbox += value
+        elif topic is LOCALISATION:
+            robot.localisation = value
+        elif topic is FOUND_MAP:
+            robot.found = value
         else:
             robot.status = value
 
@@ -243,7 +262,7 @@ class ControllersInside:
         """As for all controllers."""
         self._publish(sensed)
         decisions = self._controllers.step(sensed)
-        self._outputs.publish(Decided(sensed.sim_time_ns, sensed.present, decisions))
+        self._outputs.publish(Decided(sensed.sim_time_ns, sensed.present, decisions, sensed.readings))
         return decisions
 
 

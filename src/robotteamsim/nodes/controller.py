@@ -25,6 +25,7 @@ from robotteamsim.recording.topics.decisions import STAMPED_COMMAND
 from robotteamsim.recording.topics.mission import MISSION_STATUS
 from robotteamsim.recording.topics.radio import INBOX, VOICE
 from robotteamsim.recording.topics.world import ROBOTS, TeamPresence
+from robotteamsim.sensing.readings import RobotReading
 
 logger = logging.getLogger(__name__)
 
@@ -84,7 +85,7 @@ class ControllerSlot:
 
     def announce(self) -> None:
         """Publish that the controller has started, before it answers any step."""
-        begin = Decided(0, {self.robot_id: True}, {self.robot_id: Decision()})
+        begin = Decided(0, {self.robot_id: True}, {self.robot_id: Decision()}, {})
         self._outputs.publish(begin, only=STAMPED_COMMAND)
 
     def build(self, settings: Settings) -> None:
@@ -113,7 +114,7 @@ class ControllerSlot:
             pose = self._tf.newest
             if lost or pose is None:
                 standing = msgspec.structs.replace(self._decision, twist=Twist(), outbox=(), fault=lost)
-                self._publish(step.stamp_ns, standing)
+                self._publish(step.stamp_ns, standing, None)
                 return
         reading = self._sensors.reading(values, pose)
         if self._scan_check is not None and pose is not None:
@@ -122,10 +123,11 @@ class ControllerSlot:
                 logger.warning("%s", line)
         observation = Observation(self.robot_id, step.stamp_ns, reading, values[self._voice.topic])
         self._decision = self._controller.step(observation, self._inbox(step), task)
-        self._publish(step.stamp_ns, self._decision)
+        self._publish(step.stamp_ns, self._decision, reading)
 
-    def _publish(self, stamp_ns: int, decision: Decision) -> None:
-        self._outputs.publish(Decided(stamp_ns, {self.robot_id: True}, {self.robot_id: decision}))
+    def _publish(self, stamp_ns: int, decision: Decision, reading: RobotReading | None) -> None:
+        i = self.robot_id
+        self._outputs.publish(Decided(stamp_ns, {i: True}, {i: decision}, {} if reading is None else {i: reading}))
 
     def _inbox(self, step: Step) -> list[Message]:
         topic = self._received.topic

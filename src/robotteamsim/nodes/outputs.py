@@ -20,28 +20,33 @@ from robotteamsim.nodes.settings import Settings
 from robotteamsim.nodes.stage import unprefixed
 from robotteamsim.propagation import FieldMap
 from robotteamsim.recording.topics import RECORD_TOPICS, Changes, Source, Topic, When, robots
+from robotteamsim.recording.topics.beliefs import BELIEF_TOPICS, ORIGIN
 from robotteamsim.recording.topics.decisions import COMMAND, DECISION_TOPICS
 from robotteamsim.recording.topics.mission import MISSION_TOPICS
 from robotteamsim.recording.topics.radio import RADIO_MAP_TOPICS, VOICE_MAP_TOPICS
 from robotteamsim.recording.topics.robots import BODY_TOPICS, ODOM, TF
 from robotteamsim.recording.topics.world import DOORS, OBJECTS, ROBOTS, WORLD_TOPICS
 from robotteamsim.scenario.sensors.base import messages_of, naming
-from robotteamsim.sensing.readings import OdometryReading
+from robotteamsim.sensing.readings import OdometryReading, RobotReading
 from robotteamsim.simulation import Simulation, StepRecord
 from robotteamsim.world.contract import AnyWorld, ObjectStates
 
 RADIO_MAP_PERIOD_NS = 10**9
 
-ORIGIN = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
+AT_ORIGIN = OdometryReading(PoseReading(0.0, 0.0, 0.0, 1.0), Twist())
 """Of a robot at the origin of its odometry."""
 
 
 class Decided(NamedTuple):
-    """The part of a step that controllers publish: of the robots by their ids."""
+    """The part of a step that controllers publish: of the robots by their ids.
+
+    readings: of robots that have decided, in the step that they answer.
+    """
 
     sim_time_ns: int
     present: Mapping[int, bool] | np.ndarray
     decisions: Mapping[int, Decision] | Sequence[Decision]
+    readings: Mapping[int, RobotReading] | Sequence[RobotReading]
 
 
 class _Moved(NamedTuple):
@@ -75,7 +80,9 @@ class RobotOutputs:
         self._node = node
         self._has_prefix = settings.prefix
         self._source = Source(settings.setup)
-        self._outputs = [(topic, i, output_of(node, topic, settings, i)) for i, topic in topics]
+        self._outputs = [
+            (topic, i, output_of(node, topic, settings, None if topic is ORIGIN else i)) for i, topic in topics
+        ]
 
     def publish(self, step: StepInputs, only: Topic | None = None) -> None:
         """Publish the messages of the present robots that somebody receives. Args: only: one of the topics."""
@@ -91,8 +98,9 @@ class RobotOutputs:
 
 def decision_outputs(node: Node, settings: Settings, robot_ids: Iterable[int]) -> RobotOutputs:
     """Advertise what the controllers of robots publish: `cmd_vel` only for robots that are not driven by hand."""
-    rest = [topic for topic in DECISION_TOPICS if topic is not COMMAND]
-    rows = [(i, topic) for i in robot_ids for topic in (rest if settings.is_driven_by_hand(i) else DECISION_TOPICS)]
+    topics = [one for one in (*DECISION_TOPICS, *BELIEF_TOPICS, ORIGIN) if one.is_in(settings.scenario)]
+    rest = [topic for topic in topics if topic is not COMMAND]
+    rows = [(i, topic) for i in robot_ids for topic in (rest if settings.is_driven_by_hand(i) else topics)]
     return RobotOutputs(node, rows, settings)
 
 
@@ -100,7 +108,7 @@ class TeamOutputs(RobotOutputs):
     """What all robots sense, and their tf."""
 
     def __init__(self, node: Node, settings: Settings, *, localized: bool) -> None:
-        """Args: localized: whether tf also has map -> odom, without error."""
+        """Args: localized: as in `Source`."""
         self._models = models = settings.setup.robots
         self._here = [robot_id for robot_id in range(len(models)) if robot_id not in settings.elsewhere]
         super().__init__(node, itertools.product(self._here, BODY_TOPICS), settings)
@@ -110,7 +118,8 @@ class TeamOutputs(RobotOutputs):
             for sensor in models[i].sensors
         ]
         self._tf = output_of(node, TF, settings)
-        self._localized = localized
+        # The controllers of robots that localise themselves publish what these believe.
+        self._localized = localized and not settings.scenario.control.localises
         self._origins: Sequence[PoseReading] = ()
 
     def _sensor_output(self, settings: Settings, robot_id: int, name: str, type_name: str) -> Output:
@@ -129,7 +138,7 @@ class TeamOutputs(RobotOutputs):
                     for name, message in messages.items():
                         outputs[name].publish(self._named(message, i))
         if self._localized:
-            self._origins = [robots.odometry_origin(reading) for reading in step.readings]
+            self._origins = [robots.odometry_origin(one.true_pose, one.odometry) for one in step.readings]
         self._publish_tf(step)
 
     def publish_motion(self, time_ns: int, odometry: TeamOdometry, present: np.ndarray) -> None:

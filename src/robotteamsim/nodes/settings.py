@@ -56,7 +56,8 @@ class Settings:
     def is_latched(self, topic: Topic) -> bool:
         """Whether later subscribers of a topic get its last message."""
         # In lockstep a late subscriber must still get the step that all nodes wait for.
-        return topic.latched or (self.lockstep and topic.when is When.STEP and topic not in (TF, COMMAND))
+        is_waited_for = self.lockstep and topic.when is When.STEP and topic.name not in (TF.name, COMMAND.name)
+        return topic.latched or is_waited_for
 
     @property
     def controlled(self) -> range:

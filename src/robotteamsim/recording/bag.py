@@ -7,7 +7,6 @@ from typing import Any, NamedTuple
 from robotteamsim.errors import RecordingError
 from robotteamsim.message_parts import robot_name
 from robotteamsim.recording.topics import ROBOT_TOPICS, TEAM_TOPICS, Changes, Source
-from robotteamsim.recording.topics.robots import TF, odometry_origin
 from robotteamsim.recording.topics.world import CLOCK, clock, level_maps
 from robotteamsim.scenario.map_image import check_published_map
 from robotteamsim.scenario.sensors.base import messages_of
@@ -15,7 +14,6 @@ from robotteamsim.setup import Setup
 from robotteamsim.simulation import StepRecord
 
 _OF_TEAM = tuple(topic for topic in TEAM_TOPICS if topic is not CLOCK)
-_OF_ROBOT = tuple(topic for topic in ROBOT_TOPICS if topic.in_bags)
 
 
 MOST_ROBOTS = 1000
@@ -41,17 +39,17 @@ class BagMessages:
     """The messages of a trial, step by step."""
 
     def __init__(self, setup: Setup, *, localized: bool = False) -> None:
-        """Prepare the messages. Args: localized: whether /tf also has map -> odom of each robot, without error.
+        """Prepare the messages. Args: localized: as in `Source`.
 
         Raises: ScenarioError: /map would have too many cells.
         """
         check_published_map(setup.scenario)
         self._scenario, self._robots = setup.scenario, setup.robots
         self._step_ns = round(setup.scenario.run.step_s * 1e9)
-        self._source = Source(setup)
-        self._localized = localized
+        self._source = Source(setup, localized=localized)
         self._changes = Changes()
         self._team = [topic for topic in _OF_TEAM if topic.is_in(setup.scenario)] + level_maps(setup.scenario)
+        self._of_robot = [topic for topic in ROBOT_TOPICS if topic.in_bags and topic.is_in(setup.scenario)]
         self._names = [f"/{robot_name(robot_id)}/" for robot_id in range(len(setup.robots))]
 
     def topics(self) -> Iterator[BagTopic]:
@@ -59,7 +57,7 @@ class BagMessages:
         for topic in (CLOCK, *self._team):
             yield BagTopic(topic.name, topic.type_name, topic.latched)
         for prefix, robot in zip(self._names, self._robots, strict=True):
-            for of_robot in _OF_ROBOT:
+            for of_robot in self._of_robot:
                 yield BagTopic(prefix + of_robot.name, of_robot.type_name, of_robot.latched)
             for sensor in robot.sensors:
                 for name, type_name in sensor.topics.items():
@@ -74,10 +72,7 @@ class BagMessages:
         for topic in self._team:
             if not self._changes.note(topic, record):
                 continue
-            values = topic.values(self._source, record)
-            if topic is TF and self._localized:
-                values = (*(values or ()), [odometry_origin(reading) for reading in record.readings])
-            for message in topic.messages(time_ns, values):
+            for message in topic.messages(time_ns, topic.values(self._source, record)):
                 yield time_ns, topic.name, message
         for robot_id, prefix in enumerate(self._names):
             if record.is_there(robot_id):
@@ -87,7 +82,7 @@ class BagMessages:
 
     def _robot_messages(self, record: StepRecord, robot_id: int) -> Iterator[tuple[str, Any]]:
         time_ns = record.sim_time_ns
-        for topic in _OF_ROBOT:
+        for topic in self._of_robot:
             for message in topic.messages(time_ns, topic.values(self._source, record, robot_id)):
                 yield topic.name, message
         measured = record.readings[robot_id].sensors

@@ -39,7 +39,7 @@ class RosRecorder(ABC):
     """The command that repairs a file that was not closed."""
 
     def __init__(self, path: Path, *, localized: bool = False) -> None:
-        """Args: localized: whether /tf also has map -> odom of each robot, as with `localization:=ground_truth`."""
+        """Args: localized: as with `localization:=ground_truth`, see `Source`."""
         self._path, self._localized = path, localized
         self._active = self._temporary = path.parent / f"{path.name}.active"
         self._writer: Any = None

@@ -7,7 +7,7 @@ from typing import Any
 
 from robotteamsim.message_parts import RosMessage
 from robotteamsim.nodes.node import Node
-from robotteamsim.nodes.outputs import ORIGIN, TeamOutputs
+from robotteamsim.nodes.outputs import AT_ORIGIN, TeamOutputs
 from robotteamsim.nodes.settings import Settings
 from robotteamsim.nodes.stage import unprefixed
 from robotteamsim.recording.topics import robots
@@ -25,7 +25,7 @@ class Ros2TeamOutputs(TeamOutputs):
         names = {i: settings.robot_topic(i, "tf") for i in self._here if settings.prefix}
         self._own_tf = {i: node.output(name, robots.TF.type_name) for i, name in names.items()}
         for i in self._own_tf:
-            links = robots.robot_transforms(0, i, self._models[i], ORIGIN)
+            links = robots.robot_transforms(0, i, self._models[i], AT_ORIGIN)
             fixed = [link for link in _own(links, i) if link["child_frame_id"] not in _MOVING]
             output = node.output(settings.robot_topic(i, "tf_static"), robots.TF.type_name, latched=True)
             output.publish({"transforms": fixed})

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
 from robotteamsim.scenario.floor_plan import FloorPlan
+from robotteamsim.scenario.levels import Portal, Traveller, portals
 from robotteamsim.scenario.plan import OccupancyGrid, occupancy_grid
 
 Doors = tuple[tuple[str, bool], ...]
@@ -39,14 +40,14 @@ class MapSource(Protocol):
     def grid(self, resolution_m: float, doors: Doors = ()) -> OccupancyGrid:
         """Return the occupancy grid, whose cells may be UNKNOWN; do not change it."""
 
+    def portals(self, by: Traveller) -> list[Portal]:
+        """Return the ways between levels, see `levels.portals`."""
 
-class Building:
-    """A floor plan, and the grids, maps and graphs that robots of a trial share, and trials on the same plan."""
 
-    version = 0
+class SharedResults:
+    """Keeps what is computed from a source."""
 
-    def __init__(self, plan: FloorPlan) -> None:
-        self.plan = plan
+    def __init__(self) -> None:
         self._functions: dict[Callable[..., Any], Callable[..., Any]] = {}
 
     def shared(self, make: Callable[Concatenate[Any, P], T], *arguments: P.args, **keys: P.kwargs) -> T:
@@ -56,9 +57,27 @@ class Building:
         result: T = self._functions[make](*arguments, **keys)
         return result
 
+    def forget(self) -> None:
+        """Forget all results, because the source has changed."""
+        self._functions.clear()
+
+
+class Building(SharedResults):
+    """A floor plan, and the grids, maps and graphs that robots of a trial share, and trials on the same plan."""
+
+    version = 0
+
+    def __init__(self, plan: FloorPlan) -> None:
+        super().__init__()
+        self.plan = plan
+
     def grid(self, resolution_m: float, doors: Doors = ()) -> OccupancyGrid:
         """Return the occupancy grid, see `plan.occupancy_grid`; do not change it."""
         return self.shared(_grid, resolution_m, doors)
+
+    def portals(self, by: Traveller) -> list[Portal]:
+        """As for all sources."""
+        return portals(self.plan.levels, self.plan.passages, by)
 
     def grid_without_doors(self, resolution_m: float) -> OccupancyGrid:
         """Return the occupancy grid of walls and blocks alone; do not change it."""

@@ -13,6 +13,9 @@ from pydantic import Field, model_validator
 from robotteamsim.scenario.base import Many, Model, Name, Point, wrong
 from robotteamsim.scenario.shapes import Bounds, check_polygon, shown_point
 
+Portal = tuple[Point, Point, float]
+"""Two places in `map`, and the length of the way between them [m]."""
+
 Traveller = Literal["robots", "people"]
 """Who goes over a passage: robots, or people and firefighters on foot."""
 
@@ -208,7 +211,7 @@ def places_at_end(way: Way, position: Point) -> list[Point]:
     return [(x_m + dx_m, y_m + dy_m) for dx_m, dy_m in offsets]
 
 
-def portals(levels: Sequence[Level], passages: Sequence[Passage], by: Traveller) -> list[tuple[Point, Point, float]]:
+def portals(levels: Sequence[Level], passages: Sequence[Passage], by: Traveller) -> list[Portal]:
     """Return the ends and the equivalent length of all ways, as a `PlanningGrid` takes them [m]."""
     return [(way.start, way.end, way.equivalent_m(by)) for way in ways(levels, passages, by)]
 

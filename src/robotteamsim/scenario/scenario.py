@@ -108,6 +108,7 @@ class Scenario(Model):
         if self.mission.area_order == "search" and not self.control.values_areas:
             text = f"'search' needs control.algorithm search, which values areas, not {self.control.algorithm}"
             raise wrong("mission.area_order", text)
+        self._check_map()
         check_names(by_index("objects", self.objects))
         if self.team_size and not any(self.present_at_start):
             raise wrong("robots", "none of them is present at the start")
@@ -163,6 +164,20 @@ class Scenario(Model):
         if self.firefighters is not None and self.firefighters.block_c < self.fire.heat.block_c:
             limits = f"{self.firefighters.block_c:g} is below fire.heat.block_c, {self.fire.heat.block_c:g}"
             raise wrong("firefighters.block_c", f"{limits}, the least temperature that thermal cameras show")
+
+    def _check_map(self) -> None:
+        """Raise the error of a team that cannot map its building."""
+        control = self.control
+        if control.map not in control.maps:
+            expected = " or ".join(f"'{name}'" for name in control.maps)
+            raise wrong("control.map", f"'{control.map}' with algorithm {control.algorithm}; expected {expected}")
+        if control.map == "known":
+            return
+        cannot = {"levels": self.plan.levels, "firefighters": self.firefighters, "relays": self.relays.count}
+        cannot["localisation tf"] = control.localisation == "tf"
+        for what, given in cannot.items():
+            if given:
+                raise wrong("control.map", f"'unknown' is not possible with {what}; expected 'known'")
 
     def _check_roles(self) -> None:
         """Raise the error of robots, firefighters, command centre and victims that do not fit together."""

@@ -20,6 +20,7 @@ from robotteamsim.mission import Sensed
 from robotteamsim.recording.bag_types import ROS1, ROS2, message_type
 from robotteamsim.rng import stream
 from robotteamsim.scenario import Scenario, load
+from robotteamsim.scenario.controllers import control_kind
 from robotteamsim.scenario.problems import suggestion
 from robotteamsim.scenario.sections import Team
 from robotteamsim.scenario.sensors.base import messages_of, naming, reading_of, text_of
@@ -61,7 +62,8 @@ def check_controller(
     if "<locals>" in name or steps < 1:
         what = f"{name}: expected a class of a module" if "<locals>" in name else f"steps: {steps}; expected at least 1"
         raise ScenarioError(f"check_controller: {what}")
-    loaded = load(scenario, [f"control.algorithm={name}", *overrides])
+    unknown = [] if "known" in control_kind(name).maps else ["control.map=unknown"]
+    loaded = load(scenario, [f"control.algorithm={name}", *unknown, *overrides])
     setup, other = resolve(loaded), resolve(_with_seed(loaded, loaded.run.seed + 1))
     team = list(islice(_decisions(name, _mission(setup)), steps))
     _check_same(name, team, islice(_decisions(name, _mission(setup)), steps), "in a second mission with the same seed")
@@ -131,7 +133,7 @@ def _check_same(name: str, expected: Sequence[_Team], found: Iterator[_Team], wh
         for robot_id, (one, other) in enumerate(zip(before, now, strict=True)):
             for field in one.__struct_fields__:
                 values = getattr(one, field), getattr(other, field)
-                is_same = field == "belief" or values[0] == values[1]  # a belief is a picture
+                is_same = field in ("belief", "found") or values[0] == values[1]  # those two are pictures
                 assert is_same, (
                     f"{name}: robot {robot_id}, step {step}: {field} {values[1]!r:.60} {where}, {values[0]!r:.60} "
                     "before; expected the same: random numbers from stream(), nothing shared by robots"

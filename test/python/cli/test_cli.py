@@ -195,7 +195,7 @@ def test_broken_pipe_is_silent(arguments):
         ("run garage_sar --noise 99", "--noise: 99 is above 80"),
         (
             "run garage_sar --set control.localisation=tf",
-            "--set: control.localisation: 'tf' is available only in ROS; expected 'ground_truth' or 'odometry'",
+            "--set: control.localisation: 'tf' is available only in ROS; expected ground_truth, odometry or laser",
         ),
         ("run garage_sar --robots 0", "--robots: 0 is below 1"),
         ("run garage_sar --set run.seed=-1", "--set: run.seed: -1 is below 0"),

@@ -12,11 +12,11 @@ import pytest
 
 from robotteamsim.control import Guard
 from robotteamsim.errors import ScenarioError
-from robotteamsim.geometry import Twist
-from robotteamsim.interface import Decision, SwarmContext, Task
+from robotteamsim.geometry import Pose, Twist
+from robotteamsim.interface import Decision, Estimate, Localisation, SwarmContext, Task
 from robotteamsim.network.messages import EVERYBODY, Message
 from robotteamsim.propagation import FieldMap
-from robotteamsim.scenario import load
+from robotteamsim.scenario import OccupancyGrid, load
 from robotteamsim.simulation import Simulation
 
 MISTAKES = """\
@@ -94,6 +94,23 @@ def test_decisions_of_a_sound_controller_pass_unchanged():
         (Decision(goal_m={1.0}), "step returned the goal {1.0}; expected finite (x, y), or None"),
         (Decision(goal_m=(math.nan, 0.0)), "step returned the goal (nan, 0.0); expected finite (x, y), or None"),
         (Decision(local_best_m=(math.inf, 0.0)), "step returned the local best (inf, 0.0); expected finite (x, y)"),
+        (Decision(localisation=Pose(1.0, 2.0, 0.0)), "step returned the localisation Pose(x_m=1.0, "),
+        (
+            Decision(localisation=Localisation("tracking", ())),
+            "step returned the localisation Localisation(state='tracking', estimates=()); expected a Localisation with",
+        ),
+        (
+            Decision(localisation=Localisation("lost", (Estimate(Pose(math.nan, 0.0, 0.0)),))),
+            "step returned the localisation Localisation(state='lost', ",
+        ),
+        (
+            Decision(localisation=Localisation("unsure", (Estimate(Pose(0.0, 0.0, 0.0)),))),
+            "step returned the localisation Localisation(state='unsure', ",
+        ),
+        (
+            Decision(found=OccupancyGrid((0.0, 0.0), 0.1, np.zeros((2, 2)))),
+            "step returned found = OccupancyGrid(origin_m=(0.0, 0.0), ",
+        ),
         (Decision(area=-2), "step returned area = -2; expected the index of an area, or -1 for none"),
         (Decision(outbox=("hello",)), "step returned 'hello' to send; expected a Message with text"),
         (

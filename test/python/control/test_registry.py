@@ -6,6 +6,7 @@ import inspect
 from pathlib import Path
 from pkgutil import resolve_name
 
+import msgspec
 import pytest
 
 from robotteamsim.control import algorithm_names, make_controller
@@ -56,16 +57,25 @@ def place_of(controller: object) -> str:
     return f"{type(controller).__module__}:{type(controller).__name__}"
 
 
+def keys_of(name: str) -> dict[str, str]:
+    """Return keys of `control` with which an algorithm drives, and draws random numbers if it ever does."""
+    return {"algorithm": name} | ({"map": "unknown", "choice": "rrt"} if name == "frontier" else {})
+
+
 def make(hall_scenario, name: str):
-    return make_controller(0, resolve(hall_scenario(control={"algorithm": name})))
+    return make_controller(0, resolve(hall_scenario(control=keys_of(name))))
 
 
 @pytest.mark.parametrize("name", ALGORITHMS)
 def test_each_algorithm_is_still_and_silent_while_the_mission_does_not_run(team, hall_scenario, name):
-    hall = team(hall_scenario(control={"algorithm": name}))
+    hall = team(hall_scenario(control=keys_of(name)))
     hall.task = Task(running=False)
-    assert {place_of(controller) for controller in hall.controllers} == {control_kind(name).controller}
-    assert set(hall.step()) == {Decision()}
+    # A robot that does not know the building is localised around its controller.
+    controllers = [getattr(controller, "controller", controller) for controller in hall.controllers]
+    assert {place_of(controller) for controller in controllers} == {control_kind(name).controller}
+    # What it believes is no action.
+    decisions = {msgspec.structs.replace(one, localisation=None, found=None) for one in hall.step()}
+    assert decisions == {Decision()}
 
 
 @pytest.mark.usefixtures("folder")
@@ -109,7 +119,7 @@ RANDOM = sorted(
 
 @pytest.mark.parametrize("name", RANDOM)
 def test_controller_of_a_robot_that_comes_again_draws_other_numbers_each_time(team, hall_scenario, name):
-    scenario = hall_scenario(control={"algorithm": name})
+    scenario = hall_scenario(control=keys_of(name))
     first, again, third = (goals(team, scenario, arrival) for arrival in (1, 2, 3))
     assert first != again != third != first
     assert again == goals(team, scenario, 2)

@@ -139,6 +139,11 @@ class WithoutCounting(Observe):
     ("do", "message"),
     [
         (lambda env: env.step({}), "the mission has not begun; call reset first"),
+        (
+            lambda _: parallel_env("garage_unknown"),
+            "garage_unknown.yaml: control.map: 'unknown' is not possible for agents; "
+            "expected the plan, and true poses or odometry",
+        ),
         (lambda env: (env.reset(), env.step({})), "actions of nobody; expected robot_0, robot_1, robot_2"),
         (
             lambda env: (env.reset(), env.step(dict.fromkeys(env.agents, np.array((np.nan, 0.0))))),

@@ -243,3 +243,8 @@ def test_legend_names_only_objects_of_the_scenario():
     words = {words for words, _ in legend_entries(load("office_fire"))}
     assert words >= {"carried", "safe", "fleeing", "collapsed or dead", "firefighter", "centre", "fire", "smoke"}
     assert "base" not in words
+
+
+def test_legend_of_a_team_that_maps_explains_what_it_has_found():
+    words = [words for words, _ in legend_entries(load("garage_unknown"))]
+    assert words[-2:] == ["found", "found, not there"]

@@ -173,7 +173,8 @@ def test_mission_fails_when_the_last_robot_does():
 @pytest.mark.parametrize("algorithm", ALGORITHMS)
 def test_every_controller_goes_on_without_a_teammate_and_with_a_new_one(algorithm: str):
     schedule = "schedule=[{at_s: 3, remove: 1}, {at_s: 6, spawn: 1}]"
-    records = steps(garage(f"control.algorithm={algorithm}", schedule), 120)
+    known = f"control.map={ALGORITHMS[algorithm].maps[0]}"
+    records = steps(garage(f"control.algorithm={algorithm}", known, schedule), 120)
     assert not any(decision.fault for decision in records[-1].decisions)
     assert records[-1].present.all()
     if algorithm != "relay":  # a team of relays alone has nobody to connect, and stands still

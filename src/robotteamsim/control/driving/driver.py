@@ -55,17 +55,19 @@ class Driver:
         self.doors: Doors = ()
         """The doors that differ from the plan in `map`."""
         self._kept_out: Disc | None = None
-        self.map = known_map(setup.map_of(robot_id), body.reach_m, by=self._by)
+        self._version = self._building.version
+        self.map = known_map(self._building, body.reach_m, by=self._by)
         """Free space, with doors and hot places as believed at the last update."""
 
     def update_map(self, sim_time_ns: int, doors: Doors = (), kept_out: Disc | None = None) -> bool:
-        """Use the map with hot places and doors as believed now; return whether it has changed.
+        """Use the map with walls, doors and hot places as believed now; return whether it has changed.
 
         Args: kept_out: a disc that paths do not enter.
         """
-        if not self.hot.update(sim_time_ns) and (doors, kept_out) == (self.doors, self._kept_out):
+        now = doors, kept_out, self._building.version
+        if not self.hot.update(sim_time_ns) and now == (self.doors, self._kept_out, self._version):
             return False
-        self.doors, self._kept_out = doors, kept_out
+        self.doors, self._kept_out, self._version = now
         self.map = known_map(self._building, self._reach_m, doors, self.hot.blocked, kept_out, self._by)
         return True
 

@@ -9,7 +9,7 @@ from robotteamsim import _core
 from robotteamsim.control.driving.hot_places import with_hot_blocks
 from robotteamsim.scenario.building import Doors, MapSource
 from robotteamsim.scenario.fire import Block
-from robotteamsim.scenario.levels import Traveller, portals
+from robotteamsim.scenario.levels import Traveller
 from robotteamsim.scenario.plan import OCCUPIED, Grid, OccupancyGrid
 from robotteamsim.swarm import Vector
 
@@ -57,8 +57,9 @@ class KnownMap:
         if kept_out is not None:
             blocked |= _within(occupancy, kept_out, clearance_m)
         self.layout = Grid(occupancy.origin_m, GRID_RESOLUTION_M)
-        by_passages = portals(building.plan.levels, building.plan.passages, by)
-        self.grid = _core.plan.PlanningGrid(blocked, occupancy.origin_m, GRID_RESOLUTION_M, clearance_m, by_passages)
+        self.grid = _core.plan.PlanningGrid(
+            blocked, occupancy.origin_m, GRID_RESOLUTION_M, clearance_m, building.portals(by)
+        )
         self._distance_maps: dict[Vector, np.ndarray | None] = {}
         self._pieces: dict[tuple[Vector, float], list[np.ndarray]] = {}
 

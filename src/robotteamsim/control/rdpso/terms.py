@@ -13,7 +13,7 @@ from robotteamsim.control.driving.navigation import laser_layout
 from robotteamsim.control.driving.places import OtherPlaces
 from robotteamsim.control.rdpso.team import Best
 from robotteamsim.network import fiedler_value
-from robotteamsim.propagation import shared_radio_field
+from robotteamsim.propagation import RadioField, shared_radio_field
 from robotteamsim.scenario.controllers.swarms import RdpsoControl
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sections import Laser
@@ -188,6 +188,10 @@ class Surroundings(_core.control.Surroundings):
         return float(np.hypot(x_m, y_m).min())
 
 
+_OLDEST = 10
+"""The walls that a robot finds change its radio field after so many versions of its map: a field takes 0.1 s."""
+
+
 class LinkKeeper:
     """The communication term of eq. (22) for one robot; it is zero while the link to the swarm is safe.
 
@@ -217,8 +221,18 @@ class LinkKeeper:
         self._reference_dbm = max(signal_at_1_m_dbm, endangered_dbm, lost_dbm + 1e-9)
         at_risk_dbm = max(endangered_dbm, lost_dbm + 1e-9)
         self._endangered_proximity = swarm.robot_proximity_by_signal(at_risk_dbm, lost_dbm, self._reference_dbm)
-        needs_field = self._c4 > 0.0 or control.adaptation != "none"
-        self._field = shared_radio_field(setup.map_of(robot_id), scenario.radio) if needs_field else None
+        self._needs_field = self._c4 > 0.0 or control.adaptation != "none"
+        self._building, self._radio = setup.map_of(robot_id), scenario.radio
+        self._known_field: RadioField | None = None
+        self._next_version = 0
+
+    @property
+    def _field(self) -> RadioField | None:
+        """The radio field of the building as known, at most _OLDEST versions ago; None: the term does not need one."""
+        if self._needs_field and self._building.version >= self._next_version:
+            self._next_version = self._building.version + _OLDEST
+            self._known_field = shared_radio_field(self._building, self._radio)
+        return self._known_field
 
     def pull(
         self, position: Vector, heard: Mapping[int, Vector], missing: Mapping[int, Vector], c4: float | None = None

@@ -129,7 +129,7 @@ class AreaPlanner:
     def _choose(self, observation: Observation, left: Sequence[int]) -> None:
         """Choose the next area of those that are left; those that are closed come last."""
         if not self._drives_to_areas:
-            self._next = left[0] if left else None
+            self._next = next((index for index in left if index not in self._closed), left[0] if left else None)
             return
         # A team that searches enters the last area of all when the search is over, so all must agree which that is.
         open_areas = [index for index in (left[:-1] if self._ends_in_last else left) if index not in self._closed]

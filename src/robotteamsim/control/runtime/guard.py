@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from math import dist, hypot, isfinite
 from operator import attrgetter, is_
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import msgspec
 import numpy as np
@@ -16,8 +16,20 @@ import numpy as np
 from robotteamsim.control.driving.driver import Course, DrivesOn
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.geometry import Twist
-from robotteamsim.interface import EVERYBODY, OUTSIDE, Controller, Decision, Message, Observation, SwarmContext, Task
+from robotteamsim.interface import (
+    EVERYBODY,
+    OUTSIDE,
+    Controller,
+    Decision,
+    Localisation,
+    Message,
+    Observation,
+    SwarmContext,
+    Task,
+)
+from robotteamsim.interface.localisation import LocalisationState
 from robotteamsim.propagation import FieldMap
+from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.wording import described, place_of
 
 _REGISTRY = "robotteamsim.control.runtime.registry"
@@ -27,6 +39,7 @@ _LARGEST = 2**31 - 1
 """ROS messages and bags hold numbers of swarms and search counters in 32 bits."""
 
 _ORIGIN = (0.0, 0.0)
+_STATES = get_args(LocalisationState)
 _WHOLE = (int, np.integer)
 _TRUTHS = (bool, np.bool_)
 _NUMBERS = (float, int, np.number)
@@ -141,8 +154,11 @@ def problem_of(decision: Any, robot_id: int, num_robots: int, before: Decision |
         value = getattr(decision, name)
         if (before is None or value is not getattr(before, name)) and not is_valid(value):
             return f"step returned {found(value)}"
-    if decision.belief is not None and not _is_field(decision.belief):  # its values may have changed
+    # Values of these two may have changed.
+    if decision.belief is not None and not _is_field(decision.belief):
         return f"step returned the belief {_shown(decision.belief)}; expected a finite FieldMap, or None"
+    if decision.found is not None and not _is_grid(decision.found):
+        return f"step returned found = {_shown(decision.found)}; expected an OccupancyGrid of int8, or None"
     if not isinstance(decision.outbox, (tuple, list)):
         return f"step returned the outbox {_shown(decision.outbox)}; expected a tuple of Messages"
     for message in decision.outbox:
@@ -178,6 +194,24 @@ def _is_field(value: Any) -> bool:
     try:
         numbers = (*value.origin_m, value.resolution_m, float(np.sum(value.values)))
         return isinstance(value, FieldMap) and value.values.ndim == 2 and isfinite(hypot(*numbers))
+    except (TypeError, ValueError, AttributeError):
+        return False
+
+
+def _is_grid(value: Any) -> bool:
+    try:
+        cells, numbers = value.cells, (*value.origin_m, value.resolution_m)
+        is_finite = isinstance(value, OccupancyGrid) and isfinite(hypot(*numbers)) and value.resolution_m > 0.0
+        return bool(is_finite and cells.dtype == np.int8 and cells.ndim == 2 and cells.size > 0)
+    except (TypeError, ValueError, AttributeError):
+        return False
+
+
+def _is_localisation(value: Any) -> bool:
+    try:
+        estimates = [(one.pose.x_m, one.pose.y_m, one.pose.yaw_rad, *one.covariance) for one in value.estimates]
+        are_finite = all(len(numbers) == 9 and isfinite(hypot(*numbers)) for numbers in estimates)
+        return isinstance(value, Localisation) and value.state in _STATES and bool(estimates) and are_finite
     except (TypeError, ValueError, AttributeError):
         return False
 
@@ -257,6 +291,11 @@ _FIELDS: tuple[tuple[str, Callable[[Any], bool], Callable[[Any], str]], ...] = (
         "context",
         _or_none(_is_context),
         _wrong_thing("context", "a finite SwarmContext, or None"),
+    ),
+    (
+        "localisation",
+        _or_none(_is_localisation),
+        _wrong_thing("localisation", "a Localisation with finite estimates, or None"),
     ),
     ("excluded", lambda value: isinstance(value, _TRUTHS), _wrong_value("excluded", "True or False")),
     (

@@ -1,30 +1,95 @@
-"""Gives a controller the pose that its robot believes to have, in place of the true one."""
+"""Gives a controller what its robot believes of its place and of the building, in place of the truth."""
+
+from __future__ import annotations
 
 from collections.abc import Sequence
 
 import msgspec
 
 from robotteamsim.geometry import Pose, PoseReading
-from robotteamsim.interface import Controller, Decision, Message, Observation, Task
+from robotteamsim.interface import EVERYBODY, Controller, Decision, Message, Observation, Task
+from robotteamsim.interface.survey_news import SurveyNews, survey_news, survey_news_in
+from robotteamsim.maps.found_map import FoundMap
 from robotteamsim.maps.localiser import Localiser
+from robotteamsim.maps.survey import Survey
+from robotteamsim.maps.teammates import Teammates
+from robotteamsim.scenario.plan import OccupancyGrid
+from robotteamsim.setup import Setup
+
+_SHOWN_NS = 5_000_000_000
+"""Least time between two maps for display."""
 
 
 class Located:
-    """Runs a robot's controller, which learns of no other pose than that of the robot's localiser."""
+    """Runs a robot's controller, which learns of no other pose than that of the robot's localiser.
 
-    def __init__(self, controller: Controller, localiser: Localiser) -> None:
+    Once per `control.iteration_s`, the robot tells its team where it is and, with a survey, what it has found; such
+    messages do not reach the controller. Its decisions say what the robot believes.
+    """
+
+    def __init__(
+        self, controller: Controller, robot_id: int, setup: Setup, localiser: Localiser, survey: Survey | None = None
+    ) -> None:
         self.controller = controller
-        self._localiser = localiser
+        self._robot_id, self._localiser, self._survey = robot_id, localiser, survey
+        self._teammates = Teammates(robot_id, setup)
+        self._shares = localiser.looks or survey is not None
+        self._period_ns = round(setup.scenario.control.iteration_s * 1e9)
+        self._due_ns = self._shown_ns = 0
+        self._shown_version = 0
+        """Of the map that was shown last."""
+
+    @property
+    def found(self) -> FoundMap | None:
+        """What the robot and its team have found; None if it knows the building."""
+        return None if self._survey is None else self._survey.found
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
-        """Return the controller's decision."""
-        pose, true_pose, voice = self._localiser.pose(observation), observation.robot.true_pose, observation.voice
-        # A robot hears where a voice is as seen from itself.
-        loudest = pose @ true_pose.inverse() @ Pose(*voice.local_best_m, 0.0)
-        believed = msgspec.structs.replace(
-            observation,
-            robot=msgspec.structs.replace(observation.robot, ground_truth=PoseReading.from_pose(pose)),
-            voice=msgspec.structs.replace(voice, local_best_m=(loudest.x_m, loudest.y_m)),
-            own_pose=pose,
-        )
-        return self.controller.step(believed, inbox, task)
+        """Return the controller's decision, with the news that are due."""
+        time_ns = observation.sim_time_ns
+        if self._shares:
+            inbox = self._read(inbox, time_ns)
+        pose = self._localiser.pose(observation, self._teammates.discs(time_ns) if self._shares else ())
+        is_due = self._shares and task.running and time_ns >= self._due_ns
+        if is_due and self._survey is not None:
+            self._survey.look()
+        decision = self.controller.step(_believed(observation, pose), inbox, task)
+        if not isinstance(decision, Decision):
+            return decision  # The guard reports it, and a wrong outbox.
+        outbox = decision.outbox
+        if is_due and isinstance(outbox, (tuple, list)):
+            self._due_ns = time_ns + self._period_ns
+            position = pose.x_m, pose.y_m
+            news = (SurveyNews(position),) if self._survey is None else self._survey.news(position)
+            outbox = (*outbox, *(Message(self._robot_id, EVERYBODY, survey_news(one)) for one in news))
+        believed = {"localisation": self._localiser.localisation, "found": self._shown(time_ns)}
+        return msgspec.structs.replace(decision, outbox=outbox, **believed)
+
+    def _shown(self, time_ns: int) -> OccupancyGrid | None:
+        """Return the map for display, if it has changed and was not shown just before."""
+        if self._survey is None or time_ns < self._shown_ns or self._survey.found.version == self._shown_version:
+            return None
+        self._shown_ns, self._shown_version = time_ns + _SHOWN_NS, self._survey.found.version
+        return self._survey.found.known_part
+
+    def _read(self, inbox: Sequence[Message], time_ns: int) -> Sequence[Message]:
+        """Take over the news in an inbox, and return the other messages."""
+        found = [survey_news_in(message.payload) for message in inbox]
+        for message, news in zip(inbox, found, strict=True):
+            if news is not None and message.sender != self._robot_id:
+                self._teammates.note(message.sender, news.position, time_ns)
+                if self._survey is not None:
+                    self._survey.hear(message.sender, news)
+        return [message for message, news in zip(inbox, found, strict=True) if news is None]
+
+
+def _believed(observation: Observation, pose: Pose) -> Observation:
+    """Return an observation of a robot that believes to have a pose."""
+    # A robot hears where a voice is as seen from itself.
+    loudest = pose @ observation.robot.true_pose.inverse() @ Pose(*observation.voice.local_best_m, 0.0)
+    return msgspec.structs.replace(
+        observation,
+        robot=msgspec.structs.replace(observation.robot, ground_truth=PoseReading.from_pose(pose)),
+        voice=msgspec.structs.replace(observation.voice, local_best_m=(loudest.x_m, loudest.y_m)),
+        own_pose=pose,
+    )

@@ -12,7 +12,10 @@ from robotteamsim.control.runtime.base_station import StandingBase, controls_bas
 from robotteamsim.control.runtime.located import Located
 from robotteamsim.errors import RobotTeamSimError, ScenarioError
 from robotteamsim.interface import Controller
-from robotteamsim.maps.localiser import DeadReckoning
+from robotteamsim.maps.found_map import FoundMap, without_walls
+from robotteamsim.maps.laser_localiser import LaserLocaliser
+from robotteamsim.maps.localiser import DeadReckoning, Localiser, TruePose
+from robotteamsim.maps.survey import Survey
 from robotteamsim.own_parts import PartError, load_part, own_parts
 from robotteamsim.scenario.controllers import ALGORITHMS, is_policy_file
 from robotteamsim.scenario.problems import suggestion
@@ -55,19 +58,34 @@ def make_controller(robot_id: int, setup: Setup, arrival: int = 1) -> Controller
         make = _make_for(robot_id, scenario)
     except _NotFoundError as error:
         raise ScenarioError(f"{scenario.name}: control.algorithm: {error}") from None
-    if robot_id == scenario.base and not controls_base(make, scenario):
-        return with_base(StandingBase(), robot_id, scenario)
+    stands = robot_id == scenario.base and not controls_base(make, scenario)
     taken = _parameters(make)
     own = {"arrival": arrival} if "arrival" in taken else {}
-    made = make(robot_id, setup if "setup" in taken else scenario, **own)
+    localiser: Localiser | None = _localiser(robot_id, setup, arrival)
+    survey: Survey | None = None
+    if scenario.control.map == "unknown":
+        known = without_walls(scenario.plan)
+        found = FoundMap(known)
+        setup = setup.without_building(known, found)
+        localiser = survey = Survey(robot_id, setup, found, localiser)
+    made = StandingBase() if stands else make(robot_id, setup if "setup" in taken else scenario, **own)
     if not callable(getattr(made, "step", None)):
         problem = f"makes a {type(made).__module__}.{type(made).__name__}, which has no step(observation, inbox, task)"
         raise ScenarioError(f"{scenario.name}: control.algorithm: '{name}' {problem}")
     complete = made if scenario.base is None else with_base(made, robot_id, scenario)
     if scenario.mission.area_order != "given" and robot_id in scenario.searcher_ids:
         complete = AreaPlanner(complete, robot_id, setup, getattr(made, "best_area", None))
-    by_odometry = scenario.control.localisation == "odometry"
-    return Located(complete, DeadReckoning(robot_id, setup)) if by_odometry else complete
+    return complete if localiser is None else Located(complete, robot_id, setup, localiser, survey)
+
+
+def _localiser(robot_id: int, setup: Setup, arrival: int) -> Localiser | None:
+    """Return what follows the pose of a robot; None: its controller may use the true one, or a survey finds it."""
+    control = setup.scenario.control
+    if control.localisation == "laser" and control.map == "known":
+        return LaserLocaliser(robot_id, setup, arrival)
+    if control.localisation == "odometry":
+        return DeadReckoning(robot_id, setup)
+    return TruePose() if control.map == "unknown" and control.localisation == "ground_truth" else None
 
 
 def _make_for(robot_id: int, scenario: Scenario) -> MakeController:

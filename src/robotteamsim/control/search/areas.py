@@ -55,6 +55,11 @@ class RemainingAreas:
         return self._areas[self._next] if self._next < len(self._areas) else None
 
     @property
+    def left(self) -> tuple[Area, ...]:
+        """The areas that are still to be explored, the next one first."""
+        return self._areas[self._next :]
+
+    @property
     def num_left(self) -> int:
         """Number of areas that are still to be explored."""
         return len(self._areas) - self._next
@@ -116,7 +121,7 @@ class Areas(RemainingAreas):
     def measure(self, paths: _core.control.CellPaths, start: int) -> None:
         """Find the cells of the remaining areas that a robot can reach from a cell, and the length of the tour."""
         self._is_measured = start != NO_CELL
-        cells = [self.cell_in(area, paths, start) for area in self._areas[self._next :]]
+        cells = [self.cell_in(area, paths, start) for area in self.left]
         self.cell = cells[0] if cells else NO_CELL
         self._later_cells = cells[1:]
         reached = [cell for cell in cells if cell != NO_CELL]

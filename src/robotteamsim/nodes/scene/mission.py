@@ -7,6 +7,7 @@ from robotteamsim.geometry import Pose
 from robotteamsim.mission.status import SAVED
 from robotteamsim.nodes.scene.building import DISC_LAYER, DISC_Z_M
 from robotteamsim.nodes.scene.shapes import Mesh, colour, drawn_below, faded, label, person, unit
+from robotteamsim.recording.topics.beliefs import FOUND_MAP
 from robotteamsim.recording.topics.markers import Marker
 from robotteamsim.recording.topics.mission import PublishedArea, PublishedStatus, PublishedVictim
 from robotteamsim.scenario import Scenario
@@ -135,6 +136,8 @@ def legend_entries(scenario: Scenario) -> Iterator[tuple[str, str]]:
         yield from (("link", palette.STRONG_LINK), ("endangered link", palette.ENDANGERED_LINK))
     if scenario.base is not None:
         yield "base" if scenario.command_centre is None else "centre", palette.WHITE
+    if FOUND_MAP.is_in(scenario):
+        yield from (("found", palette.FOUND), ("found, not there", palette.WRONGLY_FOUND))
 
 
 def legend_markers(scenario: Scenario) -> Iterator[Marker]:

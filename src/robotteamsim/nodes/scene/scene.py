@@ -17,6 +17,7 @@ from robotteamsim.nodes.inputs import Input
 from robotteamsim.nodes.launched import read_scenario
 from robotteamsim.nodes.node import Node
 from robotteamsim.nodes.scene.building import building_markers, door_markers, openings_at_start
+from robotteamsim.nodes.scene.found import FoundPicture
 from robotteamsim.nodes.scene.maps import fire_markers, smoke_markers, voice_markers
 from robotteamsim.nodes.scene.mission import (
     VictimPictures,
@@ -31,6 +32,7 @@ from robotteamsim.nodes.settings import OTHERS_REPORT_S
 from robotteamsim.nodes.transforms import Transforms
 from robotteamsim.recording.topics import Topic
 from robotteamsim.recording.topics.base import read_field_map, read_occupancy_grid
+from robotteamsim.recording.topics.beliefs import FOUND_MAP
 from robotteamsim.recording.topics.decisions import STATUS, read_decision
 from robotteamsim.recording.topics.markers import ARRAY, ARROW, DELETE, DELETE_ALL, Marker, array_message
 from robotteamsim.recording.topics.mission import (
@@ -45,6 +47,7 @@ from robotteamsim.recording.topics.radio import NETWORK_LINKS, VOICE_MAP, Publis
 from robotteamsim.recording.topics.robots import ODOM, TF, TRUTH, read_odometry
 from robotteamsim.recording.topics.world import DOORS, FIRE, LEVEL_FRAMES, ROBOTS, SMOKE, read_doors, read_robots
 from robotteamsim.scenario import Bounds, Scenario
+from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import Robot
 from robotteamsim.setup import resolve
 
@@ -231,6 +234,25 @@ class Team:
                 robot.excluded, robot.swarm = status.excluded, status.swarm if several_swarms else None
 
 
+class Found:
+    """What the robots of a team have found of a building that they do not know."""
+
+    def __init__(self, node: Node, scenario: Scenario, wall_height_m: float) -> None:
+        num_robots = scenario.team_size if FOUND_MAP.is_in(scenario) else 0
+        names = (f"/{robot_name(robot_id)}/" for robot_id in range(num_robots))
+        self._newest = [Newest(node, FOUND_MAP, read_occupancy_grid, prefix=name) for name in names]
+        self._maps: dict[int, OccupancyGrid] = {}
+        self._picture = FoundPicture(scenario.plan, wall_height_m)
+        self.layer = Layer(node, "found")
+
+    def update(self) -> None:
+        """Draw new maps."""
+        new = {robot_id: newest.take() for robot_id, newest in enumerate(self._newest)}
+        if maps := {robot_id: grid for robot_id, grid in new.items() if grid is not None}:
+            self._maps |= maps
+            self.layer.draw(self._picture.markers(self._maps))
+
+
 class Scene:
     """Publishes markers when something has changed."""
 
@@ -263,7 +285,9 @@ class Scene:
         ]
         self._team = Team(node, scenario, text_z_m)
         building = Layer(node, "building", building_markers(plan, wall_height_m))
-        self._layers = [building, *(layer for _, layer in self._pictures), *self._team.layers.values()]
+        self._found = Found(node, scenario, wall_height_m)
+        pictures = [layer for _, layer in self._pictures]
+        self._layers = [building, self._found.layer, *pictures, *self._team.layers.values()]
         self._discovery_due_s = 0.0
         self._resend_due_s = RESEND_PERIOD_S + time.monotonic()
         _publish_frame(node, plan.bounds)
@@ -277,6 +301,7 @@ class Scene:
             markers = newest.take()
             if markers is not None:
                 layer.draw(markers)
+        self._found.update()
         self._team.update(now_s)
         if now_s >= self._resend_due_s:
             self._resend_due_s = now_s + RESEND_PERIOD_S

@@ -40,7 +40,7 @@ class When(Enum):
     FIRE = "when fire and smoke advance"
     ONCE = "once"
     CLOCK = "50 times per simulated second"
-    SEARCH = "every 5 s"
+    SHOWN = "every 5 s"
     REQUEST = "once a second, to subscribers"
 
 
@@ -63,11 +63,14 @@ class Source:
 
     links:   remembers the links of the last /network/links.
     objects: remembers which objects were in the last /world/objects.
+    localized: whether /tf has map -> odom of each robot without error; of robots that localise themselves it has what
+               they believe.
     """
 
     setup: Setup
     links: LinksEncoder = field(default_factory=LinksEncoder)
     objects: KnownObjects = field(default_factory=KnownObjects)
+    localized: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -101,7 +101,7 @@ STATUS = Topic(
 BELIEF = Topic(
     "controller/belief",
     "nav_msgs/OccupancyGrid",
-    When.SEARCH,
+    When.SHOWN,
     lambda _, step, i: None if step.decisions[i].belief is None else (step.decisions[i].belief,),
     field_map_picture,
     latched=True,

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 import msgspec
 import numpy as np
 
-from robotteamsim.geometry import PoseReading, Twist
+from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.message_parts import MAP_FRAME, RosMessage, header, robot_frame
 from robotteamsim.recording.topics.base import (
     Source,
@@ -50,20 +49,28 @@ def _odometry(time_ns: int, frame: str, robot_id: int, reading: OdometryReading)
     return {
         "header": header(time_ns, frame),
         "child_frame_id": robot_frame(robot_id, "base_footprint"),
-        "pose": {"pose": pose(reading.pose), "covariance": _pose_covariance(reading)},
+        "pose": {"pose": pose(reading.pose), "covariance": full_covariance(reading.pose_covariance)},
         "twist": {"twist": twist(reading.twist), "covariance": _twist_covariance(reading)},
     }
 
 
-def _pose_covariance(reading: OdometryReading) -> list[float]:
-    """Return the covariance of x, y, z, roll, pitch, yaw, row by row. The floor is level: z, roll, pitch are known."""
-    xx, xy, x_yaw, yy, y_yaw, yaw_yaw = reading.pose_covariance
+def full_covariance(of_pose: Sequence[float]) -> list[float]:
+    """Return the covariance of x, y, z, roll, pitch, yaw, row by row. The floor is level: z, roll, pitch are known.
+
+    Args: of_pose: of x, y and yaw, as in `OdometryReading.pose_covariance`.
+    """
+    xx, xy, x_yaw, yy, y_yaw, yaw_yaw = of_pose
     of_x, of_y, of_yaw = (
         [xx, xy, 0.0, 0.0, 0.0, x_yaw],
         [xy, yy, 0.0, 0.0, 0.0, y_yaw],
         [x_yaw, y_yaw, 0.0, 0.0, 0.0, yaw_yaw],
     )
     return of_x + of_y + 18 * [0.0] + of_yaw
+
+
+def plane_covariance(of_pose: Sequence[float]) -> tuple[float, ...]:
+    """Return the covariance of x, y and yaw. Args: of_pose: as `full_covariance` returns it."""
+    return tuple(float(of_pose[place]) for place in (0, 1, 5, 7, 11, 35))
 
 
 def _twist_covariance(reading: OdometryReading) -> list[float]:
@@ -85,7 +92,7 @@ def read_odometry(message: Any) -> OdometryReading:
     return OdometryReading(
         PoseReading(place.position.x, place.position.y, place.orientation.z, place.orientation.w),
         Twist(speed.linear.x, speed.linear.y, speed.angular.z),
-        pose_covariance=tuple(float(of_pose[place]) for place in (0, 1, 5, 7, 11, 35)),
+        pose_covariance=plane_covariance(of_pose),
         twist_variances=tuple(float(of_twist[place]) for place in (0, 7, 35)),
     )
 
@@ -124,25 +131,23 @@ def transforms(
     time_ns: int,
     robots: Sequence[Robot],
     odometry: Iterable[OdometryReading | None],
-    origins: Sequence[PoseReading] = (),
+    origins: Sequence[PoseReading | None],
 ) -> RosMessage:
     """tf2_msgs/TFMessage: the `robot_transforms` of all robots, in id order; None for an absent robot.
 
-    Args: origins: of each odometry in `map`, for the `localization` of each robot; empty: without.
+    Args: origins: of each odometry in `map`, for the `localization` of each robot; None: without.
     """
     links = []
-    for robot_id, (robot, reading) in enumerate(zip(robots, odometry, strict=True)):
+    for robot_id, (robot, reading, origin) in enumerate(zip(robots, odometry, origins, strict=True)):
         if reading is not None:
-            links += [localization(time_ns, robot_id, origins[robot_id])] if origins else []
+            links += [] if origin is None else [localization(time_ns, robot_id, origin)]
             links += robot_transforms(time_ns, robot_id, robot, reading)
     return {"transforms": links}
 
 
-def odometry_origin(reading: RobotReading) -> PoseReading:
-    """Return the origin of a robot's odometry in `map`."""
-    if math.isnan(reading.ground_truth.x_m):
-        return _IDENTITY  # of a robot that is not present; it is not published
-    return PoseReading.from_pose(reading.ground_truth.pose @ reading.odometry.pose.pose.inverse())
+def odometry_origin(pose: Pose, odometry: OdometryReading) -> PoseReading:
+    """Return the origin of a robot's odometry in `map`. Args: pose: of the robot, true or believed."""
+    return PoseReading.from_pose(pose @ odometry.pose.pose.inverse())
 
 
 def robot_transforms(time_ns: int, robot_id: int, robot: Robot, odometry: OdometryReading) -> list[Any]:
@@ -198,11 +203,18 @@ def _pose_as_transform(place: PoseReading, height_m: float) -> RosMessage:
     }
 
 
-def _of_all(source: Source, record: StepRecord) -> tuple[Sequence[Robot], list[OdometryReading | None]]:
-    present = [
-        reading.odometry if record.is_there(robot_id) else None for robot_id, reading in enumerate(record.readings)
-    ]
-    return source.setup.robots, present
+def _of_all(
+    source: Source, record: StepRecord
+) -> tuple[Sequence[Robot], list[OdometryReading | None], list[PoseReading | None]]:
+    present, origins = list[OdometryReading | None](), list[PoseReading | None]()
+    for robot_id, (reading, decision) in enumerate(zip(record.readings, record.decisions, strict=True)):
+        if source.setup.scenario.control.localises:
+            pose = None if decision.localisation is None else decision.localisation.pose
+        else:
+            pose = reading.true_pose if source.localized else None
+        present.append(reading.odometry if record.is_there(robot_id) else None)
+        origins.append(None if pose is None else odometry_origin(pose, reading.odometry))
+    return source.setup.robots, present, origins
 
 
 TF = Topic("/tf", "tf2_msgs/TFMessage", When.STEP, _of_all, transforms)

@@ -13,11 +13,18 @@ from robotteamsim import palette
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.nodes.launched import read_ros1_scenario
 from robotteamsim.nodes.scene.shapes import unit
+from robotteamsim.recording.topics.beliefs import AMCL_POSE, FOUND_MAP
 from robotteamsim.scenario import Scenario
 from robotteamsim.scenario.sections import Team
 
 MAX_SCANS = 20
 """Largest number of robots whose scans are shown."""
+
+
+BELIEFS = {"rviz/PoseWithCovariance": AMCL_POSE, "rviz/Map": FOUND_MAP}
+"""What robots that localise themselves believe, by the displays of rviz."""
+ARROW_M = {("Shaft", "Length"): 1.2, ("Shaft", "Radius"): 0.3, ("Head", "Length"): 1.2, ("Head", "Radius"): 0.7}
+"""Of believed poses, in a building of the size that the views are made for."""
 
 
 def main() -> None:
@@ -44,7 +51,7 @@ def main() -> None:
 
 
 def fitted(config: Path, scenario: Scenario) -> dict[str, Any]:
-    """Return rviz's settings with views from where the building just fits, and the lasers and sonars of robots."""
+    """Return rviz's settings with views from where the building just fits, and what robots measure and believe."""
     settings: dict[str, Any] = yaml.safe_load(config.read_text(encoding="utf-8"))
     scale = unit(scenario.plan.bounds)
     manager = settings["Visualization Manager"]
@@ -69,4 +76,10 @@ def fitted(config: Path, scenario: Scenario) -> dict[str, Any]:
         ):
             topics = [f"/robot_{robot_id}/{name}" for name in names]
             manager["Displays"] += [kind | {"Name": topic, "Topic": topic} for topic in topics]
+        arrow = {f"{part} {size}": scale * value for (part, size), value in ARROW_M.items()}
+        for display, belief in BELIEFS.items():
+            if belief.is_in(scenario):
+                topic = f"/robot_{robot_id}/{belief.name}"
+                shown = {"Class": display, "Name": topic, "Topic": topic, "Enabled": belief is AMCL_POSE}
+                manager["Displays"].append(tint | shown | arrow)
     return settings

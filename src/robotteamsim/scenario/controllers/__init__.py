@@ -6,6 +6,7 @@ from pydantic import Discriminator, Tag
 
 from robotteamsim.scenario.controllers.base import Control, OtherControl, is_policy_file
 from robotteamsim.scenario.controllers.cover import CoverControl
+from robotteamsim.scenario.controllers.frontier import FrontierControl
 from robotteamsim.scenario.controllers.patrolling import ConscientiousReactiveControl, SebsControl
 from robotteamsim.scenario.controllers.routes import BoustrophedonControl, InfotaxisControl
 from robotteamsim.scenario.controllers.search import SearchControl
@@ -36,6 +37,7 @@ AnyControl = Annotated[
     | Annotated[InfotaxisControl, Tag("<infotaxis>")]
     | Annotated[CoverControl, Tag("<cover>")]
     | Annotated[SearchControl, Tag("<search>")]
+    | Annotated[FrontierControl, Tag("<frontier>")]
     | Annotated[RelayControl, Tag("<relay>")]
     | Annotated[OtherControl, Tag("<another algorithm>")],
     Discriminator(_tag),

@@ -7,10 +7,12 @@ from __future__ import annotations
 
 from typing import ClassVar, Literal, TypeVar, get_args
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from robotteamsim.scenario.base import SMALLEST, Model
 from robotteamsim.scenario.controllers.driving import NavigatorTuning, WanderTuning
+from robotteamsim.scenario.controllers.localisation import LaserLocalisation
+from robotteamsim.scenario.controllers.mapping import Mapping
 
 Kind = TypeVar("Kind", bound="Control")
 
@@ -22,12 +24,14 @@ class Control(Model):
     drives_to_areas: whether it drives to the area of its task; others explore areas by passing them.
     values_areas: whether it can choose areas by what it expects there, and enters the last one when its search is over.
     patrols:    whether it visits the vertices of `mission.patrol`, whose idleness is then measured.
+    maps:       the values of `map` with which it makes sense.
     """
 
     controller: ClassVar[str] = ""
     drives_to_areas: ClassVar[bool] = False
     values_areas: ClassVar[bool] = False
     patrols: ClassVar[bool] = False
+    maps: ClassVar[tuple[str, ...]] = ("known",)
 
     algorithm: str = Field(description="name of the controller")
     iteration_s: float = Field(default=1.0, ge=SMALLEST, le=60.0, description="period of the swarm's iterations [s]")
@@ -37,10 +41,15 @@ class Control(Model):
     navigation: Literal["path", "straight"] = Field(
         default="path", description="distances and directions along free paths of the known map, or in a straight line"
     )
-    localisation: Literal["ground_truth", "odometry", "tf"] = Field(
+    localisation: Literal["ground_truth", "odometry", "laser", "tf"] = Field(
         default="ground_truth",
         description="source of the robot's pose; odometry: not corrected, so robots get lost in minutes; "
-        "tf: transform map -> robot_<id>/base_link, only in ROS",
+        "laser: corrected by scans, see laser_localisation; tf: transform map -> robot_<id>/base_link, only in ROS",
+    )
+    map: Literal["known", "unknown"] = Field(
+        default="known",
+        description="unknown: robots know the bounds of the building alone; they map it with their lasers, and share "
+        "what they find. localisation is laser then, if it is not given",
     )
     tf_timeout_s: float = Field(
         default=0.3,
@@ -48,8 +57,23 @@ class Control(Model):
         le=60.0,
         description="with localisation tf, a robot without a new transform for this time stops [s]",
     )
+    laser_localisation: LaserLocalisation = LaserLocalisation()
+    mapping: Mapping = Mapping()
     navigator: NavigatorTuning = NavigatorTuning()
     wander: WanderTuning = WanderTuning()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _without_true_poses(cls, data: object) -> object:
+        """A robot that does not know the building does not know its pose either, unless the scenario says so."""
+        if isinstance(data, dict) and data.get("map") == "unknown":
+            return {"localisation": "laser", **data}
+        return data
+
+    @property
+    def localises(self) -> bool:
+        """Whether robots find out themselves where they are, from what they measure."""
+        return self.localisation in ("odometry", "laser") or self.map == "unknown"
 
     @property
     def several_swarms(self) -> bool:
@@ -116,6 +140,7 @@ class OtherControl(Control):
     """A controller of an installed package, any module:Class, or the file of a learned policy."""
 
     drives_to_areas: ClassVar[bool] = True
+    maps: ClassVar[tuple[str, ...]] = ("known", "unknown")
 
     algorithm: str = Field(
         description="name of a controller of an installed package, module:Class, or a file .pt or .pt2 of a policy"

@@ -13,6 +13,7 @@ class GreedyControl(ListeningControl):
     """Drives to the loudest place nearby, each robot on its own."""
 
     controller: ClassVar[str] = "robotteamsim.control.baselines.greedy:GreedyController"
+    maps: ClassVar[tuple[str, ...]] = ("known", "unknown")
     drives_to_areas: ClassVar[bool] = True
 
     algorithm: Literal["greedy"] = Field(description="greedy")
@@ -22,6 +23,7 @@ class RandomWalkControl(Control):
     """Wanders."""
 
     controller: ClassVar[str] = "robotteamsim.control.baselines.random_walk:RandomWalkController"
+    maps: ClassVar[tuple[str, ...]] = ("known", "unknown")
 
     algorithm: Literal["random_walk"] = Field(description="random_walk")
 

@@ -57,6 +57,7 @@ class SwarmControl(ListeningControl):
     """The keys of the whole family."""
 
     drives_to_areas: ClassVar[bool] = True
+    maps: ClassVar[tuple[str, ...]] = ("known", "unknown")
 
     memory_of: Literal["motion", "commands"] = Field(
         default="motion",

@@ -1,0 +1,1 @@
+"""Exploration of a building that nobody knows."""

@@ -1,0 +1,144 @@
+"""The controller `frontier`: a team that explores a building that nobody knows."""
+
+from __future__ import annotations
+
+import math
+
+import msgspec
+
+from robotteamsim.control.baselines.searching import RouteController
+from robotteamsim.control.driving.known_map import Disc
+from robotteamsim.control.driving.path_controller import Situation
+from robotteamsim.control.exploration.choice import Choice
+from robotteamsim.interface import Decision, Task
+from robotteamsim.interface.payload import Index, Point, Update, update_reader
+from robotteamsim.network.messages import EVERYBODY, Message
+from robotteamsim.scenario.controllers.frontier import FrontierControl
+from robotteamsim.scenario.sections import Area
+from robotteamsim.setup import Setup
+from robotteamsim.swarm import Vector
+
+_STALE_S = 10.0
+"""The goal of a teammate that was not heard for so long does not count."""
+
+
+class FrontierUpdate(Update, frozen=True, tag="frontier"):
+    """What a robot shares in each iteration.
+
+    goal:        where it goes, in `map` [m]; None: it has nothing left to explore.
+    closed_area: centre of the area of the task, if the robot does not get there; else left out.
+    """
+
+    robot_id: Index
+    goal: Point | None
+    closed_area: Point | msgspec.UnsetType = msgspec.UNSET
+
+
+parse_frontier_update = update_reader(FrontierUpdate, kept=256)
+
+
+class FrontierController(RouteController):
+    """Drives to a frontier of the map that its team has found, and to the voices that it hears on the way.
+
+    Robots choose one after the other, and tell each other their goals. A robot without a goal stands still until
+    nobody who is heard has one; then all drive to the last area, which ends the mission. A robot is done when
+    everything is explored but areas to which it does not get.
+    """
+
+    def __init__(self, robot_id: int, setup: Setup, arrival: int = 1) -> None:
+        self._choosing = tuning = setup.scenario.control.as_kind(FrontierControl)
+        super().__init__(robot_id, setup, tuning)
+        self._choice = Choice(robot_id, setup, tuning, arrival)
+        self._goals: dict[int, Vector | None] = {}
+        """The last goal of each teammate."""
+        self._heard_s: dict[int, float] = {}
+        """When each teammate was last heard."""
+        self._meeting_m = setup.start_m(0)
+        # One after the other, so that each knows the goals of those before it.
+        self._turn_s = tuning.replan_s * robot_id / setup.scenario.num_robots
+        self._turn = -1
+        self._chosen_s = 0.0
+        self._goal: Vector | None = None
+        self._aim: Vector | None = None
+        """Where it drives: to its goal or, without one, to the last area."""
+        self._is_idle = False
+
+    @property
+    def is_searched(self) -> bool:
+        """Whether nobody who was heard lately has anything left to explore."""
+        return self._is_idle and not self._goals_of_team
+
+    def decide(self, now: Situation) -> Decision:
+        """Return the command of this step; once everything is explored, the reason why nothing is left to do."""
+        decision, left = super().decide(now), self._areas.left
+        if not self.is_searched or self._voice_m is not None or any(not self._is_missed(area) for area in left):
+            return decision
+        missed = f"; {', '.join(area.name for area in left)} cannot be reached" if left else ""
+        return msgspec.structs.replace(decision, done=f"everything within reach is explored{missed}")
+
+    def note(self, now: Situation) -> None:
+        """Listen to the team."""
+        for message in now.inbox:
+            update = parse_frontier_update(message.payload)
+            if update is not None and update.robot_id != self.robot_id:
+                self._goals[update.robot_id], self._heard_s[update.robot_id] = update.goal, now.time_s
+
+    def kept_out(self, task: Task) -> Disc | None:
+        """Return the last area until the floor has been searched; with another one, the robot chooses again."""
+        before, kept_out = self._kept_out_now, super().kept_out(task)
+        if kept_out != before:
+            self._turn, self._aim = -1, None
+        return kept_out
+
+    def _look(self, now: Situation) -> tuple[Message, ...]:
+        turn = math.floor((now.time_s + self._turn_s) / self._choosing.replan_s)
+        if self._voice_m is not None:
+            self._turn, self._chosen_s = -1, now.time_s  # The time on the way to a victim is not wasted.
+        elif turn != self._turn or self._has_arrived(now.position):
+            self._turn = turn
+            self._choose(now)
+        area = self._areas.next
+        closed = area.center if area is not None and self._is_missed(area) else msgspec.UNSET
+        update = FrontierUpdate(self.robot_id, self._voice_m or self._goal, closed)
+        return (Message(self.robot_id, EVERYBODY, update.to_json()),)
+
+    def _choose(self, now: Situation) -> None:
+        """Choose where to drive until the next turn."""
+        spent_s, self._chosen_s, self._place = now.time_s - self._chosen_s, now.time_s, None
+        left = self._areas.left
+        next_ones = left[:1] if now.task.areas_left is None else left
+        known, team = self.driver.map, self._goals_of_team
+        if self._is_somebody_missing(now.time_s):
+            self._goal = self._meeting_m
+        else:
+            self._goal = self._choice.choose(
+                known, now.position, [a for a in next_ones if a is not left[-1]], team, spent_s
+            )
+        self._aim, self._is_idle = self._goal, self._goal is None
+        if self.is_searched and len(left) == 1:
+            self._aim = self._choice.choose(known, now.position, left, team, spent_s)
+
+    @property
+    def _goals_of_team(self) -> list[Vector]:
+        """The goals of the teammates that were heard lately, at the time of the last choice."""
+        lately = (self._goals[i] for i, heard_s in self._heard_s.items() if heard_s >= self._chosen_s - _STALE_S)
+        return [goal for goal in lately if goal is not None]
+
+    def _is_somebody_missing(self, time_s: float) -> bool:
+        """Whether a teammate has been silent for `rendezvous_s`; after twice this time, it counts as lost."""
+        limit_s = self._choosing.rendezvous_s
+        silent_s = [time_s - heard_s for heard_s in self._heard_s.values()]
+        return limit_s is not None and any(limit_s <= each_s < 2.0 * limit_s for each_s in silent_s)
+
+    def _is_missed(self, area: Area) -> bool:
+        return area.center in self._choice.missed
+
+    def _has_arrived(self, position: Vector) -> bool:
+        return self._goal is not None and math.dist(position, self._goal) < self._tuning.arrived_m
+
+    def _next_place(self, position: Vector, is_done: bool) -> Vector:
+        return self._aim or position
+
+    def _is_done(self, place: Vector, now: Situation) -> bool:
+        # The robot chooses at its turn, and gives up by its patience.
+        return False

@@ -1,0 +1,106 @@
+"""The messages by which robots share where they are and what they have found of the building."""
+
+from __future__ import annotations
+
+import base64
+import binascii
+import zlib
+from collections.abc import Iterator
+
+import msgspec
+import numpy as np
+
+from robotteamsim.interface.payload import Index, Point, read_payload, to_payload
+
+SAME, IS_UNKNOWN, IS_FREE, IS_OCCUPIED = 0, 1, 2, 3
+"""Symbols of cells in a message: not changed, or what they have become."""
+
+
+class Cells(msgspec.Struct, frozen=True, array_like=True):
+    """What a rectangle of cells has become: compressed symbols, row by row, as text of base 85."""
+
+    row: Index
+    column: Index
+    rows: Index
+    columns: Index
+    packed: str
+
+
+class SurveyNews(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What one robot knows.
+
+    position: of the sender, as it believes [m].
+    number:   how many messages with cells it had sent before this one: a receiver notices that it lost some.
+    cells:    what it has found since then.
+    wanted:   ids of robots of whom it has lost messages: they send all that they know.
+    """
+
+    position: Point
+    number: Index = 0
+    cells: Cells | None = None
+    wanted: tuple[Index, ...] = ()
+
+
+class _Message(msgspec.Struct, frozen=True):
+    survey: SurveyNews
+
+
+_messages = msgspec.json.Decoder(_Message)
+
+
+def survey_news(news: SurveyNews) -> str:
+    """Return the payload that shares it."""
+    return to_payload(_Message(news))
+
+
+def survey_news_in(payload: str) -> SurveyNews | None:
+    """Return the news in a message; None if it is another message."""
+    if '"survey"' not in payload:
+        return None
+    found = read_payload(_messages, payload)
+    return found.survey if found else None
+
+
+def packed(symbols: np.ndarray, longest: int) -> Iterator[Cells]:
+    """Yield messages that contain all symbols of a grid that are not SAME.
+
+    Args: symbols: uint8, shape (rows, cols).
+          longest: of the text of one message; one row of cells may exceed it.
+    """
+    rows, columns = np.flatnonzero(symbols.any(axis=1)), np.flatnonzero(symbols.any(axis=0))
+    if not rows.size:
+        return
+    low, high, left, right = int(rows[0]), int(rows[-1]) + 1, int(columns[0]), int(columns[-1]) + 1
+    part = symbols[low:high, left:right]
+    text = base64.b85encode(zlib.compress(part.tobytes())).decode()
+    if len(text) <= longest or part.size == 1:
+        yield Cells(low, left, high - low, right - left, text)
+        return
+    halves = [symbols.copy(), symbols.copy()]
+    if part.shape[0] >= part.shape[1]:
+        middle = (low + high) // 2
+        halves[0][middle:], halves[1][:middle] = SAME, SAME
+    else:
+        middle = (left + right) // 2
+        halves[0][:, middle:], halves[1][:, :middle] = SAME, SAME
+    for half in halves:
+        yield from packed(half, longest)
+
+
+def unpacked(cells: Cells, most: int) -> np.ndarray | None:
+    """Return the symbols of a rectangle, uint8, shape (rows, cols); None if the text has others.
+
+    Args: most: number of cells of the receiver's own map; no message has more.
+    """
+    size = cells.rows * cells.columns
+    if not 0 < size <= most:
+        return None
+    try:
+        unzip = zlib.decompressobj()
+        data = unzip.decompress(base64.b85decode(cells.packed), size + 1)
+    except (ValueError, binascii.Error, zlib.error):
+        return None
+    symbols = np.frombuffer(data, dtype=np.uint8)
+    if len(symbols) != size or symbols.max() > IS_OCCUPIED:
+        return None
+    return symbols.reshape(cells.rows, cells.columns)

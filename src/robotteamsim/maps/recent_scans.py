@@ -1,0 +1,110 @@
+"""The scans of the last metres that a robot drove, placed by its odometry."""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from robotteamsim.geometry import Pose
+from robotteamsim.maps.teammates import Disc
+from robotteamsim.scenario.sensors.laser import Laser
+
+_EVERY_M, _EVERY_RAD = 0.25, 0.25
+"""Distance driven, or turn, between two scans that are kept [m, rad]."""
+
+CELL_M = 0.1
+"""Points in one cell count as one [m]."""
+
+
+class Scan(NamedTuple):
+    """One scan.
+
+    odometry: pose of the robot in `odom`.
+    ranges_m: float32, shape (beams,).
+    beams:    indices of those that did not end at teammates, int32.
+    """
+
+    odometry: Pose
+    ranges_m: np.ndarray
+    beams: np.ndarray
+
+
+class LaserView:
+    """Where the beams of a laser end."""
+
+    def __init__(self, laser: Laser) -> None:
+        self.laser = laser
+        angles_rad = laser.angles_rad
+        self._directions = np.stack((np.cos(angles_rad), np.sin(angles_rad)), axis=1)
+
+    def ends_m(self, ranges_m: np.ndarray) -> np.ndarray:
+        """Return the ends in base_link, shape (beams, 2) [m]; without a return, at the longest range."""
+        limited_m = np.clip(ranges_m.astype(float), self.laser.range_min_m, self.laser.range_max_m)
+        return np.asarray((self.laser.forward_m, self.laser.left_m) + limited_m[:, None] * self._directions)
+
+    def not_at(self, discs: Sequence[Disc], pose: Pose, ends_m: np.ndarray) -> np.ndarray:
+        """Return the beams that end in none of the discs, for a robot at a pose: indices, int32."""
+        free = np.ones(len(ends_m), dtype=bool)
+        for (x_m, y_m), radius_m in discs:
+            center = pose.inverse() @ Pose(x_m, y_m, 0.0)
+            free &= ~(np.hypot(ends_m[:, 0] - center.x_m, ends_m[:, 1] - center.y_m) <= radius_m)
+        return np.flatnonzero(free).astype(np.int32)
+
+    def hits_m(self, scan: Scan) -> np.ndarray:
+        """Return where beams hit something, in base_link, shape (n, 2) [m]."""
+        ranges_m = scan.ranges_m[scan.beams]
+        hits = (ranges_m > self.laser.range_min_m) & (ranges_m < self.laser.range_max_m)
+        return np.asarray(self.ends_m(scan.ranges_m)[scan.beams[hits]])
+
+
+class RecentScans:
+    """Scans some way apart, over a length driven."""
+
+    def __init__(self, view: LaserView, length_m: float) -> None:
+        self._view, self._length_m = view, length_m
+        self._scans: deque[tuple[float, Scan]] = deque()
+
+    def add(self, driven_m: float, scan: Scan) -> None:
+        """Add a scan, unless the last one is too near; its arrays are copied. Args: driven_m: since the start [m]."""
+        if self._scans:
+            since = self._scans[-1][1].odometry.inverse() @ scan.odometry
+            if math.hypot(since.x_m, since.y_m) < _EVERY_M and abs(since.yaw_rad) < _EVERY_RAD:
+                return
+        self._scans.append((driven_m, scan._replace(ranges_m=scan.ranges_m.copy())))
+        self.forget_before(driven_m - self._length_m)
+
+    def forget_before(self, driven_m: float) -> None:
+        """Forget the scans before a length driven since the start [m]."""
+        while self._scans and self._scans[0][0] < driven_m:
+            self._scans.popleft()
+
+    def seen_from(self, odometry: Pose) -> list[tuple[Pose, Scan]]:
+        """Return where the robot was at each scan, in the frame of its pose in `odom` now, and the scan."""
+        return [(odometry.inverse() @ scan.odometry, scan) for _, scan in self._scans]
+
+    def points_m(self, odometry: Pose, most: int) -> np.ndarray:
+        """Return where several scans hit something, in base_link, shape (n, 2) [m]: at most so many, spread evenly.
+
+        What only one scan has hit may move, such as a teammate, and is left out.
+        """
+        cells = [
+            np.unique(np.round(_moved(pose, self._view.hits_m(scan)) / CELL_M).astype(np.int64), axis=0)
+            for pose, scan in self.seen_from(odometry)
+        ]
+        distinct, counts = np.unique(np.concatenate(cells), axis=0, return_counts=True)
+        return evenly(distinct[counts > 1], most) * CELL_M
+
+
+def evenly(items: np.ndarray, most: int) -> np.ndarray:
+    """Return at most so many items, spread evenly."""
+    return np.asarray(items[np.linspace(0, len(items) - 1, min(most, len(items))).round().astype(int)])
+
+
+def _moved(pose: Pose, points_m: np.ndarray) -> np.ndarray:
+    """Return points of a frame with that pose, shape (n, 2) [m]."""
+    cos, sin = math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
+    return np.asarray(points_m @ np.array([[cos, sin], [-sin, cos]]) + (pose.x_m, pose.y_m))

@@ -1,0 +1,147 @@
+"""The survey of a building that nobody knows: each robot maps what it sees, and shares it with its team."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from robotteamsim import _core
+from robotteamsim.geometry import Pose
+from robotteamsim.interface import Estimate, Localisation, Observation
+from robotteamsim.interface.survey_news import (
+    IS_FREE,
+    IS_OCCUPIED,
+    IS_UNKNOWN,
+    SAME,
+    Cells,
+    SurveyNews,
+    packed,
+    unpacked,
+)
+from robotteamsim.maps.found_map import CELL_M, FoundMap
+from robotteamsim.maps.localiser import Localiser
+from robotteamsim.maps.teammates import Disc
+from robotteamsim.scenario.base import Point
+from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN
+from robotteamsim.setup import Setup
+from robotteamsim.world.core_parts import core_fan
+
+_LONGEST = 1200
+"""Characters of the cells in one message: with the rest of it, it fits into a packet of 1,500 bytes."""
+
+_CERTAIN = (0.0,) * 6
+"""Covariance of a pose that is given."""
+
+_OTHERS = 200
+"""Characters of the rest of a message, at most."""
+
+
+class Survey:
+    """What one robot knows of a building: its own map, and what its teammates sent of theirs; a `Localiser`.
+
+    Where both know something, its own map counts. A robot sends what has changed in its own map. Messages have numbers:
+    who lost one, or was out of reach, asks for all that the other knows.
+
+    found: all of it; `Setup.map_of` returns it.
+    """
+
+    looks = True
+
+    def __init__(self, robot_id: int, setup: Setup, found: FoundMap, given: Localiser | None) -> None:
+        """Args: given: knows the robot's pose; None: the mapper finds it."""
+        self._robot_id, self.found, self._given = robot_id, found, given
+        body = setup.robots[robot_id]
+        self._laser, self._directions = body.laser, np.exp(1j * body.laser.angles_rad)
+        mapping = setup.scenario.control.mapping
+        self._factor = round(CELL_M / mapping.cell_m)
+        self._map_T_frame = Pose(*found.origin_m, 0.0)
+        """The mapper's frame has its origin in cell (0, 0) of the map, so that cells coincide."""
+        self._mapper = _core.maps.Mapper(
+            fan=core_fan(body.laser.beam_model().fan),
+            range_min_m=body.laser.range_min_m,
+            start=self._map_T_frame.inverse() @ Pose(*body.start_pose),
+            parameters=_core.maps.MapperParameters(**mapping.model_dump()),
+        )
+        self._own, self._of_team = found.cells.copy(), found.cells.copy()
+        self._unsent = np.zeros(found.cells.shape, dtype=bool)
+        self._number = 0
+        """Of the next message with cells."""
+        self._expected: dict[int, int] = {}
+        """The number of the next message with cells of each teammate."""
+        self._wanted: set[int] = set()
+        """The teammates of whom it wants all."""
+        limit = setup.scenario.network.max_message_bytes
+        self._longest = max(min(_LONGEST, limit - _OTHERS), 1)
+
+    def pose(self, observation: Observation, teammates: Sequence[Disc] = ()) -> Pose:
+        """Return the pose in a step, after it has mapped what the laser sees."""
+        reading = observation.robot.odometry
+        odometry, covariance, ranges_m = reading.pose.pose, reading.pose_covariance, observation.robot.ranges_m
+        if self._given is not None:
+            odometry, covariance = self._map_T_frame.inverse() @ self._given.pose(observation), _CERTAIN
+        self._mapper.step(odometry, covariance, ranges_m, self._at_teammates(teammates, ranges_m))
+        return self._map_T_frame @ self._mapper.pose
+
+    @property
+    def localisation(self) -> Localisation:
+        """What the mapper knows as of the last step."""
+        # The axes of the mapper's frame are those of `map`.
+        estimate = Estimate(self._map_T_frame @ self._mapper.pose, tuple(self._mapper.covariance))
+        return Localisation("lost" if self._mapper.is_lost else "tracking", (estimate,))
+
+    def _at_teammates(self, teammates: Sequence[Disc], ranges_m: np.ndarray) -> np.ndarray:
+        """Return whether each beam ends where a teammate may be, bool, shape (beams,)."""
+        pose = self._map_T_frame @ self._mapper.pose
+        sensor = pose @ Pose(self._laser.forward_m, self._laser.left_m, 0.0)
+        ends = complex(sensor.x_m, sensor.y_m) + ranges_m * self._directions * np.exp(1j * sensor.yaw_rad)
+        masked = np.zeros(len(ranges_m), dtype=bool)
+        for (x_m, y_m), radius_m in teammates:
+            masked |= np.abs(ends - complex(x_m, y_m)) <= radius_m
+        return masked
+
+    def look(self) -> None:
+        """Show in `found` what the robot and its teammates have found by now."""
+        origin_m, cells = self._mapper.occupancy(self._factor)
+        own = np.full_like(self._own, UNKNOWN)
+        _put(own, round(origin_m[1] / CELL_M), round(origin_m[0] / CELL_M), cells, cells != UNKNOWN)
+        self._unsent |= own != self._own
+        self._own = own
+        self.found.show(self._known)
+
+    @property
+    def _known(self) -> np.ndarray:
+        return np.where(self._own == UNKNOWN, self._of_team, self._own)
+
+    def hear(self, sender: int, news: SurveyNews) -> None:
+        """Take over what a teammate has found, and note whether some of it was lost."""
+        if self._robot_id in news.wanted:
+            self._unsent = self._known != UNKNOWN
+        if news.number > self._expected.get(sender, 0):
+            self._wanted.add(sender)
+        self._expected[sender] = news.number + (news.cells is not None)
+        symbols = None if news.cells is None else unpacked(news.cells, self._own.size)
+        if news.cells is not None and symbols is not None:
+            cells = np.select([symbols == IS_FREE, symbols == IS_OCCUPIED], [FREE, OCCUPIED], UNKNOWN)
+            _put(self._of_team, news.cells.row, news.cells.column, cells.astype(np.int8), symbols != SAME)
+
+    def news(self, position: Point) -> Iterator[SurveyNews]:
+        """Yield what the robot has to say now: one message or more. Args: position: of the robot, in `map` [m]."""
+        known = self._known
+        symbols = np.select([known == FREE, known == OCCUPIED], [IS_FREE, IS_OCCUPIED], IS_UNKNOWN)
+        parts: list[Cells | None] = list(packed(np.where(self._unsent, symbols, SAME).astype(np.uint8), self._longest))
+        self._unsent[:] = False
+        wanted, self._wanted = tuple(sorted(self._wanted)), set()
+        for part in parts or [None]:
+            yield SurveyNews(position, self._number, part, wanted)
+            self._number += part is not None
+            wanted = ()
+
+
+def _put(onto: np.ndarray, row: int, column: int, cells: np.ndarray, where: np.ndarray) -> None:
+    """Put those of a rectangle of cells that are wanted, without those beyond the border."""
+    low, left = max(-row, 0), max(-column, 0)
+    high, right = min(onto.shape[0] - row, cells.shape[0]), min(onto.shape[1] - column, cells.shape[1])
+    if low < high and left < right:
+        part = onto[row + low : row + high, column + left : column + right]
+        np.copyto(part, cells[low:high, left:right], where=where[low:high, left:right])
