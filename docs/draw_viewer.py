@@ -24,8 +24,8 @@ def main() -> None:
     """Simulate the missions and take the pictures."""
     quiet, loud = (_recorded(["run.seed=2", f"voice.noise_db={noise_db}"]) for noise_db in (20, 30))
     office = _recorded([], "office_manet")
-    names = ("garage_rescue", "office_fire", "office_tower")
-    rescue, fire, tower = (_recorded(["run.seed=1"], name) for name in names)
+    names = ("garage_rescue", "office_fire", "office_tower", "office_unknown")
+    rescue, fire, tower, unknown = (_recorded(["run.seed=1"], name) for name in names)
     chromium = shutil.which("chromium-headless-shell")
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=chromium, args=_FLAGS)
@@ -35,6 +35,7 @@ def main() -> None:
         _draw(browser, "garage_rescue", [rescue], "#t=190", (1600, 900))
         _draw(browser, "office_fire", [fire], "#t=50", (1600, 900))
         _draw(browser, "office_tower", [tower], "#t=120", (1600, 720))
+        _draw(browser, "office_unknown", [unknown], "#t=110", (1600, 900))
         browser.close()
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from robotteamsim import palette
 from robotteamsim.view.frame import Frame
-from robotteamsim.view.layers import LayerMap
+from robotteamsim.view.layers import Film
 from robotteamsim.view.recorder import Recording
 
 NO_LINK = 10_000
@@ -41,6 +41,7 @@ def colours() -> dict[str, Any]:
             "endangered": palette.ENDANGERED_LINK,
         },
         "excluded": palette.EXCLUDED_ROBOT,
+        "found": {"wall": palette.FOUND, "wrong": palette.WRONGLY_FOUND},
         "voice": palette.VOICE,
         "laser": palette.COLLISION,
         "edge": palette.WALL_EDGE,
@@ -65,40 +66,14 @@ def colours() -> dict[str, Any]:
     }
 
 
-def film(maps: Sequence[LayerMap]) -> dict[str, Any] | None:
-    """Return maps of one floor as cells that change, and by how much; before the first map, all are 0.
-
-    None without maps.
-    """
-    if not maps:
-        return None
-    rows, columns = maps[0].values.shape
-    before, cells, changes = np.zeros(rows * columns, dtype=np.int64), [], []
-    for one in maps:
-        now = one.values.ravel().astype(np.int64)
-        changed = np.flatnonzero(now != before)
-        cells.append(np.diff(changed, prepend=0).tolist())
-        changes.append((now - before)[changed].tolist())
-        before = now
-    return {
-        "origin_m": maps[0].origin_m,
-        "cell_m": maps[0].cell_m,
-        "rows": rows,
-        "columns": columns,
-        "times_s": [one.time_s for one in maps],
-        "cells": cells,
-        "changes": changes,
-    }
-
-
 def _document(recording: Recording) -> dict[str, Any]:
-    layers = ("voice", "radio", "fire", "smoke")
+    layers = {name: Film(getattr(recording, name)) for name in ("voice", "radio", "fire", "smoke")} | recording.found
     return {
         **header(recording),
         "events": recording.events,
         "frames": _frames(recording.frames),
         "links": _links(recording.frames),
-        "layers": {name: film(getattr(recording, name)) for name in layers},
+        "layers": {name: film.packed() for name, film in layers.items()},
     }
 
 

@@ -8,7 +8,7 @@ from typing import Any, Literal
 import msgspec
 import numpy as np
 
-from robotteamsim.interface import OUTSIDE
+from robotteamsim.interface import OUTSIDE, Localisation
 from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.events import AnyEvent
 from robotteamsim.scenario.sections import Victim
@@ -67,6 +67,13 @@ class ShownEvent(msgspec.Struct, frozen=True):
     text: str
 
 
+class Belief(msgspec.Struct, frozen=True):
+    """Where a robot believes that it is: the state of its localisation, and its estimates, the best one first."""
+
+    state: str
+    poses: tuple[Pose, ...]
+
+
 class Frame(msgspec.Struct, frozen=True):
     """One moment of a mission.
 
@@ -81,6 +88,7 @@ class Frame(msgspec.Struct, frozen=True):
     scans_m: ranges of each robot's laser; empty in frames without scans.
     egress:  None without fire and without exits.
     sensors: the last readings of each robot's `robots.sensors` in words, by their names; () as for `scans_m`.
+    beliefs: of each robot, () if none localises itself.
     """
 
     time_s: float
@@ -99,6 +107,7 @@ class Frame(msgspec.Struct, frozen=True):
     scans_m: tuple[list[float], ...] = ()
     egress: ShownEgress | None = None
     sensors: tuple[dict[str, str], ...] = ()
+    beliefs: tuple[Belief | None, ...] = ()
 
 
 def frame_of(
@@ -134,7 +143,17 @@ def frame_of(
         scans_m=tuple(scans) if any(scans) else (),
         egress=shown_egress(record.egress),
         sensors=sensors,
+        beliefs=shown_beliefs(decision.localisation for decision in record.decisions),
     )
+
+
+def shown_beliefs(localisations: Iterable[Localisation | None]) -> tuple[Belief | None, ...]:
+    """Return what robots believe, as shown."""
+    beliefs: list[Belief | None] = []
+    for one in localisations:
+        poses = () if one is None else tuple((e.pose.x_m, e.pose.y_m, e.pose.yaw_rad) for e in one.estimates)
+        beliefs.append(None if one is None else Belief(one.state, poses))
+    return tuple(beliefs) if any(beliefs) else ()
 
 
 def sensor_texts(robot_id: int, sensors: Iterable[Sensor], readings: Mapping[str, Any]) -> dict[str, str]:

@@ -14,6 +14,7 @@ from robotteamsim.interface import OUTSIDE
 from robotteamsim.recording.replay.recorded_run import RecordedRobot, RecordedRun, Timeline
 from robotteamsim.recording.replay.sparse import Scan, SparseTopic, read_scan, read_sparsely
 from robotteamsim.recording.topics import Topic
+from robotteamsim.recording.topics.beliefs import FOUND_MAP, LOCALISATION
 from robotteamsim.recording.topics.mission import EGRESS, PublishedStatus
 from robotteamsim.recording.topics.radio import VOICE_MAP
 from robotteamsim.recording.topics.robots import SCAN
@@ -23,6 +24,7 @@ from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.scenario.sensors import Sensor
 from robotteamsim.scenario.sensors.base import reading_of
 from robotteamsim.setup import Setup, resolve
+from robotteamsim.view.found import FoundLayers
 from robotteamsim.view.frame import (
     Frame,
     Link,
@@ -33,6 +35,7 @@ from robotteamsim.view.frame import (
     gait_of,
     links_of,
     sensor_texts,
+    shown_beliefs,
     shown_egress,
     shown_events,
     shown_objects,
@@ -49,6 +52,9 @@ Scanned = Mapping[str, Timeline[Any]]
 
 MOST_FRAMES = 18_000
 """An hour of the viewer's frames; those of longer runs are farther apart."""
+
+_FOUND_NS, _MOST_FOUND = 5_000_000_000, 200
+"""Least time between two maps that a robot has found, and most of them: all would not fit into the memory."""
 
 _LONGEST_S = 86_400.0
 """A longer recording would make a page that no browser opens; it usually mixes two clocks [s]."""
@@ -71,9 +77,10 @@ def recording_of(run: RecordedRun, scenario: Scenario | None = None) -> Recordin
     setup = None if scenario is None else resolve(scenario)
     topics = _scanned(run, setup) if num_scanned <= MOST_SCANNED else []
     scanned = read_sparsely(run, topics, stamps_ns[::per_scan])
+    beliefs = read_sparsely(run, _topics_of(run, LOCALISATION), stamps_ns)
     _check_floor(run)
     scene = _with_objects(_with_lasers(scene_of_run(run, setup), run, scanned), run)
-    found = Recording(scene, run.name, _frames(run, scanned, setup, scene))
+    found = Recording(scene, run.name, _frames(run, scanned, beliefs, setup, scene))
     for stamp_ns, event in run.events:
         found.events += shown_events([event], (stamp_ns - run.start_ns) / 1e9)
     for stamp_ns, levels in run.layer(VOICE_MAP):
@@ -83,8 +90,11 @@ def recording_of(run: RecordedRun, scenario: Scenario | None = None) -> Recordin
         every = max(round(RADIO_S * (len(found.frames) - 1) / duration_s), 1) if duration_s else 1
         found.radio = [level for frame in found.frames[::every] for level in coverage.at(frame)]
     fire = scenario.fire if scenario is not None else None
+    if setup is not None and setup.scenario.control.map == "unknown" and num_scanned <= MOST_SCANNED:
+        _add_found(found, run, setup)
     _add_hazards(found, run, (fire or Fire()).heat.block_c)
-    found.scene = msgspec.structs.replace(scene, has_fire=bool(found.fire or found.smoke))
+    has_beliefs = any(frame.beliefs for frame in found.frames)
+    found.scene = msgspec.structs.replace(scene, has_fire=bool(found.fire or found.smoke), has_beliefs=has_beliefs)
     return found
 
 
@@ -138,7 +148,14 @@ def _topic(robot: RecordedRobot, sensor: Sensor) -> str:
     return f"{robot.namespace}/{next(iter(sensor.topics))}"
 
 
-def _frames(run: RecordedRun, scanned: Scanned, setup: Setup | None, scene: Scene) -> list[Frame]:
+def _topics_of(run: RecordedRun, topic: Topic) -> list[SparseTopic]:
+    """Return a topic of each robot."""
+    read = topic.read
+    assert read is not None
+    return [SparseTopic(f"{robot.namespace}/{topic.name}", topic.type_name, read) for robot in run.robots]
+
+
+def _frames(run: RecordedRun, scanned: Scanned, beliefs: Scanned, setup: Setup | None, scene: Scene) -> list[Frame]:
     """Return a frame each `FRAME_S`, or fewer of a long run, and one at the end, of the last values up to each."""
     known = setup.scenario.mission.victims if setup else ()
     gaits = {victim.name: gait_of(victim) for victim in known}
@@ -177,6 +194,9 @@ def _frames(run: RecordedRun, scanned: Scanned, setup: Setup | None, scene: Scen
                 scans_m=tuple(map(_shown_scan, scans)) if any(scans) else (),
                 egress=shown_egress(run.layer(EGRESS).at(stamp_ns, None)),
                 sensors=sensors if any(sensors) else (),
+                beliefs=shown_beliefs(
+                    beliefs[f"{robot.namespace}/{LOCALISATION.name}"].at(stamp_ns, None) for robot in run.robots
+                ),
             )
         )
     return frames
@@ -199,6 +219,16 @@ def _shown_scan(scan: Scan | None) -> list[float]:
     if scan is None:
         return []
     return finite_ranges(np.clip(scan.ranges_m, 0.0, scan.range_max_m), scan.range_max_m)
+
+
+def _add_found(found: Recording, run: RecordedRun, setup: Setup) -> None:
+    """Add the maps that robots have found of the building of a scenario."""
+    layers = FoundLayers(setup.plan)
+    every_ns = max(_FOUND_NS, (run.end_ns - run.start_ns) // _MOST_FOUND)
+    maps = read_sparsely(run, _topics_of(run, FOUND_MAP), range(run.start_ns, run.end_ns + every_ns, every_ns))
+    for index, robot in enumerate(run.robots):
+        for stamp_ns, grid in maps[f"{robot.namespace}/{FOUND_MAP.name}"]:
+            found.add_found(index, layers.layer((stamp_ns - run.start_ns) / 1e9, grid))
 
 
 def _add_hazards(found: Recording, run: RecordedRun, block_c: float) -> None:

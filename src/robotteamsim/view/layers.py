@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -69,22 +71,57 @@ def fire_layer(
     codes = np.where(is_hot, _HOT, _NOTHING).astype(np.int16)
     codes[cells == BURNT_OUT_VALUE] = _BURNT_OUT
     codes[cells == BURNING_VALUE] = _BURNING
-    return _merged(time_s, origin_m, cell_m, codes)
+    return merged(time_s, origin_m, cell_m, codes)
 
 
 def smoke_layer(time_s: float, origin_m: tuple[float, float], cell_m: float, cells: np.ndarray) -> LayerMap:
     """Return the smoke: 0 where one sees 30 m far, 100 where one sees nothing. Args: cells: of /smoke/grid."""
     steps = (cells.clip(0, 100) + _SMOKE_STEP // 2) // _SMOKE_STEP * _SMOKE_STEP
-    return _merged(time_s, origin_m, cell_m, steps.astype(np.int16))
+    return merged(time_s, origin_m, cell_m, steps.astype(np.int16))
 
 
-def _merged(time_s: float, origin_m: tuple[float, float], cell_m: float, values: np.ndarray) -> LayerMap:
+def merged(
+    time_s: float, origin_m: tuple[float, float], cell_m: float, values: np.ndarray, most_cells: int = MAX_CELLS
+) -> LayerMap:
     """Return a map of no more cells than a viewer shows, each with the largest value of those that it merges."""
-    stride = _stride(values)
+    stride = _stride(values, most_cells)
     rows, columns = (np.arange(0, size, stride) for size in values.shape)
     merged = np.maximum.reduceat(np.maximum.reduceat(values, rows, axis=0), columns, axis=1)
     return LayerMap(time_s, origin_m, cell_m * stride, merged)
 
 
-def _stride(values: np.ndarray) -> int:
-    return max(int(np.ceil((values.size / MAX_CELLS) ** 0.5)), 1)
+def _stride(values: np.ndarray, most_cells: int = MAX_CELLS) -> int:
+    return max(int(np.ceil((values.size / most_cells) ** 0.5)), 1)
+
+
+class Film:
+    """Maps of one floor over time, of which only the changes are kept; before the first one, all cells are 0."""
+
+    def __init__(self, maps: Iterable[LayerMap] = ()) -> None:
+        self._place: dict[str, Any] | None = None
+        self._before = np.zeros(0, dtype=np.int64)
+        self._times_s: list[float] = []
+        self._cells: list[np.ndarray] = []
+        self._changes: list[np.ndarray] = []
+        for one in maps:
+            self.add(one)
+
+    def add(self, one: LayerMap) -> None:
+        """Add a map of the same floor."""
+        rows, columns = one.values.shape
+        if self._place is None:
+            self._place = {"origin_m": one.origin_m, "cell_m": one.cell_m, "rows": rows, "columns": columns}
+            self._before = np.zeros(rows * columns, dtype=np.int64)
+        now = one.values.ravel().astype(np.int64)
+        changed = np.flatnonzero(now != self._before)
+        self._times_s.append(one.time_s)
+        self._cells.append(np.diff(changed, prepend=0))
+        self._changes.append((now - self._before)[changed])
+        self._before = now
+
+    def packed(self) -> dict[str, Any] | None:
+        """Return cells that change, by the differences of their places, and by how much; None without maps."""
+        if self._place is None:
+            return None
+        cells, changes = ([part.tolist() for part in parts] for parts in (self._cells, self._changes))
+        return self._place | {"times_s": self._times_s, "cells": cells, "changes": changes}

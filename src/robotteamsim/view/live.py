@@ -105,7 +105,7 @@ class Release(Command, tag="release"):
 
 
 class SetLayers(Command, tag="set_layers"):
-    """Send one viewer these layers, of fire, smoke, voice, radio and laser."""
+    """Send one viewer these layers, of fire, smoke, belief, voice, radio and laser."""
 
     viewer: int
     layers: list[str]

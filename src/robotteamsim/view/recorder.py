@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -12,8 +13,18 @@ from robotteamsim.propagation import RadioField
 from robotteamsim.scenario.scenario import Scenario
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Observer, Result, Simulation, StepRecord
+from robotteamsim.view.found import FoundLayers
 from robotteamsim.view.frame import Frame, ShownEvent, fallen_of, frame_of, sensor_texts, shown_events
-from robotteamsim.view.layers import LOWEST_DBM, MAX_CELLS, SMOKE_S, LayerMap, field_layer, hazard_layers, keep_map
+from robotteamsim.view.layers import (
+    LOWEST_DBM,
+    MAX_CELLS,
+    SMOKE_S,
+    Film,
+    LayerMap,
+    field_layer,
+    hazard_layers,
+    keep_map,
+)
 from robotteamsim.view.scene import Scene, scene_of
 
 FRAME_S = 0.2
@@ -28,12 +39,18 @@ MOST_SCANNED = 8
 RADIO_S = 10.0
 """Time between maps of the team's radio coverage [s]."""
 
+FOUND = "found_"
+"""Names of maps that robots have found begin with this."""
+
 _RADIO_CELL_M = 0.5
 
 
 @dataclass(slots=True)
 class Recording:
-    """Everything that a viewer shows of one mission; a layer that is unknown has no maps."""
+    """Everything that a viewer shows of one mission; a layer that is unknown has no maps.
+
+    found: the map that each robot has found, by the name of its layer, see `found_name`.
+    """
 
     scene: Scene
     title: str
@@ -43,6 +60,17 @@ class Recording:
     radio: list[LayerMap] = field(default_factory=list)
     fire: list[LayerMap] = field(default_factory=list)
     smoke: list[LayerMap] = field(default_factory=list)
+    found: dict[str, Film] = field(default_factory=dict)
+
+    def add_found(self, index: int, layer: LayerMap | None) -> None:
+        """Add a map of a robot of the scene, unless it is None."""
+        if layer is not None:
+            self.found.setdefault(found_name(index), Film()).add(layer)
+
+
+def found_name(index: int) -> str:
+    """Return the name of the map that a robot has found. Args: index: of the robot in the scene."""
+    return f"{FOUND}{index}"
 
 
 class FrameRecorder(Observer):
@@ -62,6 +90,7 @@ class FrameRecorder(Observer):
         self._has_scans = scenario.num_robots <= MOST_SCANNED
         title = f"{scenario.name}, seed {scenario.run.seed}, {scenario.voice.noise_db:g} dB"
         self.recording = Recording(scene_of(setup), title)
+        self.found_layers = FoundLayers(setup.plan) if scenario.control.map == "unknown" else None
 
     def step(self, record: StepRecord) -> None:
         """Keep the frame of a step, if one is due, and its events."""
@@ -73,6 +102,8 @@ class FrameRecorder(Observer):
             maps = hazard_layers(record.mission.time_s, record.hazards)
             keep_map(found.fire, maps["fire"])
             keep_map(found.smoke, maps["smoke"], SMOKE_S)
+        for robot_id, layer in self.new_found(record):
+            found.add_found(robot_id, layer)
         self._fallen |= fallen_of(record.events)
         for robot_id, readings in record.state.sensors.items():
             self._sensed[robot_id] |= readings
@@ -86,6 +117,12 @@ class FrameRecorder(Observer):
         found.frames.append(frame)
         if index % self._every_radio == 0:
             found.radio += self.coverage.at(frame)
+
+    def new_found(self, record: StepRecord) -> Iterator[tuple[int, LayerMap | None]]:
+        """Yield the maps that robots show in a step, by their ids."""
+        for robot_id, decision in enumerate(record.decisions):
+            if decision.found is not None and self.found_layers is not None:
+                yield robot_id, self.found_layers.layer(record.mission.time_s, decision.found)
 
     def _texts(self, record: StepRecord) -> tuple[dict[str, str], ...]:
         """Return the last readings of each robot's sensors in words. Raises: SensorError."""

@@ -101,6 +101,7 @@ class Scene(msgspec.Struct, frozen=True):
     stops:  of passages: discs.
     victim_states: that victims can have, for the legend.
     has_fire: whether there are maps of fire and smoke.
+    has_beliefs: whether robots localise themselves.
     """
 
     title: str
@@ -113,6 +114,7 @@ class Scene(msgspec.Struct, frozen=True):
     objects: tuple[ObjectShape, ...]
     victim_states: tuple[str, ...] = ()
     has_fire: bool = False
+    has_beliefs: bool = False
     exits: tuple[AreaShape, ...] = ()
     floors: tuple[tuple[float, float, float, float], ...] = ()
     levels: tuple[tuple[str, tuple[float, float]], ...] = ()
@@ -136,6 +138,7 @@ def scene_of(setup: Setup) -> Scene:
         objects=tuple(map(object_shape, scenario.objects)),
         victim_states=_victim_states(scenario),
         has_fire=scenario.fire is not None,
+        has_beliefs=scenario.control.localises,
         exits=tuple(AreaShape(way.name, way.center, way.radius_m) for way in scenario.mission.exits),
         floors=tuple((*bounds.min, *bounds.max) for bounds in floors(plan)),
         levels=level_marks(plan),

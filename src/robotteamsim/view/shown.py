@@ -9,11 +9,11 @@ import msgspec
 
 from robotteamsim.hazards import HazardField
 from robotteamsim.simulation import Simulation, StepRecord
-from robotteamsim.view.document import film, header
+from robotteamsim.view.document import header
 from robotteamsim.view.frame import Frame, ShownEvent, fallen_of, frame_of, shown_events
 from robotteamsim.view.html import mission_page, size_problem
-from robotteamsim.view.layers import LayerMap, field_layer, hazard_layers
-from robotteamsim.view.recorder import FrameRecorder, Recording
+from robotteamsim.view.layers import Film, LayerMap, field_layer, hazard_layers
+from robotteamsim.view.recorder import FOUND, FrameRecorder, Recording, found_name
 
 _RADIO_SIM_S = 1.0
 """Simulated time between maps of the radio coverage [s]."""
@@ -27,7 +27,7 @@ FRAME_WALL_S = 1.0 / 15.0
 _MOST_LINKS = 5_000_000
 """Of all frames that are kept for a page that a viewer may save."""
 
-FIRST_LAYERS = frozenset(("fire", "smoke"))
+FIRST_LAYERS = frozenset(("fire", "smoke", "belief"))
 """Those that a new viewer shows."""
 
 
@@ -130,7 +130,7 @@ class ShownMission:
         viewer.frames, viewer.events = len(self._frames), len(self._events)
         layers = {}
         for name, (version, document) in self._maps.items():
-            if name in viewer.layers and viewer.maps.get(name) != version:
+            if _chosen(name) in viewer.layers and viewer.maps.get(name) != version:
                 viewer.maps[name] = version
                 layers[name] = document
         scene = self._header if is_new else {}
@@ -151,6 +151,8 @@ class ShownMission:
         self._maps: dict[str, tuple[int, dict[str, Any] | None]] = {}
         """The last map of each layer that somebody has shown, with its version."""
         self._hazards: HazardField | None = None
+        self._found: dict[str, LayerMap] = {}
+        """The maps of robots that were not published yet."""
         self._radio_s, self._voice_version = -_RADIO_SIM_S, -1
         self._note(record)
 
@@ -167,6 +169,8 @@ class ShownMission:
         self._fallen |= fallen_of(record.events)
         if record.hazards is not None:
             self._hazards = record.hazards
+        maps = self._recorder.new_found(record)
+        self._found |= {found_name(robot_id): layer for robot_id, layer in maps if layer is not None}
 
     def _publish(self) -> None:
         """Let all viewers take the latest frame, and the events and maps that are new."""
@@ -180,7 +184,7 @@ class ShownMission:
         self._frames.append(frame)
         self._version += 1
         for name, layer in self._new_maps(shown).items():
-            self._maps[name] = self._version, film([layer])
+            self._maps[name] = self._version, Film([layer]).packed()
         self._changed.notify_all()
 
     def _new_maps(self, shown: frozenset[str]) -> dict[str, LayerMap]:
@@ -193,7 +197,10 @@ class ShownMission:
         if "radio" in shown and time_s - self._radio_s >= _RADIO_SIM_S:
             self._radio_s = time_s
             maps |= {"radio": coverage[0]} if (coverage := self._recorder.coverage.at(self._frames[-1])) else {}
-        if self._hazards is not None and not shown.isdisjoint(FIRST_LAYERS):
+        if "belief" in shown:
+            maps |= self._found
+            self._found = {}
+        if self._hazards is not None and not shown.isdisjoint(("fire", "smoke")):
             maps |= hazard_layers(time_s, self._hazards)
             self._hazards = None
         return maps
@@ -206,3 +213,8 @@ class ShownMission:
             "noise_db": self._simulation.mission.noise_db,
             "error": self._error,
         }
+
+
+def _chosen(name: str) -> str:
+    """Return which of SetLayers shows a map. Args: name: of the map."""
+    return "belief" if name.startswith(FOUND) else name

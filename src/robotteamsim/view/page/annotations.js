@@ -5,7 +5,7 @@ import { scale } from "viewer/layers";
 import { isSaved } from "viewer/mission";
 import { make } from "viewer/panel";
 
-/** Rows of the key of a scene, for people, fire and smoke: [colour, text]. */
+/** Rows of the key of a scene, for people, fire, smoke and beliefs: [colour, text]. */
 function keyRows(scene, palette) {
   const rows = scene.victim_states.map((state) => [palette.victims[state], `${MARK[state] ?? ""} ${state}`.trim()]);
   const has = (role) => scene.robots.some((robot) => robot.role === role);
@@ -15,6 +15,7 @@ function keyRows(scene, palette) {
     const { burning, hot, burnt } = palette.fire;
     rows.push([burning, "burning"], [hot, "hot"], [burnt, "burnt out"], [palette.smoke, "smoke"]);
   }
+  if (scene.has_beliefs) rows.push([palette.found.wall, "found by the team"], [palette.found.wrong, "found, but not there"]);
   return rows;
 }
 
@@ -41,7 +42,7 @@ export class Annotations {
 
   /**
    * Args: project: where a place [x, y, z] is, as shares of the width and height of the picture; null: not in it.
-   *       cells: how many cells burn, are burnt, hot or smoky.
+   *       cells: how many cells burn, are burnt, hot, smoky, found as walls, or wrongly; and how many ghosts there are.
    */
   show(mission, frame, shown, { project, selected, cells }) {
     this._showLegend(shown, mission.palette);

@@ -96,7 +96,7 @@ export class LiveControls {
     player.onspeed = (speed) => this._command("set_speed", { speed });
     player.onstep = () => this._command("step");
     player.onlayers = (shown) => this._command("set_layers", {
-      viewer: mission.viewer, layers: ["fire", "smoke", "voice", "radio", "laser"].filter((name) => shown[name]),
+      viewer: mission.viewer, layers: ["fire", "smoke", "belief", "voice", "radio", "laser"].filter((name) => shown[name]),
     });
     player.onkey = (event) => this._key(event);
     document.addEventListener("keyup", (event) => this._key(event));

@@ -96,7 +96,9 @@ export class Mission {
     const index = this._indexAt(time), frame = this.frames[index], next = this.frames[index + 1];
     const seconds = next ? next.time_s - frame.time_s : 0, share = next ? Math.max((time - frame.time_s) / seconds, 0) : 0;
     const poses = frame.poses.map((pose, robot) => (next ? between(pose, next.poses[robot], share, seconds) : pose));
-    return { ...frame, time, poses, links: frame.links ?? this._linksAt(index) };
+    const beliefs = frame.beliefs?.map((belief, robot) => belief && next
+      ? { ...belief, poses: belief.poses.map((pose, i) => between(pose, next.beliefs[robot]?.poses[i], share, seconds)) } : belief);
+    return { ...frame, time, poses, beliefs, links: frame.links ?? this._linksAt(index) };
   }
 
   /** The links of a frame of a file: [[robot, other robot, signal in dBm], ...]. */

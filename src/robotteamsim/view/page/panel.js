@@ -56,6 +56,14 @@ function egressRows({ egress }) {
   return rows;
 }
 
+/** Rows [name, value] on where a robot believes that it is. */
+function beliefRows(pose, belief) {
+  if (!pose || !belief) return [];
+  const [[x, y, yaw]] = belief.poses, turn = Math.abs(yaw - pose[2]) % (2 * Math.PI);
+  const error = `${Math.hypot(x - pose[0], y - pose[1]).toFixed(2)} m, ${(Math.min(turn, 2 * Math.PI - turn) * 180 / Math.PI).toFixed(1)}°`;
+  return [["believes", `${x.toFixed(2)}, ${y.toFixed(2)} m`], ["wrong by", error], ["localisation", belief.state]];
+}
+
 export class Panel {
   constructor(onSeek, colours) {
     this.onSeek = onSeek;
@@ -165,6 +173,7 @@ export class Panel {
       ["heading", pose ? `${Math.round(((pose[2] * 180 / Math.PI) % 360 + 360) % 360)}°` : "–"],
       ["swarm", swarm === undefined ? "–" : swarm < 0 ? "excluded" : String(swarm)],
       ["links", links.join(", ") || "none"],
+      ...beliefRows(pose, frame.beliefs?.[selected]),
       ...Object.entries(frame.sensors?.[selected] ?? {}),
     ];
     section.replaceChildren(make("h2", robots[selected].name), table(rows));

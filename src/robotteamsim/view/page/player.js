@@ -5,7 +5,7 @@ import { isSaved } from "viewer/mission";
 
 const SPEEDS = [0.5, 1, 2, 5, 10, 20, 50];
 const element = (id) => document.getElementById(id);
-const LAYERS = { links: true, trails: true, names: true, fire: true, smoke: true, voice: false, radio: false, laser: false };
+const LAYERS = { links: true, trails: true, names: true, fire: true, smoke: true, belief: true, voice: false, radio: false, laser: false };
 
 const EVENT_COLOURS = {
   victim_saved: "victims.saved", victim_safe: "victims.safe", victim_located: "victims.located",
@@ -158,9 +158,10 @@ export class Player {
     element("layers").append(label);
   }
 
-  /** Whether there are data of a layer; a live mission computes all but fire and smoke. */
+  /** Whether there are data of a layer; a live mission computes all but fire, smoke and beliefs. */
   _has(name) {
     if (name === "fire" || name === "smoke") return this.missions.some((mission) => mission.scene.has_fire);
+    if (name === "belief") return this.missions.some((mission) => mission.scene.has_beliefs);
     if (this.isLive) return true;
     if (name === "laser") return this.missions.some((mission) => mission.frames.some((frame) => frame.scans_m?.length));
     if (name === "voice" || name === "radio") return this.missions.some((mission) => mission.layers[name]);

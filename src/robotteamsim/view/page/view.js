@@ -5,6 +5,7 @@ import {
   WebGLRenderer,
 } from "three";
 import { Annotations } from "viewer/annotations";
+import { Beliefs } from "viewer/beliefs";
 import { Building, CUT_M } from "viewer/building";
 import { Hazards } from "viewer/hazards";
 import { Layers } from "viewer/layers";
@@ -51,8 +52,9 @@ export class View {
     this.layers = new Layers(palette, scene.robots);
     this.people = new People(scene, palette, enlarged);
     this.hazards = new Hazards(palette);
+    this.beliefs = new Beliefs(scene, palette);
     this.scene.add(
-      this.building.group, this.team.group, this.people.group, this.layers.group, this.hazards.group);
+      this.building.group, this.team.group, this.people.group, this.layers.group, this.hazards.group, this.beliefs.group);
     this.annotations.explain(scene, palette);
     this.paint();
     this.fit();
@@ -198,10 +200,11 @@ export class View {
     this.team.mark(frame, this.selected, this.camera);
     this.team.showGoals(frame, { ...this.mission.status?.driven, ...(this.drag?.goal && { [this.drag.robot]: this.drag.goal }) });
     this.layers.show(this.mission, frame, shown, this.selected);
+    this.beliefs.show(this.mission, frame, shown, this.selected, this.camera);
     this._follow(frame);
     this.renderer.render(this.scene, this.camera);
     this.annotations.show(this.mission, frame, shown, {
-      project: (place) => this._project(place), selected: this.selected, cells: this.hazards.counts,
+      project: (place) => this._project(place), selected: this.selected, cells: { ...this.hazards.counts, ...this.beliefs.counts },
     });
   }
 
