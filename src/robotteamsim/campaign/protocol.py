@@ -5,6 +5,7 @@ docs/benchmark.md describes them.
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -40,6 +41,11 @@ VARIANTS: Mapping[str, Mapping[str, Any]] = {
     "rdpso_adapted": {"algorithm": "rdpso", "adaptation": "fuzzy"},
     "search_connected": {"algorithm": "search", "network": "connected"},
     "cover_connected": {"algorithm": "cover", "c4": 0.3, "kept_link": "tree"},
+    "frontier_alone": {"algorithm": "frontier", "coordinated": False},
+    "nearest": {"algorithm": "frontier", "choice": "nearest", "coordinated": False},
+    "nearest_coordinated": {"algorithm": "frontier", "choice": "nearest"},
+    "cost_utility": {"algorithm": "frontier", "choice": "cost_utility"},
+    "rrt": {"algorithm": "frontier", "choice": "rrt"},
 }
 """Controllers that differ from a registered one by keys of `control`."""
 
@@ -48,6 +54,9 @@ _CONTROLLERS = (
     "boustrophedon",
 )
 """Those of the search protocol; the first is the reference of all comparisons."""
+
+_EXPLORING = ("frontier", "frontier_alone", "nearest", "nearest_coordinated", "cost_utility", "rrt", "rdpso")
+"""Those of the exploration protocol; the first is the reference of all comparisons."""
 
 PATROLLING = tuple(name for name, kind in ALGORITHMS.items() if kind.patrols)
 """The controllers that patrol."""
@@ -67,6 +76,19 @@ BUILDINGS: Mapping[str, tuple[str, tuple[str, ...]]] = {
     "isr_floor": ("isr_floor_0_sar", ()),
 }
 """By name, the shipped scenario and its changes: the warehouse has a team of equal robots and nothing to push."""
+
+UNKNOWN_BUILDINGS: Mapping[str, tuple[str, tuple[str, ...]]] = {
+    "garage": ("garage_unknown", ()),
+    "office": ("office_unknown", ()),
+    **{
+        name: ("garage_unknown", (f"plan=explore_{name}", "robots.start=[1.7, 1.7, 0]", "mission.areas=[]"))
+        for name in ("loop", "corridor", "corner", "rooms", "loop_rooms", "corner_rooms")
+    },
+}
+"""The buildings of the exploration protocol; the last six are maps of our own."""
+
+STARTS = ("near", "far")
+POSES = ("known", "unknown")
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +130,27 @@ class PatrolProtocol:
     seed: int = 1
 
 
+@dataclass(frozen=True, slots=True)
+class ExplorationProtocol:
+    """A benchmark of the exploration of buildings that nobody knows.
+
+    controllers: names in VARIANTS, registered algorithms, module:Class, or files of policies, with which robots need
+                 not know the building; the first is the reference of comparisons.
+    buildings:   names in UNKNOWN_BUILDINGS, shipped scenarios, or files.
+    starts:      of STARTS: robots start together, or at random places.
+    poses:       of POSES: robots know their true poses, or find them with their maps.
+    """
+
+    controllers: tuple[str, ...]
+    buildings: tuple[str, ...]
+    robots: tuple[int, ...]
+    starts: tuple[str, ...]
+    poses: tuple[str, ...]
+    trials: int
+    duration_s: float
+    seed: int = 1
+
+
 def quick_search() -> SearchProtocol:
     """Return a small search protocol, which runs within a minute on two cores."""
     return SearchProtocol(_CONTROLLERS, ("garage", "warehouse"), (20.0,), (3,), trials=2)
@@ -128,12 +171,27 @@ def full_patrol(building: str = "garage", graph: str | None = None) -> PatrolPro
     return PatrolProtocol(PATROLLING, building, graph, (1, 2, 4, 8, 12), trials=30, duration_s=3600.0)
 
 
+def quick_exploration() -> ExplorationProtocol:
+    """Return a small exploration protocol, which runs within some minutes on two cores."""
+    some = ("frontier", "nearest", "rrt")
+    return ExplorationProtocol(some, ("rooms", "loop_rooms"), (2,), ("near",), ("unknown",), trials=2, duration_s=300.0)
+
+
+def full_exploration() -> ExplorationProtocol:
+    """Return the full exploration protocol."""
+    return ExplorationProtocol(
+        _EXPLORING, tuple(UNKNOWN_BUILDINGS), (1, 2, 4, 8), STARTS, POSES, trials=20, duration_s=1200.0
+    )
+
+
 def search_design(protocol: SearchProtocol) -> Design:
     """Return the design of a search protocol; trials of equal number have the same victims in all cells of a building.
 
     Raises: CampaignError, ScenarioError: one line with option, value and what was expected.
     """
-    _check_lists(protocol.controllers, protocol.buildings, protocol.noises_db, protocol.robots)
+    _check_lists(
+        controller=protocol.controllers, building=protocol.buildings, noise=protocol.noises_db, robots=protocol.robots
+    )
     if protocol.victims < 1:
         raise CampaignError(f"--victims: {protocol.victims} is not above 0: a search needs someone to find")
     cells = []
@@ -162,7 +220,7 @@ def patrol_design(protocol: PatrolProtocol) -> Design:
 
     Raises: CampaignError, ScenarioError.
     """
-    _check_lists(protocol.controllers, (protocol.building,), (0.0,), protocol.robots)
+    _check_lists(controller=protocol.controllers, robots=protocol.robots)
     for controller in protocol.controllers:
         if controller not in PATROLLING and not is_foreign(controller):
             expected = ", ".join((*PATROLLING, "module:Class, a policy's file"))
@@ -175,16 +233,50 @@ def patrol_design(protocol: PatrolProtocol) -> Design:
     patrol = base.mission.patrol if protocol.graph else _lattice(base)
     changes = {"areas": (), "victims": (), "base": None, "time_limit_s": protocol.duration_s, "patrol": patrol}
     mission = _section(Mission, base.mission, "--duration: ", **changes)
-    assert isinstance(base.robots, Team)
-    start = base.robots.start or base.robots.start_poses[0]
-    place = f"{protocol.building}: robots."
-    team = _section(Team, base.robots, place, start=start, start_poses=(), formation="random")
-    base = base.model_copy(update={"mission": mission, "robots": team})
+    base = _at_random_places(base.model_copy(update={"mission": mission}), protocol.building)
     cells = [
         Cell((robots, controller), _with_graph(cell))
         for robots, controller, cell in _teams(base, protocol.robots, protocol.controllers)
     ]
     return _design(cells, ("robots", "controller"), protocol.trials, protocol.seed)
+
+
+def exploration_design(protocol: ExplorationProtocol) -> Design:
+    """Return the design of an exploration protocol, without areas and victims.
+
+    Raises: CampaignError, ScenarioError.
+    """
+    _check_lists(
+        controller=protocol.controllers,
+        building=protocol.buildings,
+        robots=protocol.robots,
+        start=protocol.starts,
+        pose=protocol.poses,
+    )
+    for option, values, known in (("--start", protocol.starts, STARTS), ("--pose", protocol.poses, POSES)):
+        for value in values:
+            if value not in known:
+                raise CampaignError(f"{option}: '{value}'; expected one of {', '.join(known)}")
+    cells = []
+    for building in protocol.buildings:
+        base = load_building(building, known=UNKNOWN_BUILDINGS)
+        changes = {"areas": (), "victims": (), "base": None, "time_limit_s": protocol.duration_s}
+        mission = _section(Mission, base.mission, "--duration: ", **changes)
+        base = base.model_copy(update={"mission": mission})
+        for start, pose in itertools.product(protocol.starts, protocol.poses):
+            found = {"map": "unknown", "localisation": "ground_truth" if pose == "known" else "laser"}
+            placed = _at_random_places(base, building) if start == "far" else base
+            for robots, controller, cell in _teams(placed, protocol.robots, protocol.controllers, found):
+                cells.append(Cell((building, start, pose, robots, controller), cell))
+    return _design(cells, ("building", "start", "pose", "robots", "controller"), protocol.trials, protocol.seed)
+
+
+def _at_random_places(of: Scenario, building: str) -> Scenario:
+    """Return a scenario whose team starts at random places."""
+    assert isinstance(of.robots, Team)
+    start = of.robots.start or of.robots.start_poses[0]
+    team = _section(Team, of.robots, f"{building}: robots.", start=start, start_poses=(), formation="random")
+    return of.model_copy(update={"robots": team})
 
 
 def _with_graph(of: Scenario) -> Scenario:
@@ -201,9 +293,11 @@ def _with_graph(of: Scenario) -> Scenario:
     return of.model_copy(update={"mission": of.mission.model_copy(update={"patrol": patrol})})
 
 
-def load_building(name: str, overrides: Sequence[str] = ()) -> Scenario:
+def load_building(
+    name: str, overrides: Sequence[str] = (), known: Mapping[str, tuple[str, tuple[str, ...]]] = BUILDINGS
+) -> Scenario:
     """Return the scenario of a building. Raises: ScenarioError, CampaignError: it has no team, or a schedule."""
-    of, changes = BUILDINGS.get(name, (name, ()))
+    of, changes = known.get(name, (name, ()))
     loaded = scenario.load(of, [*changes, *overrides])
     is_team = isinstance(loaded.robots, Team)
     if not is_team or not loaded.num_robots:
@@ -214,11 +308,14 @@ def load_building(name: str, overrides: Sequence[str] = ()) -> Scenario:
     return loaded
 
 
-def control_of(controller: str) -> Control:
-    """Return `control` with its defaults, except what makes a controller; a policy's file by its absolute path."""
+def control_of(controller: str, given: Mapping[str, Any] | None = None) -> Control:
+    """Return `control` with its defaults, except what makes a controller; a policy's file by its absolute path.
+
+    Args: given: keys of all controllers that have other values.
+    """
     algorithm = str(Path(controller).absolute()) if is_policy_file(controller) else controller
     keys = VARIANTS.get(controller, {"algorithm": algorithm})
-    return control_kind(keys["algorithm"])(**keys)
+    return control_kind(keys["algorithm"])(**keys, **(given or {}))
 
 
 def _lattice(of: Scenario) -> Patrol:
@@ -228,8 +325,10 @@ def _lattice(of: Scenario) -> Patrol:
     return Patrol(spacing_m=min(Patrol().spacing_m, max(side_m / _LEAST_LATTICE, 1.0)))
 
 
-def _teams(base: Scenario, robots: Sequence[int], controllers: Sequence[str]) -> Iterator[tuple[int, str, Scenario]]:
-    """Yield each number of robots with each controller and its scenario, after checks."""
+def _teams(
+    base: Scenario, robots: Sequence[int], controllers: Sequence[str], given: Mapping[str, Any] | None = None
+) -> Iterator[tuple[int, str, Scenario]]:
+    """Yield each number of robots with each controller and its scenario, after checks. Args: given: as `control_of`."""
     assert isinstance(base.robots, Team)
     for count in robots:
         if count < 1:  # A scenario without robots is one with firefighters.
@@ -238,7 +337,10 @@ def _teams(base: Scenario, robots: Sequence[int], controllers: Sequence[str]) ->
         sized = base.model_copy(update={"robots": team})
         _check_room(sized)
         for controller in controllers:
-            cell = sized.model_copy(update={"control": control_of(controller)})
+            control = control_of(controller, given)
+            if control.map not in control.maps:
+                raise CampaignError(f"--controller: '{controller}' needs to know the building")
+            cell = sized.model_copy(update={"control": control})
             try:
                 made = make_controller(0, resolve(cell))
             except RobotTeamSimError as error:
@@ -264,21 +366,14 @@ def _section(model: Any, section: Any, place: str, **changes: Any) -> Any:
     return checked(model, section.model_dump(mode="json", by_alias=True) | changes, CampaignError, place)
 
 
-def _check_lists(
-    controllers: Sequence[str], buildings: Sequence[str], noises_db: Sequence[float], robots: Sequence[int]
-) -> None:
-    """Raises: CampaignError: a list is empty or has a value twice."""
-    for option, values in (
-        ("--controller", controllers),
-        ("--building", buildings),
-        ("--noise", noises_db),
-        ("--robots", robots),
-    ):
+def _check_lists(**values_of: Sequence[Any]) -> None:
+    """Raises: CampaignError: the list of an option is empty or has a value twice. Args: values_of: by option."""
+    for option, values in values_of.items():
         if not values:
-            raise CampaignError(f"{option}: no values")
+            raise CampaignError(f"--{option}: no values")
         for index, value in enumerate(values):
             if value in values[:index]:
-                raise CampaignError(f"{option}: {value} is given twice")
+                raise CampaignError(f"--{option}: {value} is given twice")
 
 
 def _design(cells: Sequence[Cell], keys: tuple[str, ...], trials: int, seed: int) -> Design:

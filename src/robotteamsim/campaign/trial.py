@@ -15,6 +15,7 @@ from robotteamsim.errors import CampaignError, RobotTeamSimError
 from robotteamsim.mission.egress import Egress
 from robotteamsim.mission.events import VictimLocated, failure_of
 from robotteamsim.mission.status import VictimState
+from robotteamsim.recording.exploration import Exploration, ExplorationLog
 from robotteamsim.recording.idleness import Idleness
 from robotteamsim.recording.measures import Measures
 from robotteamsim.recording.network_log import NetworkLog, NetworkTotals
@@ -55,6 +56,7 @@ class Details(msgspec.Struct, frozen=True):
     idleness: Idleness | None = None
     coverage: Annotated[float, msgspec.Meta(ge=0.0, le=1.0)] | None = None
     egress: Egress | None = None
+    exploration: Exploration | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +70,8 @@ class Outcome:
              excluded_s, longest_stay_s of each); if there are any, `casualties` (id, kind, time_s of robots that
              failed and firefighters who collapsed); `network`, as `recording.network_log.NetworkTotals`; for a patrol
              also `idleness`, as `recording.idleness.Idleness`; with `mission.coverage` also `coverage`, the share of
-             the floor; with fire or exits also `egress`, as `mission.egress.Egress`.
+             the floor; in a building that nobody knows `exploration`, as `recording.exploration.Exploration`; with fire
+             or exits also `egress`, as `mission.egress.Egress`.
     paths:   of the robots, for `decode_paths`.
     controller_failed: the first controller that was stopped, with its reason, such as "3.2 s: robot 1 is stopped:
              ValueError: .. (mine.py:7)"; "" if all worked to the end.
@@ -142,7 +145,10 @@ def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
     seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": trial.seed})})
     times, paths, network, measures = _EventTimes(), PathLog(), NetworkLog(), Measures()
     try:
-        result = Simulation(seeded).run([times, paths, network, measures])
+        simulation = Simulation(seeded)
+        exploration = ExplorationLog(simulation)
+        explored: list[Observer] = [exploration] if seeded.control.map == "unknown" else []
+        result = simulation.run([times, paths, network, measures, *explored])
     except Exception as error:  # The other trials continue.
         wall_s = time.perf_counter() - start_s
         # Our own errors name the place: that of a sensor its line of code, for example.
@@ -158,7 +164,7 @@ def run_trial(scenario: Scenario, trial: Trial, version: str) -> Outcome:
         **{name: values[name] for name in _OF_RESULT},
         distance_m=sum(robot.distance_m for robot in result.robots),
         contact_s=sum(robot.contact_s for robot in result.robots),
-        details=times.details(result, network.values() | measures.values()),
+        details=times.details(result, network.values() | measures.values() | exploration.values()),
         paths=paths.encoded(),
         controller_failed=times.controller_failed,
         wall_s=time.perf_counter() - start_s,

@@ -60,32 +60,25 @@ examples:
   robotteamsim benchmark patrol --out DIR
   robotteamsim benchmark patrol --building cumberland.yaml --graph cumberland.graph --full --out DIR"""
 
+_EXPLORATION = """\
+Compare controllers that explore buildings that they do not know: when 90 and 99 % of the
+floor are known, how right the maps are, and how many bytes robots send."""
+
+_EXPLORATION_EPILOG = """\
+A controller is a name of docs/benchmark.md, a name of control.algorithm with which
+control.map may be unknown, or module:Class. The first one is the reference of all
+comparisons. The same command resumes a benchmark that was stopped.
+
+examples:
+  robotteamsim benchmark exploration --out DIR
+  robotteamsim benchmark exploration --building rooms --robots 4 --controller frontier \\
+      --controller my_package:Mine --trials 20 --out DIR"""
+
 
 def add_to(parser: Parser) -> None:
     """Describe the command to its parser."""
-    kinds = parser.add_subparsers(title="benchmarks", metavar="search|patrol", required=True)
-    search = kinds.add_parser("search", help="searches for random victims", description=_SEARCH, epilog=_SEARCH_EPILOG)
-    names = ", ".join(protocols.BUILDINGS)
-    search.add_argument("--building", action="append", metavar="NAME", help=f"{names}; or {SCENARIO_HELP}; repeatable")
-    search.add_argument("--noise", type=number, action="append", metavar="DB", help="background noise [dB]; repeatable")
-    search.add_argument(
-        "--policy",
-        action="append",
-        default=[],
-        metavar="POLICY",
-        help="another controller to compare, a policy; repeatable",
-    )
-    search.add_argument("--victims", type=whole_number, metavar="N", help="victims in each mission; default 4")
-    search.add_argument("--no-areas", action="store_true", help="no areas to explore: the last one ends a mission")
-    search.set_defaults(command=run_search)
-    patrol = kinds.add_parser("patrol", help="patrols of a graph", description=_PATROL, epilog=_PATROL_EPILOG)
-    patrol.add_argument("--building", default="garage", metavar="NAME", help=f"{names}; or {SCENARIO_HELP}")
-    patrol.add_argument(
-        "--graph", type=path_of, metavar="FILE", help="a .graph file of patrolling_sim; default a lattice of places"
-    )
-    patrol.add_argument("--duration", type=positive_number, metavar="S", help="length of each mission [s]")
-    patrol.set_defaults(command=run_patrol)
-    for kind in (search, patrol):
+    kinds = parser.add_subparsers(title="benchmarks", metavar="search|patrol|exploration", required=True)
+    for kind in (_add_search(kinds), _add_patrol(kinds), _add_exploration(kinds)):
         kind.add_argument("--out", type=folder_of, required=True, metavar="DIR", help="folder of missions and report")
         size = kind.add_mutually_exclusive_group()
         size.add_argument("--quick", action="store_true", help="the small protocol, which is the default")
@@ -101,6 +94,55 @@ def add_to(parser: Parser) -> None:
         add_worker_options(kind)
         kind.add_argument("--json", action="store_true", help="print the tables as one JSON object")
         kind.add_argument("--quiet", action="store_true", help="no progress, no tables")
+
+
+def _add_search(kinds: Any) -> Parser:
+    search: Parser = kinds.add_parser(
+        "search", help="searches for random victims", description=_SEARCH, epilog=_SEARCH_EPILOG
+    )
+    names = ", ".join(protocols.BUILDINGS)
+    search.add_argument("--building", action="append", metavar="NAME", help=f"{names}; or {SCENARIO_HELP}; repeatable")
+    search.add_argument("--noise", type=number, action="append", metavar="DB", help="background noise [dB]; repeatable")
+    search.add_argument(
+        "--policy",
+        action="append",
+        default=[],
+        metavar="POLICY",
+        help="another controller to compare, a policy; repeatable",
+    )
+    search.add_argument("--victims", type=whole_number, metavar="N", help="victims in each mission; default 4")
+    search.add_argument("--no-areas", action="store_true", help="no areas to explore: the last one ends a mission")
+    search.set_defaults(command=run_search)
+    return search
+
+
+def _add_patrol(kinds: Any) -> Parser:
+    patrol: Parser = kinds.add_parser("patrol", help="patrols of a graph", description=_PATROL, epilog=_PATROL_EPILOG)
+    names = ", ".join(protocols.BUILDINGS)
+    patrol.add_argument("--building", default="garage", metavar="NAME", help=f"{names}; or {SCENARIO_HELP}")
+    patrol.add_argument(
+        "--graph", type=path_of, metavar="FILE", help="a .graph file of patrolling_sim; default a lattice of places"
+    )
+    patrol.add_argument("--duration", type=positive_number, metavar="S", help="length of each mission [s]")
+    patrol.set_defaults(command=run_patrol)
+    return patrol
+
+
+def _add_exploration(kinds: Any) -> Parser:
+    explore: Parser = kinds.add_parser(
+        "exploration", help="explorations of unknown buildings", description=_EXPLORATION, epilog=_EXPLORATION_EPILOG
+    )
+    names = ", ".join(protocols.UNKNOWN_BUILDINGS)
+    explore.add_argument("--building", action="append", metavar="NAME", help=f"{names}; or {SCENARIO_HELP}; repeatable")
+    explore.add_argument(
+        "--start", action="append", metavar="near|far", help="robots start together or anywhere; repeatable"
+    )
+    explore.add_argument(
+        "--pose", action="append", metavar="known|unknown", help="robots know their true poses or not; repeatable"
+    )
+    explore.add_argument("--duration", type=positive_number, metavar="S", help="time limit of each mission [s]")
+    explore.set_defaults(command=run_exploration)
+    return explore
 
 
 def run_search(options: argparse.Namespace) -> int:
@@ -182,6 +224,44 @@ def run_patrol(options: argparse.Namespace) -> int:
         return make_patrol_report(design, outcomes, command)
 
     return _run(options, design, command, "benchmark patrol", report)
+
+
+def run_exploration(options: argparse.Namespace) -> int:
+    """Run an exploration benchmark. Returns: 0, or 1 if missions failed or were given up, or a controller failed."""
+    protocol = dataclasses.replace(
+        protocols.full_exploration() if options.full else protocols.quick_exploration(),
+        **_given(
+            controllers=options.controller,
+            buildings=options.building,
+            robots=options.robots,
+            starts=options.start,
+            poses=options.pose,
+            trials=options.trials,
+            duration_s=options.duration,
+            seed=options.seed,
+        ),
+    )
+    design = protocols.exploration_design(protocol)
+    command = command_line(
+        ["benchmark", "exploration"],
+        {
+            "--controller": protocol.controllers,
+            "--building": protocol.buildings,
+            "--start": protocol.starts,
+            "--pose": protocol.poses,
+            "--robots": protocol.robots,
+            "--trials": [protocol.trials],
+            "--duration": [f"{protocol.duration_s:g}"],
+            "--seed": [protocol.seed],
+        },
+    )
+
+    def report(outcomes: tuple[Outcome, ...]) -> Report:
+        from robotteamsim.analysis.benchmark.report import make_exploration_report
+
+        return make_exploration_report(design, outcomes, command)
+
+    return _run(options, design, command, "benchmark exploration", report)
 
 
 def _given(**values: Any) -> dict[str, Any]:

@@ -110,7 +110,7 @@ def test_paired_trials_of_equal_number_have_the_same_seed_in_all_cells(short_des
         ),
         (
             ["control.localisation=odometry,tf"],
-            "--sweep: control.localisation: 'tf' is available only in ROS; expected 'ground_truth' or 'odometry'",
+            "--sweep: control.localisation: 'tf' is available only in ROS; expected ground_truth, odometry or laser",
         ),
         (["run.seed=1,2"], "--sweep: run.seed: not allowed: the seed of each trial is derived from --seed"),
     ],

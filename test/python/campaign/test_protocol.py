@@ -14,9 +14,12 @@ from robotteamsim import __version__
 from robotteamsim.campaign.protocol import (
     BUILDINGS,
     PATROLLING,
+    ExplorationProtocol,
     PatrolProtocol,
     SearchProtocol,
     control_of,
+    exploration_design,
+    full_exploration,
     full_search,
     patrol_design,
     quick_search,
@@ -173,6 +176,60 @@ def test_mistake_in_a_patrol_is_one_line_with_the_option(changes, line):
     protocol = PatrolProtocol(("sebs",), "garage", None, (2,), trials=1, duration_s=60.0)
     with pytest.raises(CampaignError) as raised:
         patrol_design(replace(protocol, **changes))
+    assert str(raised.value).startswith(line)
+
+
+EXPLORATION = ExplorationProtocol(
+    ("frontier", "rdpso"), ("rooms", "loop"), (1, 2), ("near", "far"), ("known", "unknown"), trials=2, duration_s=60.0
+)
+
+
+def test_exploration_has_all_combinations_in_buildings_that_nobody_knows():
+    design = exploration_design(EXPLORATION)
+    assert design.keys == ("building", "start", "pose", "robots", "controller")
+    assert len(design.cells) == 32
+    for cell in design.cells:
+        building, start, pose, robots, _ = cell.values
+        scenario = cell.scenario
+        assert scenario.plan.name == f"explore_{building}"
+        assert scenario.control.map == "unknown"
+        assert scenario.control.localisation == {"known": "ground_truth", "unknown": "laser"}[pose]
+        assert (scenario.num_robots, scenario.robots.formation) == (robots, "square" if start == "near" else "random")
+        assert (scenario.mission.areas, scenario.mission.victims, scenario.mission.time_limit_s) == ((), (), 60.0)
+
+
+def test_robots_that_start_far_start_elsewhere_with_each_seed_and_alike_with_each_controller():
+    design = exploration_design(
+        replace(EXPLORATION, buildings=("rooms",), robots=(2,), starts=("far",), poses=("known",))
+    )
+    starts = {}
+    for trial in design.all_trials():
+        scenario = design.cells[trial.cell].scenario
+        seeded = scenario.model_copy(update={"run": scenario.run.model_copy(update={"seed": trial.seed})})
+        starts.setdefault(trial.number, set()).add(tuple(robot.start_pose for robot in resolve(seeded).robots))
+    assert {len(of_trial) for of_trial in starts.values()} == {1}
+    assert starts[1] != starts[2]
+
+
+def test_full_exploration_has_room_for_eight_robots_in_each_building():
+    design = exploration_design(replace(full_exploration(), controllers=("frontier",), poses=("unknown",)))
+    assert len(design.cells) == 8 * 4 * 2
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ({"controllers": ("greedy", "search")}, "--controller: 'search' needs to know the building"),
+        ({"starts": ("here",)}, "--start: 'here'; expected one of near, far"),
+        ({"poses": ("known", "wrong")}, "--pose: 'wrong'; expected one of known, unknown"),
+        ({"starts": ()}, "--start: no values"),
+        ({"poses": ("known", "known")}, "--pose: known is given twice"),
+        ({"duration_s": 2e6}, "--duration: time_limit_s: "),
+    ],
+)
+def test_mistake_in_an_exploration_is_one_line_with_the_option(changes, line):
+    with pytest.raises(CampaignError) as raised:
+        exploration_design(replace(EXPLORATION, buildings=("rooms",), **changes))
     assert str(raised.value).startswith(line)
 
 

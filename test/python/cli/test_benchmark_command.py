@@ -133,3 +133,14 @@ def test_folder_of_another_benchmark_is_rejected(refusal, tmp_path):
 
 def test_quick_is_the_default_and_full_is_larger():
     assert benchmark_command.protocols.quick_search().trials < benchmark_command.protocols.full_search().trials == 30
+
+
+def test_exploration_reports_times_and_maps_of_each_controller(tmp_path):
+    command = ["benchmark", "exploration", "--building", "corridor", "--robots", "2", "--duration", "90"]
+    command += ["--controller", "frontier", "--controller", "rdpso", "--trials", "2", "--out", str(tmp_path)]
+    assert main([*command, "--quiet"]) == 0
+    frontier, rdpso = rows(tmp_path / "tables" / "exploration.csv")
+    assert (frontier["controller"], rdpso["controller"]) == ("frontier", "rdpso")
+    assert 10.0 < float(frontier["T_90 median [s]"]) < 90.0
+    assert float(frontier["walls within 10 cm [%]"].split()[0]) > 95.0
+    assert "--start near --pose unknown" in (tmp_path / "report.html").read_text()

@@ -187,3 +187,58 @@ def patrol_samples(design: Design, outcomes: Sequence[Outcome]) -> tuple[PatrolS
             )
         )
     return tuple(samples)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ExplorationSample:
+    """The explorations of one controller under equal conditions; arrays have shape (missions,).
+
+    where:      the conditions in a short text.
+    t90_s, t99_s: when 90 % and 99 % of the floor were known; infinity: never.
+    known:      share of the floor that is known at the end.
+    right, aligned: shares of the found walls that are right, as in `recording.exploration.Exploration`.
+    bytes_per_s: sent by a robot.
+    limit_s:    time limit of the mission.
+    """
+
+    where: str
+    controller: str
+    numbers: np.ndarray
+    t90_s: np.ndarray
+    t99_s: np.ndarray
+    known: np.ndarray
+    right: np.ndarray
+    aligned: np.ndarray
+    bytes_per_s: np.ndarray
+    limit_s: float
+
+
+def exploration_samples(design: Design, outcomes: Sequence[Outcome]) -> tuple[ExplorationSample, ...]:
+    """Return the sample of each cell that has a finished mission, in the design's order. Args: design: explorations.
+
+    Raises: CampaignError: a mission has no measures of the exploration.
+    """
+    samples = []
+    for index, cell in enumerate(design.cells):
+        own = [outcome for outcome in outcomes if outcome.cell == index and not outcome.failed]
+        if not own:
+            continue
+        found = [one for outcome in own if (one := outcome.known_details.exploration) is not None]
+        if len(found) < len(own):
+            raise CampaignError(f"cell {index}: missions without measures of the exploration")
+        building, start, pose, robots, controller = cell.values
+        samples.append(
+            ExplorationSample(
+                where=f"{building}, {start}, {pose} poses, {counted(robots, 'robot')}",
+                controller=controller,
+                numbers=np.array([outcome.number for outcome in own]),
+                t90_s=np.array([math.inf if one.t90_s is None else one.t90_s for one in found]),
+                t99_s=np.array([math.inf if one.t99_s is None else one.t99_s for one in found]),
+                known=np.array([one.known for one in found]),
+                right=np.array([one.right for one in found]),
+                aligned=np.array([one.aligned for one in found]),
+                bytes_per_s=np.array([one.bytes_per_s for one in found]),
+                limit_s=cell.scenario.mission.time_limit_s,
+            )
+        )
+    return tuple(samples)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -11,9 +12,18 @@ import numpy as np
 
 import robotteamsim
 from robotteamsim.analysis.benchmark.figures import CLAIRVOYANT, draw_idleness, draw_profiles
-from robotteamsim.analysis.benchmark.measures import Mission, PatrolSample, SearchSample, patrol_samples, search_samples
+from robotteamsim.analysis.benchmark.measures import (
+    ExplorationSample,
+    Mission,
+    PatrolSample,
+    SearchSample,
+    exploration_samples,
+    patrol_samples,
+    search_samples,
+)
 from robotteamsim.analysis.benchmark.profile import Profile, profiles
 from robotteamsim.analysis.benchmark.tables import (
+    exploration_table,
     idleness_table,
     mission_table,
     profile_table,
@@ -28,7 +38,7 @@ from robotteamsim.campaign.summary import controllers_note, copies_note, summari
 from robotteamsim.errors import CampaignError
 from robotteamsim.wording import counted
 
-AnySample = TypeVar("AnySample", SearchSample, PatrolSample)
+AnySample = TypeVar("AnySample", SearchSample, PatrolSample, ExplorationSample)
 
 _READING_SEARCH = (
     ("time to save all", "When the last victim was saved; a mission that does not save all counts as the time limit."),
@@ -48,6 +58,20 @@ _READING_PATROL = (
     ("idleness", "Time for which no robot has been at a vertex; 0 at the start of the mission [machado2002]."),
     ("mean", "Over time, then over vertices. The greatest idleness is the largest value of any vertex at any time."),
     ("differences", "Pairs have the same starts. Look at the interval before p."),
+)
+
+_READING_EXPLORATION = (
+    ("T_90, T_99", "When some robot of the team knew 90 % and 99 % of the floor that robots can reach."),
+    (
+        "without T_90, T_99",
+        "Missions in which that never happened. Medians rank them last; means of differences count the time limit.",
+    ),
+    ("walls within 10 cm", "Share of the found wall cells next to a true wall. Read it with the floor known."),
+    ("aligned", "The same after each map was turned and shifted to fit best: the shape of the map, not its place."),
+    (
+        "differences",
+        "Pairs have the same starts and sensor noise. Of tests, pairs in which one team did not get there rank first.",
+    ),
 )
 
 
@@ -103,6 +127,31 @@ def make_patrol_report(design: Design, outcomes: Sequence[Outcome], command: str
     )
     title = f"Patrol benchmark in {design.scenario.name}: {counted(len(outcomes), 'mission')}"
     return _report(title, _notes(design, outcomes), [drawn], tables, _READING_PATROL, command)
+
+
+def make_exploration_report(design: Design, outcomes: Sequence[Outcome], command: str) -> Report:
+    """Return the report of an exploration benchmark. Raises: CampaignError: no mission has ended."""
+    samples = exploration_samples(design, outcomes)
+    if not samples:
+        raise CampaignError("no mission of this benchmark has ended; nothing to report")
+    pairs, found = _with_reference(samples), []
+    for key in ("t90_s", "t99_s"):
+        name = f"T_{key[1:3]} [s]"
+        found += compare(pairs, name, 0, partial(_restricted_s, key), paired=True, ranked=partial(_ranked_s, key))
+    tables = (exploration_table(samples), difference_table([each for each in found if each]))
+    title = f"Exploration benchmark: {counted(len(outcomes), 'mission')}"
+    return _report(title, _notes(design, outcomes), [], tables, _READING_EXPLORATION, command)
+
+
+def _restricted_s(key: str, sample: ExplorationSample) -> np.ndarray:
+    """Return times; one that was not reached counts as the limit."""
+    return np.asarray(np.minimum(getattr(sample, key), sample.limit_s))
+
+
+def _ranked_s(key: str, sample: ExplorationSample) -> np.ndarray:
+    """Return times; one that was not reached is later than any other by more than two others differ."""
+    times_s = getattr(sample, key)
+    return np.where(np.isinf(times_s), 3.0 * sample.limit_s, times_s)
 
 
 def _profiles(samples: Sequence[SearchSample]) -> dict[str, dict[str, Profile]]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from robotteamsim.analysis.benchmark.figures import CLAIRVOYANT
-from robotteamsim.analysis.benchmark.measures import PatrolSample, SearchSample
+from robotteamsim.analysis.benchmark.measures import ExplorationSample, PatrolSample, SearchSample
 from robotteamsim.analysis.benchmark.profile import Profile
 from robotteamsim.analysis.report.statistics import bootstrap_mean, clopper_pearson, generator
 from robotteamsim.analysis.report.tables import UNKNOWN, Entry, Table, interval_entry, share_entry
@@ -77,6 +77,36 @@ def idleness_table(samples: Sequence[PatrolSample]) -> Table:
     head = ("controller", "robots", "missions", "mean idleness [s]", "greatest idleness [s]", "SD of vertices [s]")
     title = "Idleness: means with 95 % bootstrap intervals; the vertex with the highest mean"
     return Table("idleness", title, (*head, "worst vertex", "its mean [s]"), tuple(rows), 2)
+
+
+def exploration_table(samples: Sequence[ExplorationSample]) -> Table:
+    """Return how fast each controller explored under each set of conditions, and how right the maps are."""
+    rows = []
+    for sample in samples:
+        name = sample.where, sample.controller
+        rows.append(
+            (
+                *name,
+                str(len(sample.numbers)),
+                *_time_entries(sample.t90_s),
+                *_time_entries(sample.t99_s),
+                *(
+                    interval_entry(bootstrap_mean(100.0 * getattr(sample, key), generator(key, *name)), 1)
+                    for key in ("known", "right", "aligned")
+                ),
+                f"{np.mean(sample.bytes_per_s):.0f}",
+            )
+        )
+    times = ("T_90 median [s]", "without T_90", "T_99 median [s]", "without T_99")
+    shares = ("floor known [%]", "walls within 10 cm [%]", "aligned [%]", "bytes per robot and s")
+    title = "Exploration: medians of times; means with 95 % bootstrap intervals"
+    return Table("exploration", title, ("conditions", "controller", "missions", *times, *shares), tuple(rows), 2)
+
+
+def _time_entries(times_s: np.ndarray) -> tuple[str | Entry, str]:
+    """Return the median, in which infinity is the largest value, and how often the time is infinite."""
+    median_s = float(np.median(times_s))
+    return f"{median_s:.0f}" if np.isfinite(median_s) else UNKNOWN, str(int(np.isinf(times_s).sum()))
 
 
 def vertex_table(samples: Sequence[PatrolSample]) -> Table:

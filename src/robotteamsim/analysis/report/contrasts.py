@@ -116,11 +116,20 @@ def contrasts(campaign: Campaign, *, each_pair: bool = False) -> tuple[Contrast,
 
 
 def compare(
-    pairs: Sequence[Pair[Missions]], quantity: str, decimals: int, of: Callable[[Missions], np.ndarray], paired: bool
+    pairs: Sequence[Pair[Missions]],
+    quantity: str,
+    decimals: int,
+    of: Callable[[Missions], np.ndarray],
+    paired: bool,
+    ranked: Callable[[Missions], np.ndarray] | None = None,
 ) -> list[Contrast | None]:
-    """Return the contrast of each pair in one quantity; None if one of its samples has no mission to compare."""
+    """Return the contrast of each pair in one quantity; None if one of its samples has no mission to compare.
+
+    Args: ranked: values for the tests, which only their ranks enter, where they are others than those for the means.
+    """
     values = [_values(pair, of, paired) for pair in pairs]
-    p_values = holm([wilcoxon(a, b) if paired else mann_whitney(a, b) for a, b in values])
+    tested = values if ranked is None else [_values(pair, ranked, paired) for pair in pairs]
+    p_values = holm([wilcoxon(a, b) if paired else mann_whitney(a, b) for a, b in tested])
     return [
         Contrast(
             where=pair.where,
