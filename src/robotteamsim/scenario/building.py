@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import weakref
 from collections.abc import Callable
 from typing import Any, Concatenate, ParamSpec, Protocol, TypeVar
 
@@ -53,7 +54,8 @@ class SharedResults:
     def shared(self, make: Callable[Concatenate[Any, P], T], *arguments: P.args, **keys: P.kwargs) -> T:
         """As for all sources."""
         if make not in self._functions:
-            self._functions[make] = functools.lru_cache(_KEPT)(functools.partial(make, self))
+            this = weakref.ref(self)  # a reference to itself would keep it until the garbage collection
+            self._functions[make] = functools.lru_cache(_KEPT)(lambda *args, **keys: make(this(), *args, **keys))
         result: T = self._functions[make](*arguments, **keys)
         return result
 
