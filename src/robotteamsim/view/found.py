@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-from scipy import ndimage
 
 from robotteamsim.maps.found_map import CELL_M
 from robotteamsim.scenario.building import building_of
@@ -17,8 +16,6 @@ FOUND_FREE, FOUND_WALL, WRONG_WALL = 1, 2, 3
 _MOST_CELLS = 300_000
 """60 m x 50 m in cells of 10 cm."""
 
-_TOUCHING = np.ones((3, 3), dtype=bool)
-
 
 class FoundLayers:
     """Makes the maps of layers, all over the whole floor."""
@@ -30,7 +27,8 @@ class FoundLayers:
         doors = tuple((door.name, True) for door in plan.doors)
         grids = [building_of(plan).grid(CELL_M, closed) for closed in {(), doors}]
         is_wall = np.any([grid.cells == OCCUPIED for grid in grids], axis=0)
-        self._near_wall = ndimage.binary_dilation(is_wall, _TOUCHING)
+        around = np.lib.stride_tricks.sliding_window_view(np.pad(is_wall, 1), (3, 3))
+        self._near_wall = around.any(axis=(2, 3))
         """Within a cell of what is, or with another state of a door would be, a wall."""
 
     def layer(self, time_s: float, found: OccupancyGrid) -> LayerMap | None:

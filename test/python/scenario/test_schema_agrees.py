@@ -25,6 +25,7 @@ NUM_SCENARIOS = 500
 
 COMPARED = re.compile(
     r"needs? (run\.world|control\.algorithm|the section)|there is no|not allowed|only allowed (together )?with"
+    r"|with algorithm"
     r"|(below|above|between) [a-z]|is the only"
     r"|does not divide|whole number of nanoseconds|has values from|leaves none|is outside|lies outside|swings into"
     r"|is not at a wall|already|another|not in the order|crosses itself"
