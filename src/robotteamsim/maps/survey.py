@@ -21,6 +21,7 @@ from robotteamsim.interface.survey_news import (
 )
 from robotteamsim.maps.found_map import CELL_M, FoundMap
 from robotteamsim.maps.localiser import Localiser
+from robotteamsim.maps.recent_scans import LaserView
 from robotteamsim.maps.teammates import Disc
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN
@@ -52,7 +53,7 @@ class Survey:
         """Args: given: knows the robot's pose; None: the mapper finds it."""
         self._robot_id, self.found, self._given = robot_id, found, given
         body = setup.robots[robot_id]
-        self._laser, self._directions = body.laser, np.exp(1j * body.laser.angles_rad)
+        self._view = LaserView(body.laser)
         mapping = setup.scenario.control.mapping
         self._factor = round(CELL_M / mapping.cell_m)
         self._map_T_frame = Pose(*found.origin_m, 0.0)
@@ -63,6 +64,8 @@ class Survey:
             start=self._map_T_frame.inverse() @ Pose(*body.start_pose),
             parameters=_core.maps.MapperParameters(**mapping.model_dump()),
         )
+        self._odometry: Pose | None = None
+        """The robot's pose in `odom`, or in the map if it is given, in the last step."""
         self._own, self._of_team = found.cells.copy(), found.cells.copy()
         self._unsent = np.zeros(found.cells.shape, dtype=bool)
         self._number = 0
@@ -80,25 +83,23 @@ class Survey:
         odometry, covariance, ranges_m = reading.pose.pose, reading.pose_covariance, observation.robot.ranges_m
         if self._given is not None:
             odometry, covariance = self._map_T_frame.inverse() @ self._given.pose(observation), _CERTAIN
-        self._mapper.step(odometry, covariance, ranges_m, self._at_teammates(teammates, ranges_m))
+        before, self._odometry = self._odometry or odometry, odometry
+        at_teammates = np.ones(len(ranges_m), dtype=bool)
+        now = self._pose @ before.inverse() @ odometry
+        at_teammates[self._view.not_at(teammates, now, self._view.ends_m(ranges_m))] = False
+        self._mapper.step(odometry, covariance, ranges_m, at_teammates)
+        return self._pose
+
+    @property
+    def _pose(self) -> Pose:
         return self._map_T_frame @ self._mapper.pose
 
     @property
     def localisation(self) -> Localisation:
         """What the mapper knows as of the last step."""
         # The axes of the mapper's frame are those of `map`.
-        estimate = Estimate(self._map_T_frame @ self._mapper.pose, tuple(self._mapper.covariance))
+        estimate = Estimate(self._pose, tuple(self._mapper.covariance))
         return Localisation("lost" if self._mapper.is_lost else "tracking", (estimate,))
-
-    def _at_teammates(self, teammates: Sequence[Disc], ranges_m: np.ndarray) -> np.ndarray:
-        """Return whether each beam ends where a teammate may be, bool, shape (beams,)."""
-        pose = self._map_T_frame @ self._mapper.pose
-        sensor = pose @ Pose(self._laser.forward_m, self._laser.left_m, 0.0)
-        ends = complex(sensor.x_m, sensor.y_m) + ranges_m * self._directions * np.exp(1j * sensor.yaw_rad)
-        masked = np.zeros(len(ranges_m), dtype=bool)
-        for (x_m, y_m), radius_m in teammates:
-            masked |= np.abs(ends - complex(x_m, y_m)) <= radius_m
-        return masked
 
     def look(self) -> None:
         """Show in `found` what the robot and its teammates have found by now."""
@@ -116,7 +117,7 @@ class Survey:
     def hear(self, sender: int, news: SurveyNews) -> None:
         """Take over what a teammate has found, and note whether some of it was lost."""
         if self._robot_id in news.wanted:
-            self._unsent = self._known != UNKNOWN
+            self._unsent |= self._known != UNKNOWN
         if news.number > self._expected.get(sender, 0):
             self._wanted.add(sender)
         self._expected[sender] = news.number + (news.cells is not None)

@@ -28,7 +28,7 @@ def together(parts, shape):
 
 
 @pytest.mark.parametrize("longest", [30, 200, 100_000])
-def test_cells_come_back_whatever_the_length_of_a_message(longest):
+def test_cells_come_back_from_messages_of_any_length(longest):
     symbols = np.random.default_rng(3).integers(0, 4, (40, 60)).astype(np.uint8)
     parts = list(packed(symbols, longest))
     assert all(len(part.packed) <= longest for part in parts)
