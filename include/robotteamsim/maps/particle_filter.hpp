@@ -48,7 +48,7 @@ class ParticleFilter {
   /// Multiplies the weight of each particle by the likelihood of a scan, to the power of `ScanWeighing`.
   void Weigh(const std::vector<Beam>& scan);
 
-  /// Draws particles anew by their weights, if these have become too different: if fewer than half of the particles
+  /// Draws particles again by their weights, if these have become too different: if fewer than half of the particles
   /// count, by the effective sample size. Systematic resampling [thrun2005, Table 4.4].
   /// Args: draw: a random number from 0 to below 1.
   void Resample(double draw);

@@ -12,7 +12,7 @@ constexpr double kOdometryStepS = 0.1;
 ///
 /// The errors of steps are independent, and each has a variance with the square of its motion: n steps together have an
 /// n-th of the variance of one step with the same motion. So the variances of shorter steps are larger in proportion,
-/// and a drive has the same drift whatever the length of its steps.
+/// and a drive has the same drift in steps of any length.
 struct OdometryModel {
   double alpha1 = 0.0;  ///< of a turn per turn [rad^2/rad^2]
   double alpha2 = 0.0;  ///< of a turn per distance [rad^2/m^2]

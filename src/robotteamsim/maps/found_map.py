@@ -6,11 +6,12 @@ import numpy as np
 
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.building import Doors, SharedResults
+from robotteamsim.scenario.controllers.mapping import SHARED_CELL_M
 from robotteamsim.scenario.floor_plan import Block, FloorPlan
 from robotteamsim.scenario.levels import Portal, Traveller
 from robotteamsim.scenario.plan import OCCUPIED, UNKNOWN, OccupancyGrid, grid_shape
 
-CELL_M = 0.1
+CELL_M = SHARED_CELL_M
 """Edge of a cell: as in the maps of known buildings."""
 
 _THICKEST = 8
@@ -18,7 +19,7 @@ _THICKEST = 8
 
 
 def without_walls(plan: FloorPlan) -> FloorPlan:
-    """Return what a robot is told of a building that it does not know: its name and its bounds."""
+    """Return what a robot knows of a building that it does not know: its name and its bounds."""
     return FloorPlan(name=plan.name, bounds=plan.bounds)
 
 
@@ -26,7 +27,7 @@ class FoundMap(SharedResults):
     """What a robot and its team have seen: a `MapSource`."""
 
     def __init__(self, known: FloorPlan) -> None:
-        """Args: known: what the robot is told, see `without_walls`."""
+        """Args: known: what the robot knows from the start, see `without_walls`."""
         super().__init__()
         self.version = 0
         self.cells = np.full(grid_shape(known, CELL_M), UNKNOWN, dtype=np.int8)
@@ -37,11 +38,6 @@ class FoundMap(SharedResults):
     def origin_m(self) -> Point:
         """Lower left corner of cell (0, 0), in `map` [m]."""
         return self.known.bounds.min
-
-    @property
-    def known_share(self) -> float:
-        """The fraction of cells that are known."""
-        return float(np.mean(self.cells != UNKNOWN))
 
     @property
     def known_part(self) -> OccupancyGrid:

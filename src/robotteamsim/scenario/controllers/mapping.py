@@ -5,15 +5,20 @@ All defaults are ours, from the missions of study/unknown.
 
 from __future__ import annotations
 
-from pydantic import Field
+from pydantic import Field, field_validator
 
-from robotteamsim.scenario.base import SMALLEST, Model
+from robotteamsim.scenario.base import SMALLEST, Model, wrong
+
+SHARED_CELL_M = 0.1
+"""Edge of a cell of the maps that robots share, and plan on [m]."""
 
 
 class Mapping(Model):
     """With `map: unknown`: when a robot inserts a scan into its map, and how it matches it with the map before."""
 
-    cell_m: float = Field(default=0.05, ge=0.01, le=1.0, description="cell of the map [m]")
+    cell_m: float = Field(
+        default=0.05, ge=0.01, le=SHARED_CELL_M, description="cell of the map [m]; 0.1 is a multiple of it"
+    )
     update_m: float = Field(default=0.2, ge=SMALLEST, le=10.0, description="distance driven between two scans [m]")
     update_rad: float = Field(
         default=0.1,
@@ -46,3 +51,11 @@ class Mapping(Model):
         lt=1.0,
         description="a robot is lost if, over the last metres, more of the hits in known places contradict its map",
     )
+
+    @field_validator("cell_m")
+    @classmethod
+    def _check_cell(cls, cell_m: float) -> float:
+        cells = SHARED_CELL_M / cell_m
+        if abs(cells - round(cells)) > 1e-6:
+            raise wrong("", f"{cell_m:g} is not {SHARED_CELL_M:g} divided by a whole number")
+        return cell_m
