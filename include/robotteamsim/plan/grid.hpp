@@ -22,8 +22,7 @@ constexpr double kLongestPortal = 1e6;
 /// The cells that are free for the centre of one robot, and the paths through them, also by portals.
 ///
 /// Paths are 8-connected and never cut a corner: a diagonal step needs both cells beside it free. Of equally long paths
-/// the cell index decides, so that results are deterministic. Nothing is free beyond the grid. The searches share
-/// scratch memory: use one object per thread.
+/// the cell index decides, so that results are deterministic. Nothing is free beyond the grid.
 class PlanningGrid {
  public:
   /// A place and its value.
@@ -141,13 +140,6 @@ class PlanningGrid {
   std::vector<Jump> jumps_;             ///< in the order of their cells
   std::vector<std::uint8_t> has_jump_;  ///< whether a portal begins in this cell; empty without portals
   std::vector<std::uint8_t> exits_;     ///< bit i: step i leads from this free cell to a free cell and cuts no corner
-
-  // A cell's scratch entries are valid only if its stamp is that of the current search: they need not be cleared.
-  mutable std::uint32_t search_ = 0;
-  mutable std::vector<std::uint32_t> stamp_;
-  mutable std::vector<double> length_m_;
-  mutable std::vector<int> parent_;
-  mutable std::vector<Cell> reached_;
 };
 
 }  // namespace robotteamsim::plan

@@ -11,6 +11,7 @@
 
 #include "robotteamsim/base/checks.hpp"
 #include "robotteamsim/base/hypot.hpp"
+#include "robotteamsim/plan/search_notes.hpp"
 
 namespace robotteamsim::plan {
 namespace {
@@ -83,9 +84,6 @@ PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_
                    [](const Jump& a, const Jump& b) { return a.from.index < b.from.index; });
   if (!jumps_.empty()) has_jump_.assign(blocked_.size(), 0);
   for (const Jump& jump : jumps_) has_jump_[jump.from.index] = 1;
-  stamp_.assign(blocked_.size(), 0);
-  length_m_.resize(blocked_.size());
-  parent_.resize(blocked_.size());
 }
 
 int PlanningGrid::RowOf(double y) const {
@@ -353,35 +351,39 @@ std::vector<base::Point> PlanningGrid::ShortestPath(const base::Point& from, con
       return cell > other.cell;
     }
   };
-  ++search_;
+  SearchNotes& notes = NewSearchNotes(blocked_.size());
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> open;
-  const auto reach = [&](int cell, int parent, double length) {
-    if (stamp_[cell] == search_ && length >= length_m_[cell]) return;
-    const double remaining = least_remaining(CellAt(cell));
+  const auto reach = [&](const Cell& cell, int parent, double length) {
+    const int index = cell.index;
+    if (notes.stamps[index] == notes.search && length >= notes.lengths_m[index]) return;
+    const double remaining = least_remaining(cell);
     if (length + remaining > max_length_m) return;
-    stamp_[cell] = search_;
-    length_m_[cell] = length;
-    parent_[cell] = parent;
-    open.push({length + remaining, remaining, cell});
+    notes.stamps[index] = notes.search;
+    notes.lengths_m[index] = length;
+    notes.parents[index] = parent;
+    open.push({length + remaining, remaining, index});
   };
-  reach(start, -1, 0.0);
+  reach(CellAt(start), -1, 0.0);
   while (!open.empty()) {
     const Entry entry = open.top();
     open.pop();
     if (entry.cell == goal) break;
-    const double length = length_m_[entry.cell];
+    const double length = notes.lengths_m[entry.cell];
     if (entry.total > length + entry.remaining) continue;  // a shorter path was found since
+    const Cell at = CellAt(entry.cell);
     for (std::size_t s = 0; s < steps_.size(); ++s) {
       if ((exits_[entry.cell] >> s & 1U) == 0) continue;
-      reach(entry.cell + steps_[s].offset, entry.cell, length + steps_[s].length_m);
+      const Step& step = steps_[s];
+      const Cell next{entry.cell + step.offset, at.row + step.d_row, at.col + step.d_col};
+      reach(next, entry.cell, length + step.length_m);
     }
     ForJumpsFrom(entry.cell, [&](const Jump& jump) {
-      reach(jump.to.index, entry.cell, length + std::max(jump.length_m, shape_.resolution_m));
+      reach(jump.to, entry.cell, length + std::max(jump.length_m, shape_.resolution_m));
     });
   }
   std::vector<base::Point> path;
-  if (stamp_[goal] != search_) return path;
-  for (int cell = goal; cell >= 0; cell = parent_[cell]) path.push_back(Center(cell));
+  if (notes.stamps[goal] != notes.search) return path;
+  for (int cell = goal; cell >= 0; cell = notes.parents[cell]) path.push_back(Center(cell));
   std::reverse(path.begin(), path.end());
   return path;
 }
@@ -401,13 +403,13 @@ std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const base::Poin
                                                                 const Value& value) const {
   const int start = FreeCellOf(from);
   if (start < 0) return std::nullopt;
-  ++search_;
-  reached_.assign(1, CellAt(start));
-  stamp_[start] = search_;
+  SearchNotes& notes = NewSearchNotes(blocked_.size());
+  std::vector<Cell> reached{CellAt(start)};
+  notes.stamps[start] = notes.search;
   int best = -1;
   double best_value = kInfinity;
-  for (std::size_t i = 0; i < reached_.size(); ++i) {
-    const auto [cell, row, col] = reached_[i];
+  for (std::size_t i = 0; i < reached.size(); ++i) {
+    const auto [cell, row, col] = reached[i];
     const base::Point center = Center(row, col);
     const double cell_value = value(cell, center);
     if (cell_value < best_value || (cell_value == best_value && best >= 0 && cell < best)) {
@@ -418,12 +420,12 @@ std::optional<PlanningGrid::Valued> PlanningGrid::BestReachable(const base::Poin
     for (const std::size_t s : kStraightSteps) {
       const Step& step = steps_[s];
       const int next = cell + step.offset;
-      if ((exits_[cell] >> s & 1U) == 0 || stamp_[next] == search_) continue;
+      if ((exits_[cell] >> s & 1U) == 0 || notes.stamps[next] == notes.search) continue;
       const base::Point next_center{center.x + step.d_col * shape_.resolution_m,
                                     center.y + step.d_row * shape_.resolution_m};
       if (SquaredDistance(next_center, from) > radius_m * radius_m) continue;
-      stamp_[next] = search_;
-      reached_.push_back({next, row + step.d_row, col + step.d_col});
+      notes.stamps[next] = notes.search;
+      reached.push_back({next, row + step.d_row, col + step.d_col});
     }
   }
   if (best < 0) return std::nullopt;

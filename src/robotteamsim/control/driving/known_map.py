@@ -55,7 +55,7 @@ class KnownMap:
         cells = with_hot_blocks(occupancy, hot) if hot else occupancy.cells
         blocked = cells == OCCUPIED  # robots try what they do not know
         if kept_out is not None:
-            blocked |= _within(occupancy, kept_out, clearance_m)
+            _block(blocked, occupancy, kept_out, clearance_m)
         self.layout = Grid(occupancy.origin_m, GRID_RESOLUTION_M)
         self.grid = _core.plan.PlanningGrid(
             blocked, occupancy.origin_m, GRID_RESOLUTION_M, clearance_m, building.portals(by)
@@ -150,12 +150,14 @@ def known_map(
     return building.shared(KnownMap, robot_radius_m, doors, hot, kept_out, by)
 
 
-def _within(occupancy: OccupancyGrid, disc: Disc, clearance_m: float) -> np.ndarray:
-    """Return the cells of a grid to block so that robots with that clearance keep out of a disc, to a cell; bool."""
+def _block(blocked: np.ndarray, occupancy: OccupancyGrid, disc: Disc, clearance_m: float) -> None:
+    """Block the cells of a grid to block so that robots with that clearance keep out of a disc, to a cell."""
     (x, y), radius_m = disc
-    rows, columns = np.indices(occupancy.cells.shape)
-    x_m = occupancy.origin_m[0] + (columns + 0.5) * occupancy.resolution_m - x
-    y_m = occupancy.origin_m[1] + (rows + 0.5) * occupancy.resolution_m - y
     # At least the cell in the middle.
     reach_m = max(radius_m - clearance_m, occupancy.resolution_m)
-    return np.asarray(np.hypot(x_m, y_m) <= reach_m)
+    y_m, x_m = (
+        low + (np.arange(size) + 0.5) * occupancy.resolution_m - at
+        for low, size, at in zip(occupancy.origin_m[::-1], blocked.shape, (y, x), strict=True)
+    )
+    rows, columns = np.flatnonzero(np.abs(y_m) <= reach_m), np.flatnonzero(np.abs(x_m) <= reach_m)
+    blocked[np.ix_(rows, columns)] |= np.hypot(x_m[columns], y_m[rows, None]) <= reach_m
