@@ -158,7 +158,7 @@ def test_equal_seeds_give_equal_bits(run):
 
 def test_robots_out_of_reach_meet_again_at_the_start(run):
     short = Network(link="distance", max_distance_m=5.0)
-    starts = (9.0, 5.0, 0.0), (11.0, 5.0, 0.0)
+    starts = (8.0, 5.0, math.pi), (12.0, 5.0, 0.0)
 
     def longest_silence_s(rendezvous_s):
         control = {"rendezvous_s": rendezvous_s}

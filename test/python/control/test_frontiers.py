@@ -65,6 +65,13 @@ def test_random_tree_finds_the_end_of_a_corridor_and_nothing_else(corridor):
     assert {tuple(cell) for cell in found.tolist()} <= all_of_them
 
 
+def test_random_tree_grows_from_a_robot_that_does_not_see_where_it_stands(corridor):
+    corridor.cells[14:17, 8:12] = UNKNOWN
+    tree = RandomTree((1.0, 1.5), np.random.default_rng(2))
+    found = [tree.grow(corridor) for _ in range(20)][-1]
+    assert found[:, 1].max() == 59
+
+
 def test_random_tree_forgets_frontiers_that_are_known_by_now(corridor):
     tree = RandomTree((5.0, 1.5), np.random.default_rng(2))
     assert len(tree.grow(corridor)) > 0

@@ -70,7 +70,7 @@ class RouteController(PathController, abc.ABC):
             self._place = self._next_outside(now.position)
             if self._place is None:
                 return self.stand(now, outbox)
-            self._until_s = now.time_s + self._tuning.timeout_s + self._travel_s(now.position, self._place)
+            self._set_out(self._place, now)
         return self.drive(now, self._place, outbox)
 
     @abc.abstractmethod
@@ -141,6 +141,8 @@ class RouteController(PathController, abc.ABC):
     def _is_done(self, place: Vector, now: Situation) -> bool:
         return math.dist(now.position, place) < self._tuning.arrived_m or now.time_s > self._until_s
 
-    def _travel_s(self, position: Vector, place: Vector) -> float:
-        length_m = self.driver.map.grid.first_stretch(position, place, LONGEST_TIMED_M)[1]
-        return self._tuning.timeout_factor * min(length_m, LONGEST_TIMED_M) / self.speed_mps
+    def _set_out(self, place: Vector, now: Situation) -> None:
+        """Set how long the robot tries to get to a place."""
+        length_m = self.driver.map.grid.first_stretch(now.position, place, LONGEST_TIMED_M)[1]
+        travel_s = self._tuning.timeout_factor * min(length_m, LONGEST_TIMED_M) / self.speed_mps
+        self._until_s = now.time_s + self._tuning.timeout_s + travel_s

@@ -54,14 +54,14 @@ class FrontierController(RouteController):
         self._heard_s: dict[int, float] = {}
         """When each teammate was last heard."""
         self._meeting_m = setup.start_m(0)
-        # One after the other, so that each knows the goals of those before it.
-        self._turn_s = tuning.replan_s * robot_id / setup.scenario.num_robots
+        # One after the other, also at first, so that each knows the goals of those before it.
+        self._turn_s = -tuning.replan_s * robot_id / setup.scenario.num_robots
         self._turn = -1
         self._chosen_s = 0.0
         self._goal: Vector | None = None
         self._aim: Vector | None = None
         """Where it drives: to its goal or, without one, to the last area."""
-        self._is_idle = False
+        self._is_idle = self._follows_voice = False
 
     @property
     def is_searched(self) -> bool:
@@ -91,6 +91,9 @@ class FrontierController(RouteController):
         return kept_out
 
     def _look(self, now: Situation) -> tuple[Message, ...]:
+        if self._voice_m is not None and self._is_left_to_others(self._voice_m):
+            self._voice_m = None
+        self._follows_voice = self._voice_m is not None
         turn = math.floor((now.time_s + self._turn_s) / self._choosing.replan_s)
         if self._voice_m is not None:
             self._turn, self._chosen_s = -1, now.time_s  # The time on the way to a victim is not wasted.
@@ -124,6 +127,12 @@ class FrontierController(RouteController):
         lately = (self._goals[i] for i, heard_s in self._heard_s.items() if heard_s >= self._chosen_s - _STALE_S)
         return [goal for goal in lately if goal is not None]
 
+    def _is_left_to_others(self, voice_m: Vector) -> bool:
+        """Whether a teammate goes there: one who was first or, if two begin together, the one with the lower id."""
+        radius_m = self.scenario.voice.local_best_radius_m
+        going = [i for i, goal in self._goals.items() if goal is not None and math.dist(goal, voice_m) <= radius_m]
+        return any(i < self.robot_id or not self._follows_voice for i in going)
+
     def _is_somebody_missing(self, time_s: float) -> bool:
         """Whether a teammate has been silent for `rendezvous_s`; after twice this time, it counts as lost."""
         limit_s = self._choosing.rendezvous_s
@@ -139,6 +148,10 @@ class FrontierController(RouteController):
     def _next_place(self, position: Vector, is_done: bool) -> Vector:
         return self._aim or position
 
+    def _set_out(self, place: Vector, now: Situation) -> None:
+        # The robot gives up by its patience.
+        pass
+
     def _is_done(self, place: Vector, now: Situation) -> bool:
-        # The robot chooses at its turn, and gives up by its patience.
+        # The robot chooses at its turn.
         return False

@@ -50,8 +50,9 @@ class RandomTree:
         count = 1 + math.ceil(2.0 * math.dist(start, end) / grid.resolution_m)
         columns, rows = ((np.linspace(start, end, count) - grid.origin_m) / grid.resolution_m).astype(int).T
         crossed = grid.cells[rows, columns]
-        stop = int(np.argmax(crossed != FREE))
+        begin = int(np.argmax(crossed != UNKNOWN))  # no beam crosses the floor under a robot that has not moved yet
+        stop = begin + int(np.argmax(crossed[begin:] != FREE))
         if crossed[stop] == FREE:
             self._nodes_m = np.vstack((self._nodes_m, end))
-        elif crossed[stop] == UNKNOWN and stop > 0:
+        elif crossed[stop] == UNKNOWN and stop > begin:
             self._frontiers[int(rows[stop - 1]), int(columns[stop - 1])] = None
