@@ -174,14 +174,9 @@ void BindMapper(nb::module_& m) {
                      return Covariance{p(0, 0), p(0, 1), p(0, 2), p(1, 1), p(1, 2), p(2, 2)};
                    })
       .def_prop_ro("is_lost", &Mapper::is_lost)
-      .def_prop_ro("version", &Mapper::version)
       .def_prop_ro("bytes", &Mapper::Bytes)
       .def(
-          "occupancy",
-          [](const Mapper& mapper, int factor) {
-            return PlacedOf(maps::Cropped(maps::Coarser(mapper.map().Occupancy(), factor)));
-          },
-          "factor"_a)
+          "take_changes", [](Mapper& mapper, int factor) { return PlacedOf(mapper.TakeChanges(factor)); }, "factor"_a)
       .def_prop_ro("num_submaps", [](const Mapper& mapper) { return mapper.submaps().size(); });
 }
 

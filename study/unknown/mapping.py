@@ -107,7 +107,7 @@ def mapped(mission: tuple[str, ...], robot_id: int, seed: int, noise_m: float) -
     mapper = _core.maps.Mapper(
         fan=core_fan(robot.laser.beam_model().fan),
         range_min_m=robot.laser.range_min_m,
-        parameters=_core.maps.MapperParameters(**tuning.model_dump()),
+        parameters=_core.maps.MapperParameters(**tuning.model_dump(exclude={"share_s"})),
         start=Pose(*map(float, recording.poses[0, robot_id])),
     )
     errors_m, errors_rad, lost_updates, cpu_s = [], [], 0, 0.0
@@ -121,7 +121,7 @@ def mapped(mission: tuple[str, ...], robot_id: int, seed: int, noise_m: float) -
             errors_m.append(math.hypot(mapper.pose.x_m - x_m, mapper.pose.y_m - y_m))
             errors_rad.append(abs(normalise_angle(mapper.pose.yaw_rad - yaw_rad)))
             lost_updates += mapper.is_lost
-    origin_m, cells = mapper.occupancy(1)
+    origin_m, cells = mapper.take_changes(1)
     rows, columns = np.nonzero(cells == 100)
     occupied_m = np.array(origin_m) + (np.stack([columns, rows], axis=1) + 0.5) * tuning.cell_m
     truth = Truth(recording.setup.plan, recording.setup.start_m(robot_id))

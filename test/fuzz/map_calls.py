@@ -54,8 +54,7 @@ def map_calls() -> Iterator[Call]:
         ("pose",),
         ("covariance",),
         ("is_lost",),
-        ("version",),
         ("bytes",),
-        ("occupancy", 2),
+        ("take_changes", 2),
         ("num_submaps",),
     )

@@ -3,8 +3,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
@@ -19,11 +21,37 @@ struct Cell {
   int row = 0;
 };
 
+/// A rectangle of cells, with its borders; at first an empty one.
+struct CellBox {
+  Cell low{std::numeric_limits<int>::max(), std::numeric_limits<int>::max()};
+  Cell high{std::numeric_limits<int>::min(), std::numeric_limits<int>::min()};
+
+  bool IsEmpty() const { return low.col > high.col; }
+  void Include(const Cell& cell);
+  void Include(const CellBox& other);
+};
+
 /// The hits in one cell: how many, and their mean, in the frame of the map.
 struct HitCell {
   int count = 0;
   SurfacePoint mean;
 };
+
+/// The cells of a grid that the beams of a scan hit or cross.
+struct ScanCells {
+  enum Mark : std::uint8_t { kNone = 0, kCrossed = 1, kHit = 2 };
+
+  double cell_m = 0.0;
+  CellBox box;                      ///< that contains all of them
+  std::vector<std::uint8_t> marks;  ///< of the cells of the box, row by row: what the scan did there
+  std::vector<SurfacePoint> hits;   ///< in the frame of the grid
+
+  int Cols() const { return box.high.col - box.low.col + 1; }
+};
+
+/// Returns the cells of a scan. Args: pose: of base_link, in the frame of the grid.
+/// Throws std::invalid_argument if a coordinate is above LogOddsMap::kLargest, or a beam is longer than kLongestBeam.
+ScanCells CellsOf(const Scan& scan, const base::Pose& pose, double cell_m);
 
 /// An occupancy grid of log odds [thrun2005, Table 9.1] that grows where it is needed, with the mean hit of each cell.
 ///
@@ -39,10 +67,12 @@ class LogOddsMap {
 
   double cell_m() const { return cell_m_; }
 
-  /// Adds a scan. Args: pose: of base_link, in the frame of the map.
-  /// Throws std::invalid_argument if a coordinate is above kLargest, a beam is longer than kLongestBeam, or the map
-  /// would become wider than kWidest.
-  void Insert(const Scan& scan, const base::Pose& pose);
+  /// Adds a scan. Args: scan: for cells of the same size.  origin: the cell of the scan's grid that is (0, 0) here.
+  /// Throws std::invalid_argument if the map would become wider than kWidest.
+  void Insert(const ScanCells& scan, const Cell& origin = {});
+
+  /// Adds a scan. Args: pose: of base_link, in the frame of the map. Throws std::invalid_argument as CellsOf, too.
+  void Insert(const Scan& scan, const base::Pose& pose) { Insert(CellsOf(scan, pose, cell_m_)); }
 
   /// Add what is free in another map, and what was hit there. Args: pose: of its frame, in this one.
   /// Throw std::invalid_argument as above.
@@ -75,15 +105,25 @@ class LogOddsMap {
 
   /// What is known, in a rectangle of whole tiles that contains everything known.
   /// Throws std::invalid_argument if that has more than 1e8 cells.
-  OccupancyGrid Occupancy() const;
+  OccupancyGrid Occupancy() const { return Occupancy(Everything(), 1); }
 
-  /// How many times a cell became free or occupied that was something else before.
+  /// What is known in a box, in squares of `factor` x `factor` cells, of which (0, 0) begins in the origin: occupied if
+  /// any of these cells is, unknown if all are. Throws std::invalid_argument as above, or if the factor is below 1.
+  OccupancyGrid Occupancy(const CellBox& box, int factor) const;
+
+  /// A rectangle of whole tiles that contains everything known.
+  CellBox Everything() const;
+
+  /// How many times a cell became free, occupied or unknown that was something else before.
   std::size_t changes() const { return changes_; }
+
+  /// Returns a box with all cells that did so since the last call.
+  CellBox TakeChanged() { return std::exchange(changed_, {}); }
 
   /// The memory of cells and hits [bytes].
   std::size_t Bytes() const;
 
-  static constexpr int kHit = 17, kMiss = -8;
+  static constexpr std::int8_t kHit = 17, kMiss = -8;
   static constexpr double kLargest = 1e6;  ///< coordinate [m]
   static constexpr int kWidest = 1 << 17;  ///< number of cells from the first column or row to the last one
 
@@ -103,9 +143,12 @@ class LogOddsMap {
     const int col = (cell.col >> kTileBits) - first_tile_.col, row = (cell.row >> kTileBits) - first_tile_.row;
     return col >= 0 && col < tile_cols_ && row >= 0 && row < tile_rows_ ? row * tile_cols_ + col : -1;
   }
-  void Reach(const base::Point& least, const base::Point& most);
+  Cell InRange(const base::Point& point) const;
+  void Reach(const CellBox& box);
   void Merge(const HitCell& hits);
+  void Apply(const std::uint8_t* marks, int count, const Cell& first);
   void Change(const Cell& cell, int by);
+  void Note(const Cell& cell, int before, int after);
 
   double cell_m_;
   Cell first_tile_;
@@ -113,7 +156,7 @@ class LogOddsMap {
   std::vector<std::unique_ptr<Tile>> tiles_;         ///< row by row; null: nothing known
   std::unordered_map<std::uint64_t, HitCell> hits_;  ///< of the occupied cells
   std::size_t changes_ = 0;
-  std::vector<std::uint8_t> marks_;  ///< of the cells of a scan; a member, so that its memory is reused
+  CellBox changed_;
 };
 
 }  // namespace robotteamsim::maps

@@ -73,8 +73,9 @@ class Mapper {
 
   bool is_lost() const { return is_lost_; }
 
-  /// Grows whenever the map changes.
-  std::int64_t version() const { return version_; }
+  /// Returns a part of the map, in squares as those of LogOddsMap::Occupancy, with all that has changed since the last
+  /// call. Throws std::invalid_argument if the factor is below 1.
+  OccupancyGrid TakeChanges(int factor);
 
   const LogOddsMap& map() const { return map_; }
   const Submaps& submaps() const { return submaps_; }
@@ -95,7 +96,7 @@ class Mapper {
   ScanMatcher matcher_, wide_matcher_;
   LogOddsMap map_;
   Submaps submaps_;
-  std::int64_t version_ = 0;
+  CellBox redrawn_;  ///< what the maps knew before they were drawn again, since the last call of TakeChanges
 
   bool has_begun_ = false;
   base::Pose pose_;  ///< at the last update
@@ -108,7 +109,8 @@ class Mapper {
   bool is_lost_ = false;
 
   LogOddsMap submap_;  ///< that is being made
-  base::Pose submap_pose_;
+  Cell submap_origin_;
+  base::Pose submap_pose_;                                  ///< of that cell's corner
   Eigen::Matrix3d submap_drift_ = Eigen::Matrix3d::Zero();  ///< covariance relative to the last one kept
   Eigen::Matrix3d drift_ = Eigen::Matrix3d::Zero();         ///< covariance of the robot's pose relative to it
   double driven_m_ = 0.0;                                   ///< since it began

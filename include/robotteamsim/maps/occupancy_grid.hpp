@@ -25,10 +25,6 @@ struct OccupancyGrid {
 /// Returns the smallest part of a grid with everything known; no cells if nothing is known.
 OccupancyGrid Cropped(const OccupancyGrid& grid);
 
-/// Returns a grid whose cells are squares of `factor` x `factor` cells: occupied if any of these is, unknown if all
-/// are. Throws std::invalid_argument if the factor is below 1.
-OccupancyGrid Coarser(const OccupancyGrid& grid, int factor);
-
 /// Writes what a grid at some pose knows into the cells of another grid that are unknown, as far as this one reaches.
 /// Args: pose: of the frame of `grid`, in that of `onto`.
 void Fill(OccupancyGrid* onto, const OccupancyGrid& grid, const base::Pose& pose);

@@ -41,10 +41,14 @@ struct ScanLayout {
 /// Throws std::invalid_argument if the laser has no beams or is to use none, or a number cannot be used.
 void Check(const ScanLayout& layout);
 
+/// Throws std::invalid_argument unless there is a range for each beam, and a mask for each or none.
+void CheckLengths(const ScanLayout& layout, const std::vector<float>& ranges_m,
+                  const std::vector<std::uint8_t>& masked);
+
 /// Returns the beams of a scan. A normal is that of the line between the neighbours of a beam that hit the same
 /// surface. Args: ranges_m: one per beam; those that are not below range_max are no returns.
 ///       masked: nonzero for beams to leave out, such as those that end at a teammate; empty: none.
-/// Throws std::invalid_argument if the arrays have another length.
+/// Throws std::invalid_argument as CheckLengths.
 Scan ReadScan(const ScanLayout& layout, const std::vector<float>& ranges_m, const std::vector<std::uint8_t>& masked);
 
 }  // namespace robotteamsim::maps

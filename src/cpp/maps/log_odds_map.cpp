@@ -12,71 +12,39 @@
 namespace robotteamsim::maps {
 namespace {
 
-constexpr int kLeast = -48, kMost = 96;
+constexpr std::int8_t kLeast = -48, kMost = 96;
 /// What a free cell and a hit cell of another map add: that cell may have been seen many times.
 constexpr int kFreeThere = -16, kOccupiedThere = 51;
 /// More hits in a cell do not make its mean firmer: a wall may be moved.
 constexpr int kMostHits = 1000;
 
-/// The cells of a rectangle that a scan has hit or crossed.
-class ScanMarks {
- public:
-  enum Mark : std::uint8_t { kNone, kCrossed, kHit };
-
-  /// Args: memory: all 0, as it is again afterwards.
-  ScanMarks(const Cell& low, const Cell& high, std::vector<std::uint8_t>* memory)
-      : low_(low), cols_(high.col - low.col + 1), marks_(*memory) {
-    const std::size_t size = static_cast<std::size_t>(cols_) * (high.row - low.row + 1);
-    if (marks_.size() < size) marks_.resize(size);
-  }
-  ~ScanMarks() {
-    for (const Cell& cell : marked_) marks_[PlaceOf(cell)] = kNone;
-  }
-  ScanMarks(const ScanMarks&) = delete;
-  ScanMarks& operator=(const ScanMarks&) = delete;
-
-  void Hit(const Cell& cell) { Put(cell, kHit); }
-
-  /// Marks the cells along a segment but the last one. Args: from, to: in cells.
-  void Cross(const base::Point& from, const base::Point& to) {
-    Cell cell{static_cast<int>(std::floor(from.x)), static_cast<int>(std::floor(from.y))};
-    const Cell last{static_cast<int>(std::floor(to.x)), static_cast<int>(std::floor(to.y))};
-    const int d_col = to.x > from.x ? 1 : -1, d_row = to.y > from.y ? 1 : -1;
-    constexpr double kNever = std::numeric_limits<double>::infinity();
-    // Fractions of the segment from border to border, and up to the next one.
-    const double per_col = cell.col == last.col ? kNever : std::abs(1.0 / (to.x - from.x));
-    const double per_row = cell.row == last.row ? kNever : std::abs(1.0 / (to.y - from.y));
-    double next_col = per_col == kNever ? kNever : (cell.col + (d_col > 0 ? 1 : 0) - from.x) / (to.x - from.x);
-    double next_row = per_row == kNever ? kNever : (cell.row + (d_row > 0 ? 1 : 0) - from.y) / (to.y - from.y);
-    for (int left = std::abs(last.col - cell.col) + std::abs(last.row - cell.row); left > 0; --left) {
-      Put(cell, kCrossed);
-      const bool to_next_col = cell.row == last.row || (cell.col != last.col && next_col < next_row);
-      (to_next_col ? cell.col : cell.row) += to_next_col ? d_col : d_row;
-      (to_next_col ? next_col : next_row) += to_next_col ? per_col : per_row;
+/// Marks the cells along a segment but the last one. Args: from, to: in cells.
+void Cross(const base::Point& from, const base::Point& to, ScanCells* onto) {
+  const Cell first{static_cast<int>(std::floor(from.x)), static_cast<int>(std::floor(from.y))};
+  const Cell last{static_cast<int>(std::floor(to.x)), static_cast<int>(std::floor(to.y))};
+  const int d_col = to.x > from.x ? 1 : -1, d_row = to.y > from.y ? 1 : -1;
+  int cols_left = std::abs(last.col - first.col), rows_left = std::abs(last.row - first.row);
+  constexpr double kNever = std::numeric_limits<double>::infinity();
+  // Fractions of the segment from border to border, and up to the next one.
+  const double per_col = cols_left == 0 ? kNever : std::abs(1.0 / (to.x - from.x));
+  const double per_row = rows_left == 0 ? kNever : std::abs(1.0 / (to.y - from.y));
+  double next_col = cols_left == 0 ? kNever : (first.col + (d_col > 0 ? 1 : 0) - from.x) / (to.x - from.x);
+  double next_row = rows_left == 0 ? kNever : (first.row + (d_row > 0 ? 1 : 0) - from.y) / (to.y - from.y);
+  const std::ptrdiff_t cols = onto->Cols(), to_next_row = d_row * cols;
+  std::uint8_t* mark = &onto->marks[(first.row - onto->box.low.row) * cols + first.col - onto->box.low.col];
+  while (cols_left + rows_left > 0) {
+    *mark |= ScanCells::kCrossed;
+    if (rows_left == 0 || (cols_left != 0 && next_col < next_row)) {
+      --cols_left;
+      next_col += per_col;
+      mark += d_col;
+    } else {
+      --rows_left;
+      next_row += per_row;
+      mark += to_next_row;
     }
   }
-
-  /// Calls a function with each marked cell and its mark, in the order in which they were marked.
-  template <typename Function>
-  void ForEach(Function function) const {
-    for (const Cell& cell : marked_) function(cell, static_cast<Mark>(marks_[PlaceOf(cell)]));
-  }
-
- private:
-  std::size_t PlaceOf(const Cell& cell) const {
-    return static_cast<std::size_t>(cell.row - low_.row) * cols_ + (cell.col - low_.col);
-  }
-  void Put(const Cell& cell, Mark mark) {
-    std::uint8_t& now = marks_[PlaceOf(cell)];
-    if (now == kNone) marked_.push_back(cell);
-    now = std::max<std::uint8_t>(now, mark);
-  }
-
-  Cell low_;
-  int cols_;
-  std::vector<std::uint8_t>& marks_;
-  std::vector<Cell> marked_;
-};
+}
 
 /// A rectangle along the axes.
 struct Box {
@@ -90,24 +58,39 @@ struct Box {
 
 int SignOf(int value) { return (value > 0) - (value < 0); }
 
+void CheckRange(const base::Point& point) {
+  for (const double value : {point.x, point.y}) {
+    if (!(std::abs(value) <= LogOddsMap::kLargest)) {
+      throw std::invalid_argument("a map must be within 1000 km of the origin");
+    }
+  }
+}
+
+Cell CellAt(const base::Point& point, double cell_m) {
+  return {static_cast<int>(std::floor(point.x / cell_m)), static_cast<int>(std::floor(point.y / cell_m))};
+}
+
 }  // namespace
 
-LogOddsMap::LogOddsMap(double cell_m) : cell_m_(cell_m) {
-  if (!(cell_m >= 1e-3 && cell_m <= 10.0)) throw std::invalid_argument("the edge of a cell must be from 1 mm to 10 m");
+void CellBox::Include(const Cell& cell) {
+  low = {std::min(low.col, cell.col), std::min(low.row, cell.row)};
+  high = {std::max(high.col, cell.col), std::max(high.row, cell.row)};
 }
 
-Cell LogOddsMap::CellOf(const base::Point& point) const {
-  return {static_cast<int>(std::floor(point.x / cell_m_)), static_cast<int>(std::floor(point.y / cell_m_))};
+void CellBox::Include(const CellBox& other) {
+  if (other.IsEmpty()) return;
+  Include(other.low);
+  Include(other.high);
 }
 
-void LogOddsMap::Insert(const Scan& scan, const base::Pose& pose) {
+ScanCells CellsOf(const Scan& scan, const base::Pose& pose, double cell_m) {
   const base::Point laser = Moved(scan.laser, pose);
   Box box{laser, laser};
-  std::vector<SurfacePoint> hits;
+  ScanCells cells{cell_m, {}, {}, {}};
   std::vector<base::Point> ends;
   for (const SurfacePoint& hit : scan.hits) {
-    hits.push_back(Moved(hit, pose));
-    ends.push_back(hits.back().at);
+    cells.hits.push_back(Moved(hit, pose));
+    ends.push_back(cells.hits.back().at);
   }
   for (const base::Point& end : scan.free_ends) ends.push_back(Moved(end, pose));
   for (const base::Point& end : ends) {
@@ -115,13 +98,68 @@ void LogOddsMap::Insert(const Scan& scan, const base::Pose& pose) {
     if (!is_near) throw std::invalid_argument("a beam must be finite and at most 100 m long");
     box.Include(end);
   }
-  Reach(box.least, box.most);
-  ScanMarks marks(CellOf(box.least), CellOf(box.most), &marks_);
-  const auto in_cells = [&](const base::Point& point) { return base::Point{point.x / cell_m_, point.y / cell_m_}; };
-  for (const SurfacePoint& hit : hits) marks.Hit(CellOf(hit.at));
-  for (const base::Point& end : ends) marks.Cross(in_cells(laser), in_cells(end));
-  marks.ForEach([&](const Cell& cell, ScanMarks::Mark mark) { Change(cell, mark == ScanMarks::kHit ? kHit : kMiss); });
-  for (const SurfacePoint& hit : hits) Merge({1, hit});
+  CheckRange(box.least);
+  CheckRange(box.most);
+  cells.box = {CellAt(box.least, cell_m), CellAt(box.most, cell_m)};
+  const auto& [low, high] = cells.box;
+  cells.marks.assign(static_cast<std::size_t>(cells.Cols()) * (high.row - low.row + 1), ScanCells::kNone);
+  const auto in_cells = [&](const base::Point& point) { return base::Point{point.x / cell_m, point.y / cell_m}; };
+  for (const SurfacePoint& hit : cells.hits) {
+    const Cell cell = CellAt(hit.at, cell_m);
+    cells.marks[static_cast<std::size_t>(cell.row - low.row) * cells.Cols() + cell.col - low.col] = ScanCells::kHit;
+  }
+  for (const base::Point& end : ends) Cross(in_cells(laser), in_cells(end), &cells);
+  return cells;
+}
+
+LogOddsMap::LogOddsMap(double cell_m) : cell_m_(cell_m) {
+  if (!(cell_m >= 1e-3 && cell_m <= 10.0)) throw std::invalid_argument("the edge of a cell must be from 1 mm to 10 m");
+}
+
+Cell LogOddsMap::CellOf(const base::Point& point) const { return CellAt(point, cell_m_); }
+
+void LogOddsMap::Insert(const ScanCells& scan, const Cell& origin) {
+  const auto here = [&](const Cell& cell) { return Cell{cell.col - origin.col, cell.row - origin.row}; };
+  const Cell low = here(scan.box.low), high = here(scan.box.high);
+  Reach({low, high});
+  const int cols = scan.Cols();
+  for (int row = low.row; row <= high.row; ++row) {
+    const std::uint8_t* marks = &scan.marks[static_cast<std::size_t>(row - low.row) * cols];
+    for (int col = low.col; col <= high.col;) {
+      const int count = std::min(kTileCells - (col & (kTileCells - 1)), high.col + 1 - col);
+      Apply(marks, count, {col, row});
+      marks += count;
+      col += count;
+    }
+  }
+  for (const SurfacePoint& hit : scan.hits) {
+    Merge({1, {{hit.at.x - origin.col * cell_m_, hit.at.y - origin.row * cell_m_}, hit.normal}});
+  }
+}
+
+/// Changes neighbouring cells of a row in one tile as a scan has marked them.
+void LogOddsMap::Apply(const std::uint8_t* marks, int count, const Cell& first) {
+  std::uint8_t any = 0;
+  for (int i = 0; i < count; ++i) any |= marks[i];
+  if (any == ScanCells::kNone) return;
+  std::unique_ptr<Tile>& tile = tiles_[PlaceOfTile(first)];
+  if (tile == nullptr) tile = std::make_unique<Tile>();
+  std::int8_t* now = &(*tile)[PlaceInTile(first)];
+  std::array<std::int8_t, kTileCells> before;
+  std::copy_n(now, count, before.begin());
+  // Operations on single bytes without branches, of which the compiler makes instructions for many at once.
+  std::uint8_t signs_changed = 0;  // its highest bit
+  for (int i = 0; i < count; ++i) {
+    const std::int8_t crossed = marks[i] != ScanCells::kNone ? kMiss : 0;
+    const std::int8_t by = marks[i] >= ScanCells::kHit ? kHit : crossed;
+    const auto sum = static_cast<std::int8_t>(now[i] + by);  // at most kMost + kHit
+    const std::int8_t limited = sum < kLeast ? kLeast : sum;
+    const std::int8_t after = limited > kMost ? kMost : limited;
+    signs_changed |= static_cast<std::uint8_t>((after ^ now[i]) | (-after ^ -now[i]));
+    now[i] = after;
+  }
+  if ((signs_changed & 0x80) == 0) return;
+  for (int i = 0; i < count; ++i) Note({first.col + i, first.row}, SignOf(before[i]), SignOf(now[i]));
 }
 
 /// Adds hits to those of their cell, if it is occupied: a hit where many beams crossed it leaves it free.
@@ -148,8 +186,8 @@ void LogOddsMap::AddFree(const OccupancyGrid& grid, const base::Pose& pose) {
       box.Include(Moved(base::Point{x, y}, pose));
     }
   }
-  Reach(box.least, box.most);
-  const Cell low = CellOf(box.least), high = CellOf(box.most);
+  const Cell low = InRange(box.least), high = InRange(box.most);
+  Reach({low, high});
   OccupancyGrid here{{{low.col * cell_m_, low.row * cell_m_}, cell_m_, high.row - low.row + 1, high.col - low.col + 1},
                      {}};
   here.cells.assign(static_cast<std::size_t>(here.shape.rows) * here.shape.cols, kUnknown);
@@ -164,17 +202,22 @@ void LogOddsMap::AddFree(const OccupancyGrid& grid, const base::Pose& pose) {
 void LogOddsMap::AddHits(const std::vector<HitCell>& hits, const base::Pose& pose) {
   for (const auto& [count, there] : hits) {
     const SurfacePoint here = Moved(there, pose);
-    Reach(here.at, here.at);
-    Change(CellOf(here.at), kOccupiedThere);
+    const Cell cell = InRange(here.at);
+    Reach({cell, cell});
+    Change(cell, kOccupiedThere);
     Merge({count, here});
   }
 }
 
-void LogOddsMap::Reach(const base::Point& least, const base::Point& most) {
-  for (const double value : {least.x, least.y, most.x, most.y}) {
-    if (!(std::abs(value) <= kLargest)) throw std::invalid_argument("a map must be within 1000 km of the origin");
-  }
-  const Cell low = CellOf(least), high = CellOf(most);
+/// The cell of a point. Throws std::invalid_argument if a coordinate is above kLargest.
+Cell LogOddsMap::InRange(const base::Point& point) const {
+  CheckRange(point);
+  return CellOf(point);
+}
+
+/// Makes room for the cells of a box.
+void LogOddsMap::Reach(const CellBox& box) {
+  const auto& [low, high] = box;
   Cell first{low.col >> kTileBits, low.row >> kTileBits}, last{high.col >> kTileBits, high.row >> kTileBits};
   if (!tiles_.empty()) {
     first = {std::min(first.col, first_tile_.col), std::min(first.row, first_tile_.row)};
@@ -201,10 +244,15 @@ void LogOddsMap::Change(const Cell& cell, int by) {
   if (tile == nullptr) tile = std::make_unique<Tile>();
   std::int8_t& log_odds = (*tile)[PlaceInTile(cell)];
   const int before = SignOf(log_odds);
-  log_odds = static_cast<std::int8_t>(std::clamp(log_odds + by, kLeast, kMost));
-  const int after = SignOf(log_odds);
+  log_odds = static_cast<std::int8_t>(std::clamp<int>(log_odds + by, kLeast, kMost));
+  Note(cell, before, SignOf(log_odds));
+}
+
+/// Notes that a cell has changed from one sign of its log odds to another one.
+void LogOddsMap::Note(const Cell& cell, int before, int after) {
   if (after == before) return;
   ++changes_;
+  changed_.Include(cell);
   if (after > 0) hits_[KeyOf(cell)];
   if (before > 0) hits_.erase(KeyOf(cell));
 }
@@ -222,16 +270,32 @@ std::vector<HitCell> LogOddsMap::Hits() const {
   return hits;
 }
 
-OccupancyGrid LogOddsMap::Occupancy() const {
+CellBox LogOddsMap::Everything() const {
   const Cell first{first_tile_.col * kTileCells, first_tile_.row * kTileCells};
-  const int rows = tile_rows_ * kTileCells, cols = tile_cols_ * kTileCells;
+  return {first, {first.col + tile_cols_ * kTileCells - 1, first.row + tile_rows_ * kTileCells - 1}};
+}
+
+OccupancyGrid LogOddsMap::Occupancy(const CellBox& box, int factor) const {
+  if (factor < 1) throw std::invalid_argument("the factor must be at least 1");
+  if (box.IsEmpty()) return {{{0.0, 0.0}, cell_m_ * factor, 0, 0}, {}};
+  const auto coarse = [factor](int cell) { return cell >= 0 ? cell / factor : -((factor - 1 - cell) / factor); };
+  const Cell low{coarse(box.low.col), coarse(box.low.row)}, high{coarse(box.high.col), coarse(box.high.row)};
+  const int rows = high.row - low.row + 1, cols = high.col - low.col + 1;
   if (static_cast<double>(rows) * cols > kMostCells) throw std::invalid_argument("the map has too many cells");
-  OccupancyGrid grid{{{first.col * cell_m_, first.row * cell_m_}, cell_m_, rows, cols}, {}};
-  grid.cells.reserve(static_cast<std::size_t>(rows) * cols);
-  for (int row = first.row; row < first.row + rows; ++row) {
-    for (int col = first.col; col < first.col + cols; ++col) {
+  const double coarse_m = cell_m_ * factor;
+  OccupancyGrid grid{{{low.col * coarse_m, low.row * coarse_m}, coarse_m, rows, cols}, {}};
+  grid.cells.assign(static_cast<std::size_t>(rows) * cols, kUnknown);
+  for (int row = low.row * factor; row < (high.row + 1) * factor; ++row) {
+    std::int8_t* cells = &grid.cells[static_cast<std::size_t>(coarse(row) - low.row) * cols];
+    int col = low.col * factor;
+    for (int part = 0; col < (high.col + 1) * factor; ++col) {
       const int log_odds = LogOdds({col, row});
-      grid.cells.push_back(log_odds > 0 ? kOccupied : log_odds < 0 ? kFree : kUnknown);
+      const std::int8_t known = log_odds > 0 ? kOccupied : log_odds < 0 ? kFree : kUnknown;
+      *cells = std::max(*cells, known);  // unknown < free < occupied
+      if (++part == factor) {
+        part = 0;
+        ++cells;
+      }
     }
   }
   return grid;
@@ -240,8 +304,7 @@ OccupancyGrid LogOddsMap::Occupancy() const {
 std::size_t LogOddsMap::Bytes() const {
   std::size_t tiles = 0;
   for (const std::unique_ptr<Tile>& tile : tiles_) tiles += tile != nullptr ? sizeof(Tile) : 0;
-  return tiles + marks_.size() + tiles_.size() * sizeof(tiles_[0]) +
-         hits_.size() * (sizeof(*hits_.begin()) + 2 * sizeof(void*));
+  return tiles + tiles_.size() * sizeof(tiles_[0]) + hits_.size() * (sizeof(*hits_.begin()) + 2 * sizeof(void*));
 }
 
 }  // namespace robotteamsim::maps

@@ -70,19 +70,19 @@ bool Mapper::Step(const OdometryReading& odometry, const std::vector<float>& ran
   base::Check(odometry.pose, "the pose of the odometry");
   const state::PoseCovariance& p = odometry.covariance;
   for (const double entry : {p.xx, p.xy, p.x_yaw, p.yy, p.y_yaw, p.yaw_yaw}) base::Check(entry, "the covariance");
-  const Scan scan = ReadScan(layout_, ranges_m, masked);
+  CheckLengths(layout_, ranges_m, masked);
   now_ = odometry.pose;
   if (!has_begun_) {
     has_begun_ = true;
     odometry_ = odometry;
-    Insert(scan);
+    Insert(ReadScan(layout_, ranges_m, masked));
     return true;
   }
   const base::Pose motion = base::RelativePose(odometry_.pose, now_);
   step_m_ = std::hypot(motion.x, motion.y);
   if (step_m_ < parameters_.update_m && std::abs(motion.yaw) < parameters_.update_rad) return false;
   Predict(odometry);
-  Match(scan);
+  Match(ReadScan(layout_, ranges_m, masked));
   driven_m_ += step_m_;
   if (driven_m_ >= parameters_.submap_m) CloseSubmap();
   return true;
@@ -152,14 +152,22 @@ void Mapper::Match(const Scan& scan) {
 }
 
 void Mapper::Insert(const Scan& scan) {
-  map_.Insert(scan, pose_);
-  submap_.Insert(scan, base::RelativePose(submap_pose_, pose_));
-  ++version_;
+  const ScanCells cells = CellsOf(scan, pose_, parameters_.cell_m);
+  map_.Insert(cells);
+  submap_.Insert(cells, submap_origin_);
+}
+
+OccupancyGrid Mapper::TakeChanges(int factor) {
+  CellBox changed = map_.TakeChanged();
+  changed.Include(std::exchange(redrawn_, {}));
+  return map_.Occupancy(changed, factor);
 }
 
 void Mapper::BeginSubmap() {
   submap_ = LogOddsMap(parameters_.cell_m);
-  submap_pose_ = {pose_.x, pose_.y, 0.0};
+  // The cells of both maps coincide, so that a scan marks them once.
+  submap_origin_ = map_.CellOf({pose_.x, pose_.y});
+  submap_pose_ = {submap_origin_.col * parameters_.cell_m, submap_origin_.row * parameters_.cell_m, 0.0};
   drift_.setZero();
   driven_m_ = 0.0;
   changes_before_ = map_.changes();
@@ -172,8 +180,9 @@ void Mapper::CloseSubmap() {
     drift.diagonal().array() += kSlack * kSlack;
     if (submaps_.Add(submap_, submap_pose_, drift)) {
       pose_ = base::Composed(submaps_.poses().back(), base::RelativePose(submap_pose_, pose_));
+      const CellBox before = map_.Everything();
       map_ = submaps_.Draw(parameters_.cell_m);
-      ++version_;
+      redrawn_.Include(before);
     }
     submap_drift_ = drift_;
   } else {

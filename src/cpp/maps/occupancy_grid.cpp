@@ -37,21 +37,6 @@ OccupancyGrid Cropped(const OccupancyGrid& grid) {
   return part;
 }
 
-OccupancyGrid Coarser(const OccupancyGrid& grid, int factor) {
-  if (factor < 1) throw std::invalid_argument("the factor must be at least 1");
-  const plan::GridShape& shape = grid.shape;
-  const auto shorter = [&](int cells) { return cells / factor + (cells % factor != 0 ? 1 : 0); };
-  OccupancyGrid coarse{{shape.origin, shape.resolution_m * factor, shorter(shape.rows), shorter(shape.cols)}, {}};
-  coarse.cells.assign(static_cast<std::size_t>(coarse.shape.rows) * coarse.shape.cols, kUnknown);
-  for (int row = 0; row < shape.rows; ++row) {
-    for (int col = 0; col < shape.cols; ++col) {
-      std::int8_t& cell = coarse.cells[static_cast<std::size_t>(row / factor) * coarse.shape.cols + col / factor];
-      cell = std::max(cell, grid.At(row, col));  // unknown < free < occupied
-    }
-  }
-  return coarse;
-}
-
 void Fill(OccupancyGrid* onto, const OccupancyGrid& grid, const base::Pose& pose) {
   const plan::GridShape &to = onto->shape, &from = grid.shape;
   const base::Pose back = base::RelativePose(pose, {});  // the frame of `onto` in that of `grid`

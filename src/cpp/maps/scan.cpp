@@ -77,11 +77,17 @@ void Check(const ScanLayout& layout) {
   }
 }
 
+void CheckLengths(const ScanLayout& layout, const std::vector<float>& ranges_m,
+                  const std::vector<std::uint8_t>& masked) {
+  const auto beams = static_cast<std::size_t>(layout.fan.beams);
+  if (ranges_m.size() != beams) throw std::invalid_argument("there must be one range per beam");
+  if (!masked.empty() && masked.size() != beams) throw std::invalid_argument("there must be one mask per beam");
+}
+
 Scan ReadScan(const ScanLayout& layout, const std::vector<float>& ranges_m, const std::vector<std::uint8_t>& masked) {
   const world::Fan& fan = layout.fan;
   const auto beams = static_cast<std::size_t>(fan.beams);
-  if (ranges_m.size() != beams) throw std::invalid_argument("there must be one range per beam");
-  if (!masked.empty() && masked.size() != beams) throw std::invalid_argument("there must be one mask per beam");
+  CheckLengths(layout, ranges_m, masked);
   const int stride = 1 + (fan.beams - 1) / layout.most_beams;
   const double step_rad = fan.beams > 1 ? (fan.angle_max_rad - fan.angle_min_rad) / (fan.beams - 1) : 0.0;
   const double longest_m = std::min(fan.range_max_m, kLongestBeam);

@@ -61,30 +61,37 @@ def survey_news_in(payload: str) -> SurveyNews | None:
     return found.survey if found else None
 
 
-def packed(symbols: np.ndarray, longest: int) -> Iterator[Cells]:
+def bounds(mask: np.ndarray) -> tuple[slice, slice]:
+    """Return the rectangle, as an index, that contains all true cells of a grid; an empty one without any."""
+    rows, columns = (np.flatnonzero(mask.any(axis=axis)) for axis in (1, 0))
+    if not rows.size:
+        return slice(0, 0), slice(0, 0)
+    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(columns[0]), int(columns[-1]) + 1)
+
+
+def packed(symbols: np.ndarray, longest: int, row: int = 0, column: int = 0) -> Iterator[Cells]:
     """Yield messages that contain all symbols of a grid that are not SAME.
 
-    Args: symbols: uint8, shape (rows, cols).
-          longest: of the text of one message; one row of cells may exceed it.
+    Args: symbols:     uint8, shape (rows, cols).
+          longest:     of the text of one message; one cell may exceed it.
+          row, column: of the first symbol.
     """
-    rows, columns = np.flatnonzero(symbols.any(axis=1)), np.flatnonzero(symbols.any(axis=0))
-    if not rows.size:
+    rows, columns = bounds(symbols != SAME)
+    part = symbols[rows, columns]
+    if not part.size:
         return
-    low, high, left, right = int(rows[0]), int(rows[-1]) + 1, int(columns[0]), int(columns[-1]) + 1
-    part = symbols[low:high, left:right]
-    text = base64.b85encode(zlib.compress(part.tobytes())).decode()
+    row, column = row + rows.start, column + columns.start
+    text = base64.b85encode(zlib.compress(part.tobytes(), level=9)).decode()
     if len(text) <= longest or part.size == 1:
-        yield Cells(low, left, high - low, right - left, text)
-        return
-    halves = [symbols.copy(), symbols.copy()]
-    if part.shape[0] >= part.shape[1]:
-        middle = (low + high) // 2
-        halves[0][middle:], halves[1][:middle] = SAME, SAME
+        yield Cells(row, column, part.shape[0], part.shape[1], text)
+    elif part.shape[0] >= part.shape[1]:
+        middle = part.shape[0] // 2
+        yield from packed(part[:middle], longest, row, column)
+        yield from packed(part[middle:], longest, row + middle, column)
     else:
-        middle = (left + right) // 2
-        halves[0][:, middle:], halves[1][:, :middle] = SAME, SAME
-    for half in halves:
-        yield from packed(half, longest)
+        middle = part.shape[1] // 2
+        yield from packed(part[:, :middle], longest, row, column)
+        yield from packed(part[:, middle:], longest, row, column + middle)
 
 
 def unpacked(cells: Cells, most: int) -> np.ndarray | None:

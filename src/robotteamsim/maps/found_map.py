@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
+from robotteamsim.interface.survey_news import bounds
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.building import Doors, SharedResults
 from robotteamsim.scenario.controllers.mapping import SHARED_CELL_M
@@ -13,6 +16,9 @@ from robotteamsim.scenario.plan import OCCUPIED, UNKNOWN, OccupancyGrid, grid_sh
 
 CELL_M = SHARED_CELL_M
 """Edge of a cell: as in the maps of known buildings."""
+
+Part = tuple[slice, slice]
+"""A rectangle of cells, as an index."""
 
 _THICKEST = 8
 """Cells: Table 3 ends with walls of 0.8 m."""
@@ -42,17 +48,18 @@ class FoundMap(SharedResults):
     @property
     def known_part(self) -> OccupancyGrid:
         """A copy of the cells around all that are known; of one cell that is UNKNOWN, if none are."""
-        rows, columns = (np.flatnonzero(np.any(self.cells != UNKNOWN, axis=axis)) for axis in (1, 0))
-        low, left = (int(known[0]) if known.size else 0 for known in (rows, columns))
-        high, right = (int(known[-1]) + 1 if known.size else 1 for known in (rows, columns))
-        (x0, y0), part = self.origin_m, self.cells[low:high, left:right]
-        return OccupancyGrid((x0 + left * CELL_M, y0 + low * CELL_M), CELL_M, part.copy())
+        rows, columns = bounds(self.cells != UNKNOWN)
+        (x0, y0), part = self.origin_m, self.cells[rows, columns]
+        part = part.copy() if part.size else np.full((1, 1), UNKNOWN, dtype=np.int8)
+        return OccupancyGrid((x0 + columns.start * CELL_M, y0 + rows.start * CELL_M), CELL_M, part)
 
-    def show(self, cells: np.ndarray) -> bool:
-        """Replace the cells; return whether they differ, which makes a new version. Args: cells: of the same shape."""
-        if np.array_equal(cells, self.cells):
+    def show(self, parts: Sequence[tuple[Part, np.ndarray]]) -> bool:
+        """Replace the cells of rectangles; return whether some differ, which makes a new version."""
+        if all(np.array_equal(self.cells[part], new) for part, new in parts):
             return False
-        self.cells = cells
+        self.cells = self.cells.copy()  # who has the cells of an older version keeps them
+        for part, new in parts:
+            self.cells[part] = new
         self.version += 1
         self.forget()
         return True

@@ -10,16 +10,14 @@ from robotteamsim import _core
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import Estimate, Localisation, Observation
 from robotteamsim.interface.survey_news import (
-    IS_FREE,
-    IS_OCCUPIED,
-    IS_UNKNOWN,
     SAME,
     Cells,
     SurveyNews,
+    bounds,
     packed,
     unpacked,
 )
-from robotteamsim.maps.found_map import CELL_M, FoundMap
+from robotteamsim.maps.found_map import CELL_M, FoundMap, Part
 from robotteamsim.maps.localiser import Localiser
 from robotteamsim.maps.recent_scans import LaserView
 from robotteamsim.maps.teammates import Disc
@@ -30,6 +28,9 @@ from robotteamsim.world.core_parts import core_fan
 
 _LONGEST = 1200
 """Characters of the cells in one message: with the rest of it, it fits into a packet of 1,500 bytes."""
+
+_CELLS = np.array([UNKNOWN, UNKNOWN, FREE, OCCUPIED], dtype=np.int8)
+"""What the symbols in a message mean."""
 
 _CERTAIN = (0.0,) * 6
 """Covariance of a pose that is given."""
@@ -62,12 +63,18 @@ class Survey:
             fan=core_fan(body.laser.beam_model().fan),
             range_min_m=body.laser.range_min_m,
             start=self._map_T_frame.inverse() @ Pose(*body.start_pose),
-            parameters=_core.maps.MapperParameters(**mapping.model_dump()),
+            parameters=_core.maps.MapperParameters(**mapping.model_dump(exclude={"share_s"})),
         )
         self._odometry: Pose | None = None
         """The robot's pose in `odom`, or in the map if it is given, in the last step."""
+        self._heard: list[Part] = []
+        """Where teammates have found something since the last look."""
         self._own, self._of_team = found.cells.copy(), found.cells.copy()
         self._unsent = np.zeros(found.cells.shape, dtype=bool)
+        self._is_asked = False
+        """Whether a teammate wants all that it knows."""
+        self._period_ns = round(mapping.share_s * 1e9)
+        self._due_ns = 0
         self._number = 0
         """Of the next message with cells."""
         self._expected: dict[int, int] = {}
@@ -103,46 +110,54 @@ class Survey:
 
     def look(self) -> None:
         """Show in `found` what the robot and its teammates have found by now."""
-        origin_m, cells = self._mapper.occupancy(self._factor)
-        own = np.full_like(self._own, UNKNOWN)
-        _put(own, round(origin_m[1] / CELL_M), round(origin_m[0] / CELL_M), cells, cells != UNKNOWN)
-        self._unsent |= own != self._own
-        self._own = own
-        self.found.show(self._known)
-
-    @property
-    def _known(self) -> np.ndarray:
-        return np.where(self._own == UNKNOWN, self._of_team, self._own)
+        (x_m, y_m), cells = self._mapper.take_changes(self._factor)
+        here, there = _overlap(self._own.shape, round(y_m / CELL_M), round(x_m / CELL_M), cells.shape)
+        self._unsent[here] |= self._own[here] != cells[there]
+        self._own[here] = cells[there]
+        parts, self._heard = [here, *self._heard], []
+        known = (np.where(self._own[part] == UNKNOWN, self._of_team[part], self._own[part]) for part in parts)
+        self.found.show(list(zip(parts, known, strict=True)))
 
     def hear(self, sender: int, news: SurveyNews) -> None:
         """Take over what a teammate has found, and note whether some of it was lost."""
         if self._robot_id in news.wanted:
-            self._unsent |= self._known != UNKNOWN
+            self._is_asked, self._due_ns = True, 0
         if news.number > self._expected.get(sender, 0):
             self._wanted.add(sender)
         self._expected[sender] = news.number + (news.cells is not None)
-        symbols = None if news.cells is None else unpacked(news.cells, self._own.size)
-        if news.cells is not None and symbols is not None:
-            cells = np.select([symbols == IS_FREE, symbols == IS_OCCUPIED], [FREE, OCCUPIED], UNKNOWN)
-            _put(self._of_team, news.cells.row, news.cells.column, cells.astype(np.int8), symbols != SAME)
+        cells = news.cells
+        symbols = None if cells is None else unpacked(cells, self._own.size)
+        if cells is not None and symbols is not None:
+            here, there = _overlap(self._own.shape, cells.row, cells.column, symbols.shape)
+            symbols = symbols[there]
+            np.copyto(self._of_team[here], _CELLS[symbols], where=symbols != SAME)
+            self._heard.append(here)
 
-    def news(self, position: Point) -> Iterator[SurveyNews]:
+    def news(self, position: Point, sim_time_ns: int) -> Iterator[SurveyNews]:
         """Yield what the robot has to say now: one message or more. Args: position: of the robot, in `map` [m]."""
-        known = self._known
-        symbols = np.select([known == FREE, known == OCCUPIED], [IS_FREE, IS_OCCUPIED], IS_UNKNOWN)
-        parts: list[Cells | None] = list(packed(np.where(self._unsent, symbols, SAME).astype(np.uint8), self._longest))
-        self._unsent[:] = False
         wanted, self._wanted = tuple(sorted(self._wanted)), set()
+        parts: list[Cells | None] = list(self._cells_to_send(sim_time_ns))
         for part in parts or [None]:
             yield SurveyNews(position, self._number, part, wanted)
             self._number += part is not None
             wanted = ()
 
+    def _cells_to_send(self, sim_time_ns: int) -> Iterator[Cells]:
+        """Yield what has changed in the robot's own map, if that is due; all that it knows, if it was asked for it."""
+        if sim_time_ns < self._due_ns:
+            return
+        self._due_ns = sim_time_ns + self._period_ns
+        known = self.found.cells
+        to_send = (known != UNKNOWN) if self._is_asked else self._unsent & (self._own != self._of_team)
+        self._is_asked, self._unsent[:] = False, False
+        part = rows, columns = bounds(to_send)
+        symbols = np.where(to_send[part], np.searchsorted(_CELLS[1:], known[part]) + 1, SAME).astype(np.uint8)
+        yield from packed(symbols, self._longest, rows.start, columns.start)
 
-def _put(onto: np.ndarray, row: int, column: int, cells: np.ndarray, where: np.ndarray) -> None:
-    """Put those of a rectangle of cells that are wanted, without those beyond the border."""
-    low, left = max(-row, 0), max(-column, 0)
-    high, right = min(onto.shape[0] - row, cells.shape[0]), min(onto.shape[1] - column, cells.shape[1])
-    if low < high and left < right:
-        part = onto[row + low : row + high, column + left : column + right]
-        np.copyto(part, cells[low:high, left:right], where=where[low:high, left:right])
+
+def _overlap(shape: tuple[int, ...], row: int, column: int, other: tuple[int, ...]) -> tuple[Part, Part]:
+    """Return the same rectangle in two grids of cells, of which the second begins at a row and column of the first."""
+    low, left = max(row, 0), max(column, 0)
+    high, right = max(min(shape[0], row + other[0]), low), max(min(shape[1], column + other[1]), left)
+    here = slice(low, high), slice(left, right)
+    return here, (slice(low - row, high - row), slice(left - column, right - column))

@@ -67,6 +67,43 @@ TEST(LogOddsMap, CountsTheCellsThatAScanChanges) {
   EXPECT_EQ(map.changes(), 7U);
 }
 
+TEST(LogOddsMap, IsOccupiedInACoarserCellIfAnyPartIs) {
+  LogOddsMap map(kCell);
+  map.Insert(kOneHit, {-1.0, 0.0, 0.0});  // free from cell -2, occupied in cell 4
+  const OccupancyGrid grid = map.Occupancy({{-3, 0}, {5, 1}}, 2);
+  EXPECT_EQ(grid.shape.origin.x, -2.0);
+  EXPECT_EQ(grid.shape.resolution_m, 1.0);
+  EXPECT_EQ(grid.cells, (std::vector<std::int8_t>{kUnknown, kFree, kFree, kFree, kOccupied}));
+  EXPECT_THROW(map.Occupancy({}, 0), std::invalid_argument);
+}
+
+TEST(LogOddsMap, TellsWhereItHasChanged) {
+  LogOddsMap map(kCell);
+  map.Insert(kOneHit, {});
+  const CellBox first = map.TakeChanged();
+  EXPECT_EQ(first.low.col, 0);
+  EXPECT_EQ(first.high.col, 6);
+  EXPECT_TRUE(map.TakeChanged().IsEmpty());
+  map.Insert(kOneHit, {-100.0, 40.0, 0.0});  // 43 tiles to the left
+  EXPECT_EQ(map.TakeChanged().high.col, -194);
+}
+
+TEST(LogOddsMap, InsertsAScanOfAnotherGridWhoseCellsCoincide) {
+  const base::Pose pose{7.3, -3.1, 0.5};
+  const Scan scan = ScanIn(Rectangle(-2.0, -1.0, 12.0, 1.0), {});
+  LogOddsMap map(0.05), shifted(0.05);
+  map.Insert(scan, pose);
+  shifted.Insert(CellsOf(scan, pose, 0.05), {130, -70});
+  EXPECT_EQ(shifted.Hits().size(), map.Hits().size());
+  int differ = 0;
+  for (int row = -300; row < 200; ++row) {
+    for (int col = 0; col < 500; ++col) {
+      differ += map.LogOdds({col, row}) != shifted.LogOdds({col - 130, row + 70}) ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(differ, 0);
+}
+
 TEST(LogOddsMap, KnowsARoomAndNothingBeyondItsWalls) {
   LogOddsMap map(0.05);
   map.Insert(ScanIn(Rectangle(-2.0, -1.0, 2.0, 1.0), {}), {});

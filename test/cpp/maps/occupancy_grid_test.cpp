@@ -38,15 +38,6 @@ TEST(OccupancyGrid, IsCroppedToWhatIsKnown) {
   EXPECT_TRUE(Cropped({{{0.0, 0.0}, 0.5, 1, 2}, {-1, -1}}).cells.empty());
 }
 
-TEST(OccupancyGrid, IsOccupiedInACoarserCellIfAnyPartIs) {
-  const OccupancyGrid grid{{{0.0, 0.0}, 0.5, 2, 5}, {-1, -1, -1, 0, 100, -1, -1, 0, 0, -1}};
-  const OccupancyGrid coarse = Coarser(grid, 2);
-  EXPECT_EQ(coarse.cells, (Cells{-1, 0, 100}));
-  EXPECT_EQ(coarse.shape.resolution_m, 1.0);
-  EXPECT_EQ(coarse.shape.rows, 1);
-  EXPECT_THROW(Coarser(grid, 0), std::invalid_argument);
-}
-
 TEST(Fill, WritesAnotherGridAtItsPoseIntoUnknownCellsOnly) {
   OccupancyGrid grid{{{0.0, 0.0}, 1.0, 2, 2}, {-1, 0, -1, -1}};
   // Turned by a right angle about (2, 0): its first cell is the lower right one, the next one is above it.

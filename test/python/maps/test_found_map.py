@@ -10,6 +10,8 @@ from robotteamsim.scenario.building import Building
 from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN, occupancy_grid
 from robotteamsim.setup import resolve
 
+ALL = slice(None), slice(None)
+
 
 def seen(cells):
     """Return a grid as lasers see it: the inside of walls is unknown."""
@@ -26,7 +28,7 @@ def office():
 @pytest.fixture
 def found(office):
     found = FoundMap(without_walls(office.plan))
-    found.show(seen(office.building.grid(CELL_M).cells))
+    found.show([(ALL, seen(office.building.grid(CELL_M).cells))])
     return found
 
 
@@ -61,10 +63,10 @@ def test_radio_through_found_walls_is_that_of_the_plan_to_some_decibels(office, 
 def test_a_change_is_a_new_version_and_forgets_what_was_computed(found):
     first, cells = found.shared(lambda of: np.count_nonzero(of.cells == OCCUPIED)), found.cells.copy()
     version = found.version
-    assert not found.show(cells.copy())
+    assert not found.show([(ALL, cells.copy())])
     assert found.version == version
     cells[5:8, 5:8] = OCCUPIED
-    assert found.show(cells)
+    assert found.show([(ALL, cells)])
     assert found.version == version + 1
     assert found.grid(CELL_M).cells[6, 6] == OCCUPIED
     assert first < np.count_nonzero(found.cells == OCCUPIED)

@@ -59,8 +59,8 @@ class Located:
         outbox = decision.outbox
         if is_due and isinstance(outbox, (tuple, list)):
             self._due_ns = time_ns + self._period_ns
-            position = pose.x_m, pose.y_m
-            news = (SurveyNews(position),) if self._survey is None else self._survey.news(position)
+            position = round(pose.x_m, 3), round(pose.y_m, 3)
+            news = (SurveyNews(position),) if self._survey is None else self._survey.news(position, time_ns)
             outbox = (*outbox, *(Message(self._robot_id, EVERYBODY, survey_news(one)) for one in news))
         believed = {"localisation": self._localiser.localisation, "found": self._shown(time_ns)}
         return msgspec.structs.replace(decision, outbox=outbox, **believed)

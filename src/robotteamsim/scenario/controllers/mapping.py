@@ -44,6 +44,12 @@ class Mapping(Model):
     outlier_m: float = Field(
         default=0.03, ge=SMALLEST, le=10.0, description="a hit this far from its wall has half the weight [m]"
     )
+    share_s: float = Field(
+        default=4.0,
+        ge=SMALLEST,
+        le=1000.0,
+        description="time between two messages with what a robot has mapped [s]",
+    )
     submap_m: float = Field(default=6.0, ge=0.5, le=1000.0, description="length driven in one submap [m]")
     lost_share: float = Field(
         default=0.4,
