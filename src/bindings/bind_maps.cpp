@@ -160,6 +160,13 @@ void BindMapper(nb::module_& m) {
       .def(nb::init<const world::Fan&, double, const maps::MapperParameters&, const base::Pose&>(), nb::kw_only(),
            "fan"_a, "range_min_m"_a, "parameters"_a, "start"_a)
       .def(
+          "is_due",
+          [](const Mapper& mapper, const base::Pose& odometry) {
+            base::Check(odometry, "the pose of the odometry");
+            return mapper.IsDue(odometry);
+          },
+          "odometry"_a)
+      .def(
           "step",
           [](Mapper& mapper, const base::Pose& odometry, const Covariance& p, const Array<const float, -1>& ranges_m,
              const Array<const bool, -1>& masked) {

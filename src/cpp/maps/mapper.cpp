@@ -65,6 +65,12 @@ Mapper::Mapper(const world::Fan& fan, double range_min_m, const MapperParameters
   BeginSubmap();
 }
 
+bool Mapper::IsDue(const base::Pose& odometry) const {
+  const base::Pose motion = base::RelativePose(odometry_.pose, odometry);
+  return !has_begun_ || std::hypot(motion.x, motion.y) >= parameters_.update_m ||
+         std::abs(motion.yaw) >= parameters_.update_rad;
+}
+
 bool Mapper::Step(const OdometryReading& odometry, const std::vector<float>& ranges_m,
                   const std::vector<std::uint8_t>& masked) {
   base::Check(odometry.pose, "the pose of the odometry");
@@ -78,9 +84,7 @@ bool Mapper::Step(const OdometryReading& odometry, const std::vector<float>& ran
     Insert(ReadScan(layout_, ranges_m, masked));
     return true;
   }
-  const base::Pose motion = base::RelativePose(odometry_.pose, now_);
-  step_m_ = std::hypot(motion.x, motion.y);
-  if (step_m_ < parameters_.update_m && std::abs(motion.yaw) < parameters_.update_rad) return false;
+  if (!IsDue(now_)) return false;
   Predict(odometry);
   Match(ReadScan(layout_, ranges_m, masked));
   driven_m_ += step_m_;
@@ -94,6 +98,7 @@ void Mapper::Predict(const OdometryReading& odometry) {
   const Eigen::Matrix3d rotation = Turning(pose_.yaw - odometry_.pose.yaw);  // from `odom` to the map
   const Eigen::Vector3d variances = (Added(odometry_, odometry).array() + kSlack * kSlack).matrix();
   const Eigen::Matrix3d added = rotation * variances.asDiagonal() * rotation.transpose();
+  step_m_ = std::hypot(motion.x, motion.y);
   const base::Pose predicted = base::Composed(pose_, motion);
   const Eigen::Matrix3d carrying = Carrying(predicted.x - pose_.x, predicted.y - pose_.y);
   covariance_ = carrying * covariance_ * carrying.transpose() + added;

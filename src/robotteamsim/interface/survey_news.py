@@ -29,13 +29,13 @@ class Cells(msgspec.Struct, frozen=True, array_like=True):
 class SurveyNews(msgspec.Struct, frozen=True, omit_defaults=True):
     """What one robot knows.
 
-    position: of the sender, as it believes [m].
+    position: of the sender, as it believes [m]; left out while it does not know it.
     number:   how many messages with cells it had sent before this one: a receiver notices that it lost some.
     cells:    what it has found since then.
     wanted:   ids of robots of whom it has lost messages: they send all that they know.
     """
 
-    position: Point
+    position: Point | None = None
     number: Index = 0
     cells: Cells | None = None
     wanted: tuple[Index, ...] = ()

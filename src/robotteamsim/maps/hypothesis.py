@@ -56,11 +56,13 @@ class Agreement:
 class Hypothesis:
     """Particles around a place where a robot may be, and how its scans agree with the map there.
 
-    weighed: the estimate as of the last scan.
+    weighed:   the estimate as of the last scan.
+    sightings: how many scans showed a teammate where it says that it is, minus those that showed that it is not there.
     """
 
     def __init__(self, particles: _core.maps.ParticleFilter, window_m: float) -> None:
         self._particles, self.agreement = particles, Agreement(window_m)
+        self.sightings = 0
         self.weighed = _estimate(particles)
         self._since = Pose(0.0, 0.0, 0.0)
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -44,6 +44,12 @@ _MOST_PLACES = 50
 _FOUND_M, _FOUND_RAD = 0.25, 0.04
 """Standard deviations of a place that the search found, which cover those that count as the same [m, rad]."""
 
+_DECISIVE = 3
+"""A robot is not at a place from which so many scans fewer than from another one show its teammates."""
+
+_FEWEST_BEAMS = 3
+"""Of a teammate that a scan shows: they end where the plan is free, and where the teammate says that it is."""
+
 _TRUSTED_M = 2.0
 """When a robot notices that it is lost, it has been so for longer: older scans may be from elsewhere [m]."""
 
@@ -53,7 +59,7 @@ class LaserLocaliser:
 
     Its state is tracking from a known start; lost once too many beams contradict the map. A lost robot searches the
     plan for all places where its last metres fit, and follows each: those that go on to fit are where it may be. With
-    one it is tracking again, with several ambiguous.
+    one it is tracking again, with several ambiguous, until the sight of a teammate decides.
     """
 
     looks = True
@@ -65,6 +71,7 @@ class LaserLocaliser:
         self._tuning = tuning = scenario.control.laser_localisation
         self._rng = rng.stream(scenario.run.seed, "localisation", robot_id, *again)
         self._building, self._view = setup.building, LaserView(body.laser)
+        self._beams = np.arange(body.laser.beams, dtype=np.int32)
         self._model = setup.building.shared(_beam_model, body.laser, tuning.cell_m)
         self._noise, self._step_s, self._omni = body.odometry, scenario.run.step_s, body.drive.kind == "omni"
         self._levels = LevelChanges(robot_id, setup)
@@ -82,13 +89,6 @@ class LaserLocaliser:
         """Where the robot may be; a lost robot may be elsewhere."""
         places = self._followed if self._state == "ambiguous" else [self._main]
         return Localisation(self._state, tuple(each.estimate for each in places))
-
-    def rule_out(self, is_possible: Callable[[Pose], bool]) -> None:
-        """Drop places where a robot that is not tracking cannot be, as a witness says, such as a teammate who sees it.
-
-        Args: is_possible: of a pose in `map`.
-        """
-        self._places = [each for each in self._places if is_possible(each.pose)]
 
     def pose(self, observation: Observation, teammates: Sequence[Disc] = ()) -> Pose:
         """See `Localiser`: the pose of the most likely place."""
@@ -118,6 +118,7 @@ class LaserLocaliser:
     def _look(self, ranges_m: np.ndarray, driven_m: float, teammates: Sequence[Disc]) -> None:
         """Weigh all places by a scan, and decide whether the robot knows where it is."""
         tuning, ends_m = self._tuning, self._view.ends_m(ranges_m)
+        self._ask_teammates(ranges_m, ends_m, teammates)
         for each in self._followed:
             beams = evenly(self._view.not_at(teammates, each.pose, ends_m), tuning.beams)
             each.weigh(ranges_m, beams, self._rng.random())
@@ -130,10 +131,20 @@ class LaserLocaliser:
             self._state = "lost"
             self._scans.forget_before(self._driven_m - _TRUSTED_M)
 
+    def _ask_teammates(self, ranges_m: np.ndarray, ends_m: np.ndarray, teammates: Sequence[Disc]) -> None:
+        """Drop the places from which a scan should show teammates and does not, while it does from others."""
+        for each in self._places:
+            at_teammates = np.setdiff1d(self._beams, self._view.not_at(teammates, each.pose, ends_m))
+            is_seen = self._agreement(each.pose, ranges_m, at_teammates)[1] >= _FEWEST_BEAMS
+            each.sightings += is_seen - self._view.misses(teammates, each.pose, ranges_m)
+        most = max([0, *(each.sightings for each in self._places)])
+        self._places = [each for each in self._places if each.sightings > most - _DECISIVE]
+
     def _find_itself(self) -> None:
         """Drop the places that do not fit, search for others, and believe those that have fitted for long enough."""
         tuning = self._tuning
-        if self._driven_m - self._searched_m >= tuning.search_every_m:
+        # A search would find again what teammates have ruled out.
+        if self._state == "lost" and self._driven_m - self._searched_m >= tuning.search_every_m:
             self._searched_m = self._driven_m
             self._places += [self._around(pose, _FOUND_M, _FOUND_RAD) for pose in self._search()]
         places: list[Hypothesis] = []

@@ -16,6 +16,9 @@ from robotteamsim.scenario.sensors.laser import Laser
 _EVERY_M, _EVERY_RAD = 0.25, 0.25
 """Distance driven, or turn, between two scans that are kept [m, rad]."""
 
+_FEWEST_INTO = 8
+"""Beams that go where a teammate should be: with fewer, it may be between two of them."""
+
 CELL_M = 0.1
 """Points in one cell count as one [m]."""
 
@@ -37,9 +40,9 @@ class LaserView:
     """Where the beams of a laser end."""
 
     def __init__(self, laser: Laser) -> None:
-        self.laser = laser
-        angles_rad = laser.angles_rad
-        self._directions = np.stack((np.cos(angles_rad), np.sin(angles_rad)), axis=1)
+        self.laser, self._offset_m = laser, math.hypot(laser.forward_m, laser.left_m)
+        self._angles_rad = laser.angles_rad
+        self._directions = np.stack((np.cos(self._angles_rad), np.sin(self._angles_rad)), axis=1)
 
     def ends_m(self, ranges_m: np.ndarray) -> np.ndarray:
         """Return the ends in base_link, shape (beams, 2) [m]; without a return, at the longest range."""
@@ -48,11 +51,26 @@ class LaserView:
 
     def not_at(self, discs: Sequence[Disc], pose: Pose, ends_m: np.ndarray) -> np.ndarray:
         """Return the beams that end in none of the discs, for a robot at a pose: indices, int32."""
-        free = np.ones(len(ends_m), dtype=bool)
+        free, reach_m = np.ones(len(ends_m), dtype=bool), self.laser.range_max_m + self._offset_m
         for (x_m, y_m), radius_m in discs:
+            if math.hypot(x_m - pose.x_m, y_m - pose.y_m) > reach_m + radius_m:
+                continue
             center = pose.inverse() @ Pose(x_m, y_m, 0.0)
             free &= ~(np.hypot(ends_m[:, 0] - center.x_m, ends_m[:, 1] - center.y_m) <= radius_m)
         return np.flatnonzero(free).astype(np.int32)
+
+    def misses(self, discs: Sequence[Disc], pose: Pose, ranges_m: np.ndarray) -> bool:
+        """Whether a robot at a pose looks through one of the discs: what is said to be there is not."""
+        sensor = pose @ Pose(self.laser.forward_m, self.laser.left_m, 0.0)
+        for (x_m, y_m), radius_m in discs:
+            center = sensor.inverse() @ Pose(x_m, y_m, 0.0)
+            away_m = math.hypot(center.x_m, center.y_m)
+            if radius_m < away_m < self.laser.range_max_m - radius_m:
+                turned_rad = self._angles_rad - math.atan2(center.y_m, center.x_m)
+                into = np.abs(np.arctan2(np.sin(turned_rad), np.cos(turned_rad))) <= math.asin(radius_m / away_m)
+                if np.count_nonzero(into) >= _FEWEST_INTO and np.all(ranges_m[into] > away_m + radius_m):
+                    return True
+        return False
 
     def hits_m(self, scan: Scan) -> np.ndarray:
         """Return where beams hit something, in base_link, shape (n, 2) [m]."""

@@ -91,10 +91,12 @@ class Survey:
         if self._given is not None:
             odometry, covariance = self._map_T_frame.inverse() @ self._given.pose(observation), _CERTAIN
         before, self._odometry = self._odometry or odometry, odometry
-        at_teammates = np.ones(len(ranges_m), dtype=bool)
-        now = self._pose @ before.inverse() @ odometry
-        at_teammates[self._view.not_at(teammates, now, self._view.ends_m(ranges_m))] = False
-        self._mapper.step(odometry, covariance, ranges_m, at_teammates)
+        masked = np.zeros(len(ranges_m), dtype=bool)
+        if self._mapper.is_due(odometry):
+            now = self._pose @ before.inverse() @ odometry
+            masked[:] = True
+            masked[self._view.not_at(teammates, now, self._view.ends_m(ranges_m))] = False
+        self._mapper.step(odometry, covariance, ranges_m, masked)
         return self._pose
 
     @property
@@ -133,7 +135,7 @@ class Survey:
             np.copyto(self._of_team[here], _CELLS[symbols], where=symbols != SAME)
             self._heard.append(here)
 
-    def news(self, position: Point, sim_time_ns: int) -> Iterator[SurveyNews]:
+    def news(self, position: Point | None, sim_time_ns: int) -> Iterator[SurveyNews]:
         """Yield what the robot has to say now: one message or more. Args: position: of the robot, in `map` [m]."""
         wanted, self._wanted = tuple(sorted(self._wanted)), set()
         parts: list[Cells | None] = list(self._cells_to_send(sim_time_ns))

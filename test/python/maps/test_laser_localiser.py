@@ -98,33 +98,22 @@ def test_robot_that_was_carried_elsewhere_finds_itself() -> None:
     assert error_m(pose, observation) < 0.3
 
 
-def test_robot_in_a_symmetrical_building_is_ambiguous_with_all_its_places_until_a_witness_decides() -> None:
+@pytest.mark.parametrize("has_teammate", [False, True])
+def test_robot_in_a_symmetrical_building_is_ambiguous_until_it_meets_a_teammate(has_teammate: bool) -> None:
     # A square of four equal barriers in a square room: four places, each turned by a right angle about (3, 3).
-    setup = set_up("tutorial_arena", "robots.laser.range_max_m=12")
+    setup = set_up("tutorial_arena", "robots.laser.range_max_m=12", "robots.count=2")
     simulation, localiser = Simulation(setup.scenario), LaserLocaliser(0, setup, arrival=2)
-    assert localiser.localisation.state == "lost"
-    for observation in driving(simulation, 120.0):
-        localiser.pose(observation)
-        assert localiser.localisation.state != "tracking"
-        if localiser.localisation.state == "ambiguous" and len(localiser.localisation.estimates) == 4:
-            break
-    assert len(localiser.localisation.estimates) == 4
-    truth = observation.robot.true_pose
-    assert (
-        min(
-            math.dist((pose.x_m, pose.y_m), (truth.x_m, truth.y_m))
-            for pose in [one.pose for one in localiser.localisation.estimates]
-        )
-        < 0.5
-    )
-
-    localiser.rule_out(lambda pose: math.dist((pose.x_m, pose.y_m), (truth.x_m, truth.y_m)) < 1.0)
-    for observation in driving(simulation, 10.0):
-        pose = localiser.pose(observation)
-        if localiser.localisation.state == "tracking":
-            break
-    assert localiser.localisation.state == "tracking"
-    assert error_m(pose, observation) < 0.3
+    seen: set[tuple[str, int]] = set()
+    for _ in range(1200):
+        record = simulation.step()
+        mine, other = record.state.readings()[:2]
+        at = other.true_pose.x_m, other.true_pose.y_m
+        observation = Observation(0, record.sim_time_ns, mine, NO_VOICE)
+        pose = localiser.pose(observation, [(at, 0.5)] if has_teammate else [])
+        seen.add((localiser.localisation.state, len(localiser.localisation.estimates)))
+        assert localiser.localisation.state != "tracking" or error_m(pose, observation) < 0.3
+    assert ("ambiguous", 4) in seen
+    assert (localiser.localisation.state == "tracking") is has_teammate
 
 
 def test_robot_whose_laser_sees_nothing_goes_by_its_odometry() -> None:

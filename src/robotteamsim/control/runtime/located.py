@@ -59,7 +59,8 @@ class Located:
         outbox = decision.outbox
         if is_due and isinstance(outbox, (tuple, list)):
             self._due_ns = time_ns + self._period_ns
-            position = round(pose.x_m, 3), round(pose.y_m, 3)
+            is_sure = self._localiser.localisation.state == "tracking"
+            position = (round(pose.x_m, 3), round(pose.y_m, 3)) if is_sure else None
             news = (SurveyNews(position),) if self._survey is None else self._survey.news(position, time_ns)
             outbox = (*outbox, *(Message(self._robot_id, EVERYBODY, survey_news(one)) for one in news))
         believed = {"localisation": self._localiser.localisation, "found": self._shown(time_ns)}
@@ -77,7 +78,8 @@ class Located:
         found = [survey_news_in(message.payload) for message in inbox]
         for message, news in zip(inbox, found, strict=True):
             if news is not None and message.sender != self._robot_id:
-                self._teammates.note(message.sender, news.position, time_ns)
+                if news.position is not None:
+                    self._teammates.note(message.sender, news.position, time_ns)
                 if self._survey is not None:
                     self._survey.hear(message.sender, news)
         return [message for message, news in zip(inbox, found, strict=True) if news is None]
