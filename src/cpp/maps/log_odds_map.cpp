@@ -278,24 +278,29 @@ CellBox LogOddsMap::Everything() const {
 OccupancyGrid LogOddsMap::Occupancy(const CellBox& box, int factor) const {
   if (factor < 1) throw std::invalid_argument("the factor must be at least 1");
   if (box.IsEmpty()) return {{{0.0, 0.0}, cell_m_ * factor, 0, 0}, {}};
-  const auto coarse = [factor](int cell) { return cell >= 0 ? cell / factor : -((factor - 1 - cell) / factor); };
+  const auto coarse = [factor](int cell) { return cell / factor - (cell % factor < 0 ? 1 : 0); };
   const Cell low{coarse(box.low.col), coarse(box.low.row)}, high{coarse(box.high.col), coarse(box.high.row)};
   const int rows = high.row - low.row + 1, cols = high.col - low.col + 1;
   if (static_cast<double>(rows) * cols > kMostCells) throw std::invalid_argument("the map has too many cells");
   const double coarse_m = cell_m_ * factor;
   OccupancyGrid grid{{{low.col * coarse_m, low.row * coarse_m}, coarse_m, rows, cols}, {}};
   grid.cells.assign(static_cast<std::size_t>(rows) * cols, kUnknown);
-  for (int row = low.row * factor; row < (high.row + 1) * factor; ++row) {
+  // All cells of these squares, as far as there are any; a square may be wider than the map.
+  const CellBox all = Everything();
+  const auto begin = [factor](int square) { return static_cast<std::int64_t>(square) * factor; };
+  const auto first_row = static_cast<int>(std::max<std::int64_t>(begin(low.row), all.low.row));
+  const auto first_col = static_cast<int>(std::max<std::int64_t>(begin(low.col), all.low.col));
+  const auto last_row = static_cast<int>(std::min<std::int64_t>(begin(high.row + 1) - 1, all.high.row));
+  const auto last_col = static_cast<int>(std::min<std::int64_t>(begin(high.col + 1) - 1, all.high.col));
+  for (int row = first_row; row <= last_row; ++row) {
     std::int8_t* cells = &grid.cells[static_cast<std::size_t>(coarse(row) - low.row) * cols];
-    int col = low.col * factor;
-    for (int part = 0; col < (high.col + 1) * factor; ++col) {
+    int square = coarse(first_col);
+    for (int col = first_col; col <= last_col; ++col) {
+      if (col >= begin(square + 1)) ++square;
       const int log_odds = LogOdds({col, row});
       const std::int8_t known = log_odds > 0 ? kOccupied : log_odds < 0 ? kFree : kUnknown;
-      *cells = std::max(*cells, known);  // unknown < free < occupied
-      if (++part == factor) {
-        part = 0;
-        ++cells;
-      }
+      std::int8_t& cell = cells[square - low.col];
+      cell = std::max(cell, known);  // unknown < free < occupied
     }
   }
   return grid;

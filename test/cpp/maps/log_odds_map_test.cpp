@@ -74,6 +74,8 @@ TEST(LogOddsMap, IsOccupiedInACoarserCellIfAnyPartIs) {
   EXPECT_EQ(grid.shape.origin.x, -2.0);
   EXPECT_EQ(grid.shape.resolution_m, 1.0);
   EXPECT_EQ(grid.cells, (std::vector<std::int8_t>{kUnknown, kFree, kFree, kFree, kOccupied}));
+  EXPECT_EQ(map.Occupancy({{-3, 0}, {5, 1}}, std::numeric_limits<int>::max()).cells,
+            (std::vector<std::int8_t>{kFree, kOccupied}));
   EXPECT_THROW(map.Occupancy({}, 0), std::invalid_argument);
 }
 

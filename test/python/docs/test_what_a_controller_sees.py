@@ -62,7 +62,7 @@ def on_path(tmp_path, monkeypatch):
 @pytest.mark.usefixtures("on_path")
 def test_example_explores_a_building_that_nobody_knows_and_touches_nothing_for_long():
     algorithm = "control.algorithm=nearest_frontier:NearestFrontier"
-    simulation = rts.Simulation(rts.load("garage_unknown", [algorithm, "mission.time_limit_s=120"]))
+    simulation = rts.Simulation(rts.load("garage_unknown", [algorithm, "mission.time_limit_s=240"]))
     result = simulation.run()
     assert result.areas_explored >= 1
     assert result.victims_saved >= 1
