@@ -36,10 +36,10 @@ class FrontierControl(RouteControl):
         default=4.0, ge=SMALLEST, le=600.0, description="a goal is chosen again after this time [s]"
     )
     nearness_m: float = Field(
-        default=1.0,
+        default=10.0,
         ge=SMALLEST,
         le=1000.0,
-        description="added to the path, so that near goals do not win by little [m]",
+        description="added to the path, so that near goals do not win by much [m]",
     )
     path_cost_m: float = Field(
         default=2.0,
