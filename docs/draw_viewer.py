@@ -35,7 +35,7 @@ def main() -> None:
         _draw(browser, "garage_rescue", [rescue], "#t=190", (1600, 900))
         _draw(browser, "office_fire", [fire], "#t=50", (1600, 900))
         _draw(browser, "office_tower", [tower], "#t=120", (1600, 720))
-        _draw(browser, "office_unknown", [unknown], "#t=110", (1600, 900))
+        _draw(browser, "office_unknown", [unknown], "#t=150", (1600, 900))
         browser.close()
 
 

@@ -6,7 +6,6 @@
 #include <limits>
 #include <memory>
 #include <unordered_map>
-#include <utility>
 #include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
@@ -41,7 +40,6 @@ struct HitCell {
 struct ScanCells {
   enum Mark : std::uint8_t { kNone = 0, kCrossed = 1, kHit = 2 };
 
-  double cell_m = 0.0;
   CellBox box;                      ///< that contains all of them
   std::vector<std::uint8_t> marks;  ///< of the cells of the box, row by row: what the scan did there
   std::vector<SurfacePoint> hits;   ///< in the frame of the grid
@@ -69,10 +67,10 @@ class LogOddsMap {
 
   /// Adds a scan. Args: scan: for cells of the same size.  origin: the cell of the scan's grid that is (0, 0) here.
   /// Throws std::invalid_argument if the map would become wider than kWidest.
-  void Insert(const ScanCells& scan, const Cell& origin = {});
+  void InsertCells(const ScanCells& scan, const Cell& origin = {});
 
   /// Adds a scan. Args: pose: of base_link, in the frame of the map. Throws std::invalid_argument as CellsOf, too.
-  void Insert(const Scan& scan, const base::Pose& pose) { Insert(CellsOf(scan, pose, cell_m_)); }
+  void Insert(const Scan& scan, const base::Pose& pose) { InsertCells(CellsOf(scan, pose, cell_m_)); }
 
   /// Add what is free in another map, and what was hit there. Args: pose: of its frame, in this one.
   /// Throw std::invalid_argument as above.
@@ -81,6 +79,9 @@ class LogOddsMap {
 
   /// The cell that contains a point, whose coordinates are at most kLargest.
   Cell CellOf(const base::Point& point) const;
+
+  /// The same. Throws std::invalid_argument if a coordinate is above kLargest.
+  Cell CheckedCellOf(const base::Point& point) const;
 
   /// The log odds of a cell, 0: unknown. A hit adds kHit, a beam that crosses it kMiss.
   int LogOdds(const Cell& cell) const {
@@ -117,8 +118,9 @@ class LogOddsMap {
   /// How many times a cell became free, occupied or unknown that was something else before.
   std::size_t changes() const { return changes_; }
 
-  /// Returns a box with all cells that did so since the last call.
-  CellBox TakeChanged() { return std::exchange(changed_, {}); }
+  /// A box with all cells that did so since the last call of ForgetChanged.
+  const CellBox& changed() const { return changed_; }
+  void ForgetChanged() { changed_ = {}; }
 
   /// The memory of cells and hits [bytes].
   std::size_t Bytes() const;
@@ -143,9 +145,8 @@ class LogOddsMap {
     const int col = (cell.col >> kTileBits) - first_tile_.col, row = (cell.row >> kTileBits) - first_tile_.row;
     return col >= 0 && col < tile_cols_ && row >= 0 && row < tile_rows_ ? row * tile_cols_ + col : -1;
   }
-  Cell InRange(const base::Point& point) const;
   void Reach(const CellBox& box);
-  void Merge(const HitCell& hits);
+  void Merge(const Cell& cell, const HitCell& hits);
   void Apply(const std::uint8_t* marks, int count, const Cell& first);
   void Change(const Cell& cell, int by);
   void Note(const Cell& cell, int before, int after);

@@ -99,7 +99,7 @@ class Mapper {
   ScanMatcher matcher_, wide_matcher_;
   LogOddsMap map_;
   Submaps submaps_;
-  CellBox redrawn_;  ///< what the maps knew before they were drawn again, since the last call of TakeChanges
+  CellBox erased_;  ///< what was known when the map was drawn again, since the last call of TakeChanges
 
   bool has_begun_ = false;
   base::Pose pose_;  ///< at the last update

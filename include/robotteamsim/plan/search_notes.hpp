@@ -17,8 +17,8 @@ struct SearchNotes {
   std::vector<int> parents;
 };
 
-/// Returns the notes for a new search of a grid with so many cells. They are as large as the grid, so that all grids of
-/// a thread share them: they are valid until the next search of this thread begins.
+/// Returns the notes for a new search of a grid with so many cells. They are as large as a grid; therefore all grids
+/// of a thread share them. They are valid until the next search of this thread begins.
 inline SearchNotes& NewSearchNotes(std::size_t cells) {
   thread_local SearchNotes notes;
   if (notes.stamps.size() < cells) {

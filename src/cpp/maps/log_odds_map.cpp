@@ -86,7 +86,7 @@ void CellBox::Include(const CellBox& other) {
 ScanCells CellsOf(const Scan& scan, const base::Pose& pose, double cell_m) {
   const base::Point laser = Moved(scan.laser, pose);
   Box box{laser, laser};
-  ScanCells cells{cell_m, {}, {}, {}};
+  ScanCells cells;
   std::vector<base::Point> ends;
   for (const SurfacePoint& hit : scan.hits) {
     cells.hits.push_back(Moved(hit, pose));
@@ -118,7 +118,7 @@ LogOddsMap::LogOddsMap(double cell_m) : cell_m_(cell_m) {
 
 Cell LogOddsMap::CellOf(const base::Point& point) const { return CellAt(point, cell_m_); }
 
-void LogOddsMap::Insert(const ScanCells& scan, const Cell& origin) {
+void LogOddsMap::InsertCells(const ScanCells& scan, const Cell& origin) {
   const auto here = [&](const Cell& cell) { return Cell{cell.col - origin.col, cell.row - origin.row}; };
   const Cell low = here(scan.box.low), high = here(scan.box.high);
   Reach({low, high});
@@ -133,7 +133,8 @@ void LogOddsMap::Insert(const ScanCells& scan, const Cell& origin) {
     }
   }
   for (const SurfacePoint& hit : scan.hits) {
-    Merge({1, {{hit.at.x - origin.col * cell_m_, hit.at.y - origin.row * cell_m_}, hit.normal}});
+    // The cell that was marked; rounding must not choose its neighbour.
+    Merge(here(CellOf(hit.at)), {1, {{hit.at.x - origin.col * cell_m_, hit.at.y - origin.row * cell_m_}, hit.normal}});
   }
 }
 
@@ -162,9 +163,9 @@ void LogOddsMap::Apply(const std::uint8_t* marks, int count, const Cell& first) 
   for (int i = 0; i < count; ++i) Note({first.col + i, first.row}, SignOf(before[i]), SignOf(now[i]));
 }
 
-/// Adds hits to those of their cell, if it is occupied: a hit where many beams crossed it leaves it free.
-void LogOddsMap::Merge(const HitCell& hits) {
-  const auto found = hits_.find(KeyOf(CellOf(hits.mean.at)));
+/// Adds hits to those of a cell, if it is occupied: a hit where many beams crossed it leaves it free.
+void LogOddsMap::Merge(const Cell& cell, const HitCell& hits) {
+  const auto found = hits_.find(KeyOf(cell));
   if (found == hits_.end()) return;
   auto& [count, mean] = found->second;
   count += hits.count;
@@ -186,7 +187,7 @@ void LogOddsMap::AddFree(const OccupancyGrid& grid, const base::Pose& pose) {
       box.Include(Moved(base::Point{x, y}, pose));
     }
   }
-  const Cell low = InRange(box.least), high = InRange(box.most);
+  const Cell low = CheckedCellOf(box.least), high = CheckedCellOf(box.most);
   Reach({low, high});
   OccupancyGrid here{{{low.col * cell_m_, low.row * cell_m_}, cell_m_, high.row - low.row + 1, high.col - low.col + 1},
                      {}};
@@ -202,15 +203,14 @@ void LogOddsMap::AddFree(const OccupancyGrid& grid, const base::Pose& pose) {
 void LogOddsMap::AddHits(const std::vector<HitCell>& hits, const base::Pose& pose) {
   for (const auto& [count, there] : hits) {
     const SurfacePoint here = Moved(there, pose);
-    const Cell cell = InRange(here.at);
+    const Cell cell = CheckedCellOf(here.at);
     Reach({cell, cell});
     Change(cell, kOccupiedThere);
-    Merge({count, here});
+    Merge(cell, {count, here});
   }
 }
 
-/// The cell of a point. Throws std::invalid_argument if a coordinate is above kLargest.
-Cell LogOddsMap::InRange(const base::Point& point) const {
+Cell LogOddsMap::CheckedCellOf(const base::Point& point) const {
   CheckRange(point);
   return CellOf(point);
 }

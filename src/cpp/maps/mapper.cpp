@@ -158,20 +158,23 @@ void Mapper::Match(const Scan& scan) {
 
 void Mapper::Insert(const Scan& scan) {
   const ScanCells cells = CellsOf(scan, pose_, parameters_.cell_m);
-  map_.Insert(cells);
-  submap_.Insert(cells, submap_origin_);
+  map_.InsertCells(cells);
+  submap_.InsertCells(cells, submap_origin_);
 }
 
 OccupancyGrid Mapper::TakeChanges(int factor) {
-  CellBox changed = map_.TakeChanged();
-  changed.Include(std::exchange(redrawn_, {}));
-  return map_.Occupancy(changed, factor);
+  CellBox changed = erased_;
+  changed.Include(map_.changed());
+  OccupancyGrid grid = map_.Occupancy(changed, factor);
+  erased_ = {};
+  map_.ForgetChanged();
+  return grid;
 }
 
 void Mapper::BeginSubmap() {
   submap_ = LogOddsMap(parameters_.cell_m);
   // The cells of both maps coincide, so that a scan marks them once.
-  submap_origin_ = map_.CellOf({pose_.x, pose_.y});
+  submap_origin_ = map_.CheckedCellOf({pose_.x, pose_.y});
   submap_pose_ = {submap_origin_.col * parameters_.cell_m, submap_origin_.row * parameters_.cell_m, 0.0};
   drift_.setZero();
   driven_m_ = 0.0;
@@ -187,7 +190,7 @@ void Mapper::CloseSubmap() {
       pose_ = base::Composed(submaps_.poses().back(), base::RelativePose(submap_pose_, pose_));
       const CellBox before = map_.Everything();
       map_ = submaps_.Draw(parameters_.cell_m);
-      redrawn_.Include(before);
+      erased_.Include(before);
     }
     submap_drift_ = drift_;
   } else {

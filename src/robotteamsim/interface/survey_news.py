@@ -32,12 +32,14 @@ class SurveyNews(msgspec.Struct, frozen=True, omit_defaults=True):
     position: of the sender, as it believes [m]; left out while it does not know it.
     number:   how many messages with cells it had sent before this one: a receiver notices that it lost some.
     cells:    what it has found since then.
+    is_all:   whether this and the messages after it have all that it knows.
     wanted:   ids of robots of whom it has lost messages: they send all that they know.
     """
 
     position: Point | None = None
     number: Index = 0
     cells: Cells | None = None
+    is_all: bool = False
     wanted: tuple[Index, ...] = ()
 
 

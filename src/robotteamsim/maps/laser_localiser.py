@@ -45,9 +45,9 @@ _FOUND_M, _FOUND_RAD = 0.25, 0.04
 """Standard deviations of a place that the search found, which cover those that count as the same [m, rad]."""
 
 _DECISIVE = 3
-"""A robot is not at a place from which so many scans fewer than from another one show its teammates."""
+"""A place is dropped once so many scans did not show a teammate who should be in view, or showed one only elsewhere."""
 
-_FEWEST_BEAMS = 3
+_FEWEST_ON_TEAMMATE = 3
 """Of a teammate that a scan shows: they end where the plan is free, and where the teammate says that it is."""
 
 _TRUSTED_M = 2.0
@@ -77,6 +77,8 @@ class LaserLocaliser:
         self._levels = LevelChanges(robot_id, setup)
         self._state: LocalisationState = "tracking" if arrival == 1 else "lost"
         self._main = self._around(Pose(*body.start_pose), tuning.start_m, tuning.start_rad)
+        self._most_sightings = 0
+        self._narrowest_m = setup.smallest_reach_m
         self._places: list[Hypothesis] = []
         """Unless it is tracking: where it may be."""
         self._odometry = self._weighed = _STILL
@@ -118,7 +120,7 @@ class LaserLocaliser:
     def _look(self, ranges_m: np.ndarray, driven_m: float, teammates: Sequence[Disc]) -> None:
         """Weigh all places by a scan, and decide whether the robot knows where it is."""
         tuning, ends_m = self._tuning, self._view.ends_m(ranges_m)
-        self._ask_teammates(ranges_m, ends_m, teammates)
+        self._compare_with_teammates(ranges_m, ends_m, teammates)
         for each in self._followed:
             beams = evenly(self._view.not_at(teammates, each.pose, ends_m), tuning.beams)
             each.weigh(ranges_m, beams, self._rng.random())
@@ -131,14 +133,14 @@ class LaserLocaliser:
             self._state = "lost"
             self._scans.forget_before(self._driven_m - _TRUSTED_M)
 
-    def _ask_teammates(self, ranges_m: np.ndarray, ends_m: np.ndarray, teammates: Sequence[Disc]) -> None:
-        """Drop the places from which a scan should show teammates and does not, while it does from others."""
+    def _compare_with_teammates(self, ranges_m: np.ndarray, ends_m: np.ndarray, teammates: Sequence[Disc]) -> None:
+        """Drop the places from which scans should show teammates and do not, or show fewer than from others."""
         for each in self._places:
             at_teammates = np.setdiff1d(self._beams, self._view.not_at(teammates, each.pose, ends_m))
-            is_seen = self._agreement(each.pose, ranges_m, at_teammates)[1] >= _FEWEST_BEAMS
-            each.sightings += is_seen - self._view.misses(teammates, each.pose, ranges_m)
-        most = max([0, *(each.sightings for each in self._places)])
-        self._places = [each for each in self._places if each.sightings > most - _DECISIVE]
+            is_seen = self._agreement(each.pose, ranges_m, at_teammates)[1] >= _FEWEST_ON_TEAMMATE
+            each.sightings += is_seen - self._view.misses(teammates, each.pose, ranges_m, self._narrowest_m)
+        self._most_sightings = max([0, *(each.sightings for each in self._places)])
+        self._places = [each for each in self._places if each.sightings > self._most_sightings - _DECISIVE]
 
     def _find_itself(self) -> None:
         """Drop the places that do not fit, search for others, and believe those that have fitted for long enough."""
@@ -146,7 +148,10 @@ class LaserLocaliser:
         # A search would find again what teammates have ruled out.
         if self._state == "lost" and self._driven_m - self._searched_m >= tuning.search_every_m:
             self._searched_m = self._driven_m
-            self._places += [self._around(pose, _FOUND_M, _FOUND_RAD) for pose in self._search()]
+            found = [self._around(pose, _FOUND_M, _FOUND_RAD) for pose in self._search()]
+            for each in found:  # only what scans show from now on can tell it from the others
+                each.sightings = self._most_sightings
+            self._places += found
         places: list[Hypothesis] = []
         for each in self._places:
             is_new = not any(other.is_at(each.pose, _SAME_M) for other in places)

@@ -16,9 +16,6 @@ from robotteamsim.scenario.sensors.laser import Laser
 _EVERY_M, _EVERY_RAD = 0.25, 0.25
 """Distance driven, or turn, between two scans that are kept [m, rad]."""
 
-_FEWEST_INTO = 8
-"""Beams that go where a teammate should be: with fewer, it may be between two of them."""
-
 CELL_M = 0.1
 """Points in one cell count as one [m]."""
 
@@ -59,17 +56,24 @@ class LaserView:
             free &= ~(np.hypot(ends_m[:, 0] - center.x_m, ends_m[:, 1] - center.y_m) <= radius_m)
         return np.flatnonzero(free).astype(np.int32)
 
-    def misses(self, discs: Sequence[Disc], pose: Pose, ranges_m: np.ndarray) -> bool:
-        """Whether a robot at a pose looks through one of the discs: what is said to be there is not."""
+    def misses(self, discs: Sequence[Disc], pose: Pose, ranges_m: np.ndarray, narrowest_m: float) -> bool:
+        """Whether a robot at a pose looks through one of the discs: what is said to be there is not.
+
+        Args: narrowest_m: no robot is narrower; beams between which one fits show nothing.
+        """
         sensor = pose @ Pose(self.laser.forward_m, self.laser.left_m, 0.0)
         for (x_m, y_m), radius_m in discs:
             center = sensor.inverse() @ Pose(x_m, y_m, 0.0)
             away_m = math.hypot(center.x_m, center.y_m)
-            if radius_m < away_m < self.laser.range_max_m - radius_m:
-                turned_rad = self._angles_rad - math.atan2(center.y_m, center.x_m)
-                into = np.abs(np.arctan2(np.sin(turned_rad), np.cos(turned_rad))) <= math.asin(radius_m / away_m)
-                if np.count_nonzero(into) >= _FEWEST_INTO and np.all(ranges_m[into] > away_m + radius_m):
-                    return True
+            if not radius_m < away_m < self.laser.range_max_m - radius_m:
+                continue
+            half_rad, far_m = math.asin(radius_m / away_m), away_m + radius_m
+            turned_rad = self._angles_rad - math.atan2(center.y_m, center.x_m)
+            turned_rad = np.arctan2(np.sin(turned_rad), np.cos(turned_rad))
+            into = np.abs(turned_rad) <= half_rad
+            gaps_rad = np.diff(np.sort([-half_rad, *turned_rad[into], half_rad]))
+            if gaps_rad.max() * far_m <= narrowest_m and np.all(ranges_m[into] > far_m):
+                return True
         return False
 
     def hits_m(self, scan: Scan) -> np.ndarray:

@@ -10,6 +10,9 @@ from robotteamsim import _core
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import Estimate, Localisation, Observation
 from robotteamsim.interface.survey_news import (
+    IS_FREE,
+    IS_OCCUPIED,
+    IS_UNKNOWN,
     SAME,
     Cells,
     SurveyNews,
@@ -29,8 +32,9 @@ from robotteamsim.world.core_parts import core_fan
 _LONGEST = 1200
 """Characters of the cells in one message: with the rest of it, it fits into a packet of 1,500 bytes."""
 
-_CELLS = np.array([UNKNOWN, UNKNOWN, FREE, OCCUPIED], dtype=np.int8)
+_CELLS = np.zeros(4, dtype=np.int8)
 """What the symbols in a message mean."""
+_CELLS[[SAME, IS_UNKNOWN, IS_FREE, IS_OCCUPIED]] = [UNKNOWN, UNKNOWN, FREE, OCCUPIED]
 
 _CERTAIN = (0.0,) * 6
 """Covariance of a pose that is given."""
@@ -42,8 +46,9 @@ _OTHERS = 200
 class Survey:
     """What one robot knows of a building: its own map, and what its teammates sent of theirs; a `Localiser`.
 
-    Where both know something, its own map counts. A robot sends what has changed in its own map. Messages have numbers:
-    who lost one, or was out of reach, asks for all that the other knows.
+    Where both know something, its own map counts. Every `share_s`, a robot sends what has changed in its own map and
+    is not as anybody has said last. Messages have numbers: who lost one, or was out of reach, asks its sender for all
+    that it knows, until it gets the answer.
 
     found: all of it; `Setup.map_of` returns it.
     """
@@ -71,16 +76,18 @@ class Survey:
         """Where teammates have found something since the last look."""
         self._own, self._of_team = found.cells.copy(), found.cells.copy()
         self._unsent = np.zeros(found.cells.shape, dtype=bool)
+        self._told = found.cells.copy()
+        """What anybody has said last about each cell."""
         self._is_asked = False
         """Whether a teammate wants all that it knows."""
         self._period_ns = round(mapping.share_s * 1e9)
-        self._due_ns = 0
+        self._due_ns, self._answered_ns = 0, -self._period_ns
         self._number = 0
         """Of the next message with cells."""
         self._expected: dict[int, int] = {}
         """The number of the next message with cells of each teammate."""
         self._wanted: set[int] = set()
-        """The teammates of whom it wants all."""
+        """The teammates of whom it wants all that they know."""
         limit = setup.scenario.network.max_message_bytes
         self._longest = max(min(_LONGEST, limit - _OTHERS), 1)
 
@@ -120,41 +127,54 @@ class Survey:
         known = (np.where(self._own[part] == UNKNOWN, self._of_team[part], self._own[part]) for part in parts)
         self.found.show(list(zip(parts, known, strict=True)))
 
-    def hear(self, sender: int, news: SurveyNews) -> None:
+    def hear(self, sender: int, news: SurveyNews, sim_time_ns: int) -> None:
         """Take over what a teammate has found, and note whether some of it was lost."""
-        if self._robot_id in news.wanted:
-            self._is_asked, self._due_ns = True, 0
-        if news.number > self._expected.get(sender, 0):
+        if self._robot_id in news.wanted and sim_time_ns >= self._answered_ns + self._period_ns:
+            self._is_asked = True
+        if news.number != self._expected.get(sender, 0):
             self._wanted.add(sender)
+        elif news.is_all:
+            self._wanted.discard(sender)
         self._expected[sender] = news.number + (news.cells is not None)
         cells = news.cells
         symbols = None if cells is None else unpacked(cells, self._own.size)
         if cells is not None and symbols is not None:
             here, there = _overlap(self._own.shape, cells.row, cells.column, symbols.shape)
             symbols = symbols[there]
-            np.copyto(self._of_team[here], _CELLS[symbols], where=symbols != SAME)
+            for known in (self._of_team[here], self._told[here]):
+                np.copyto(known, _CELLS[symbols], where=symbols != SAME)
             self._heard.append(here)
 
     def news(self, position: Point | None, sim_time_ns: int) -> Iterator[SurveyNews]:
         """Yield what the robot has to say now: one message or more. Args: position: of the robot, in `map` [m]."""
-        wanted, self._wanted = tuple(sorted(self._wanted)), set()
+        wanted, is_all = tuple(sorted(self._wanted)), self._is_asked
         parts: list[Cells | None] = list(self._cells_to_send(sim_time_ns))
         for part in parts or [None]:
-            yield SurveyNews(position, self._number, part, wanted)
+            yield SurveyNews(position, self._number, part, is_all, wanted)
             self._number += part is not None
-            wanted = ()
+            wanted, is_all = (), False
 
     def _cells_to_send(self, sim_time_ns: int) -> Iterator[Cells]:
-        """Yield what has changed in the robot's own map, if that is due; all that it knows, if it was asked for it."""
-        if sim_time_ns < self._due_ns:
+        """Yield what has changed in the robot's own map and differs from what the team was told last, if that is due.
+
+        If a teammate has asked for it, yield all that the robot knows.
+        """
+        if not self._is_asked and sim_time_ns < self._due_ns:
             return
         self._due_ns = sim_time_ns + self._period_ns
         known = self.found.cells
-        to_send = (known != UNKNOWN) if self._is_asked else self._unsent & (self._own != self._of_team)
+        if self._is_asked:
+            self._answered_ns = sim_time_ns
+            to_send = (known != UNKNOWN) | (self._told != UNKNOWN)
+        else:
+            to_send = self._unsent & (known != self._told)
         self._is_asked, self._unsent[:] = False, False
+        np.copyto(self._told, known, where=to_send)
         part = rows, columns = bounds(to_send)
-        symbols = np.where(to_send[part], np.searchsorted(_CELLS[1:], known[part]) + 1, SAME).astype(np.uint8)
-        yield from packed(symbols, self._longest, rows.start, columns.start)
+        symbols = np.select([known[part] == FREE, known[part] == OCCUPIED], [IS_FREE, IS_OCCUPIED], IS_UNKNOWN)
+        yield from packed(
+            np.where(to_send[part], symbols, SAME).astype(np.uint8), self._longest, rows.start, columns.start
+        )
 
 
 def _overlap(shape: tuple[int, ...], row: int, column: int, other: tuple[int, ...]) -> tuple[Part, Part]:

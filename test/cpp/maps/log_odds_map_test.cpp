@@ -79,15 +79,17 @@ TEST(LogOddsMap, IsOccupiedInACoarserCellIfAnyPartIs) {
   EXPECT_THROW(map.Occupancy({}, 0), std::invalid_argument);
 }
 
-TEST(LogOddsMap, TellsWhereItHasChanged) {
+TEST(LogOddsMap, KnowsWhereItHasChanged) {
   LogOddsMap map(kCell);
   map.Insert(kOneHit, {});
-  const CellBox first = map.TakeChanged();
-  EXPECT_EQ(first.low.col, 0);
-  EXPECT_EQ(first.high.col, 6);
-  EXPECT_TRUE(map.TakeChanged().IsEmpty());
-  map.Insert(kOneHit, {-100.0, 40.0, 0.0});  // 43 tiles to the left
-  EXPECT_EQ(map.TakeChanged().high.col, -194);
+  EXPECT_EQ(map.changed().low.col, 0);
+  EXPECT_EQ(map.changed().high.col, 6);
+  map.ForgetChanged();
+  EXPECT_TRUE(map.changed().IsEmpty());
+  map.Insert(kOneHit, {-100.0, 40.0, 0.0});
+  EXPECT_EQ(map.changed().high.col, -194);
+  EXPECT_EQ(map.changed().low.row, 80);
+  EXPECT_EQ(map.changed().high.row, 80);
 }
 
 TEST(LogOddsMap, InsertsAScanOfAnotherGridWhoseCellsCoincide) {
@@ -95,8 +97,14 @@ TEST(LogOddsMap, InsertsAScanOfAnotherGridWhoseCellsCoincide) {
   const Scan scan = ScanIn(Rectangle(-2.0, -1.0, 12.0, 1.0), {});
   LogOddsMap map(0.05), shifted(0.05);
   map.Insert(scan, pose);
-  shifted.Insert(CellsOf(scan, pose, 0.05), {130, -70});
-  EXPECT_EQ(shifted.Hits().size(), map.Hits().size());
+  shifted.InsertCells(CellsOf(scan, pose, 0.05), {130, -70});
+  const std::vector<HitCell> hits = map.Hits(), others = shifted.Hits();
+  ASSERT_EQ(others.size(), hits.size());
+  for (std::size_t i = 0; i < hits.size(); ++i) {
+    EXPECT_EQ(others[i].count, hits[i].count);
+    EXPECT_NEAR(others[i].mean.at.x + 130 * 0.05, hits[i].mean.at.x, 1e-9);
+    EXPECT_NEAR(others[i].mean.at.y - 70 * 0.05, hits[i].mean.at.y, 1e-9);
+  }
   int differ = 0;
   for (int row = -300; row < 200; ++row) {
     for (int col = 0; col < 500; ++col) {

@@ -21,11 +21,11 @@ EXPLORED = "everything within reach is explored"
 
 
 class Run:
-    """A mission, with the goals that robots sent. goals: of each robot, in the order of time."""
+    """A mission, with what robots sent. updates: of each robot, in the order of time; goals: theirs."""
 
     def __init__(self, scenario):
         self.simulation = Simulation(scenario)
-        self.goals = [[] for _ in scenario.robots]
+        self.updates = [[] for _ in scenario.robots]
         self.events, self.records = [], []
         self.simulation.mission.start()
         while self.simulation.mission.status.state != "ended":
@@ -35,8 +35,12 @@ class Run:
             for message in itertools.chain(*(decision.outbox for decision in record.decisions)):
                 update = parse_frontier_update(message.payload)
                 if update is not None:
-                    self.goals[update.robot_id].append(update.goal)
+                    self.updates[update.robot_id].append(update)
         assert set(self.simulation.controllers.faults) == {""}
+
+    @property
+    def goals(self):
+        return [[update.goal for update in updates] for updates in self.updates]
 
     @property
     def status(self):
@@ -154,6 +158,15 @@ def test_equal_seeds_give_equal_bits(run):
     assert all(
         (a.state.true_pose == b.state.true_pose).all() for a, b in zip(first.records, second.records, strict=True)
     )
+
+
+def test_robots_that_follow_a_voice_together_leave_it_to_one_of_them(run):
+    victims = (Victim(name="one", position=(12.0, 5.0)),)
+    mission = run(starts=((4.0, 4.0, 0.0), (4.0, 6.0, 0.0)), victims=victims, noise_db=10.0)
+    assert mission.status.victims_saved == 1
+    following = [tuple(update.voice is True for update in both) for both in zip(*mission.updates, strict=True)]
+    # Robots perceive a voice around themselves: they notice that it is the same one as they come together.
+    assert 1 <= sum(all(both) for both in following) < 0.4 * sum(any(both) for both in following)
 
 
 def test_robots_out_of_reach_meet_again_at_the_start(run):

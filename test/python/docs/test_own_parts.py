@@ -168,7 +168,7 @@ def test_exporter_writes_into_its_folder_only(install):
         ({"importers": {"a": "movingai:Plain"}}, "ValueError: option 'cell'; expected a name that begins with --"),
         ({"importers": {"a": "movingai:Own"}}, "ValueError: option --cell has dest; expected none"),
         ({"importers": {"a": "movingai:Other"}}, "ValueError: option --layers is that of another importer, "),
-        ({"importers": {"a": "movingai:NoSign"}}, "importer a of movingai:NoSign: error: "),
+        ({"importers": {"a": "movingai:NoSign"}}, "unterminated character set at position 1"),
         ({"importers": {"a": "movingai:Mute"}}, "importer a of movingai:Mute: TypeError: examples ['x']; "),
     ],
 )

@@ -1,5 +1,6 @@
 """The survey of one robot: what it maps, tells its team and takes over."""
 
+import itertools
 import math
 
 import msgspec
@@ -16,11 +17,10 @@ from robotteamsim.setup import resolve
 from robotteamsim.simulation import Simulation
 
 
-@pytest.fixture(scope="module")
-def drive():
-    """Return the setup of a mission and what its robots observed in each step."""
-    simulation = Simulation(load("garage_unknown", ["robots.count=2", "run.seed=3"]))
-    observed = [[], []]
+def driven(steps, *settings):
+    """Return the setup of a mission in the garage, and what its robots observed in each step."""
+    simulation = Simulation(load("garage_unknown", settings))
+    observed = [[] for _ in simulation.controllers.guards]
     for robot_id, guard in enumerate(simulation.controllers.guards):
         inner = guard.controller
         ours = inner.step
@@ -31,9 +31,14 @@ def drive():
 
         inner.step = step
     simulation.mission.start()
-    for _ in range(60):
+    for _ in range(steps):
         simulation.step()
     return simulation.setup, observed
+
+
+@pytest.fixture(scope="module")
+def drive():
+    return driven(60, "robots.count=2", "run.seed=3")
 
 
 def surveyed(setup, observations, robot_id, discs=()):
@@ -50,22 +55,98 @@ def sent(survey, time_s=0.0):
     return [survey_news_in(survey_news(one)) for one in survey.news((1.0, 2.0), round(1e9 * time_s))]
 
 
-def test_robot_that_lost_messages_asks_and_gets_all(drive):
-    setup, (first, second) = drive
-    sender, hearer = surveyed(setup, first, 0), surveyed(setup, second, 1)
-    lost = sent(sender)
-    assert lost[0].cells is not None
-    for news in sent(sender, 1.0):  # where it is, and the number of the next message with cells
-        hearer.hear(0, news)
-    (asks, *_) = sent(hearer)
-    assert asks.wanted == (0,)
-    sender.hear(1, asks)
-    for news in sent(sender):
-        hearer.hear(0, news)
-    hearer.look()
-    known = surveyed(setup, first, 0).found.cells != UNKNOWN
-    assert known.any()
-    assert not np.any(hearer.found.cells[known] == UNKNOWN)
+class Seen:
+    """In place of a mapper: a row of cells that a test sets."""
+
+    def __init__(self):
+        self.cells = np.full((1, 3), UNKNOWN, dtype=np.int8)
+
+    def take_changes(self, factor):
+        return (0.0, 0.0), self.cells.copy()
+
+
+class Team:
+    """Surveys of robots whose mappers are tests, and a network that loses messages."""
+
+    def __init__(self, setup, count):
+        self.surveys = [Survey(i, setup, FoundMap(without_walls(setup.plan)), None) for i in range(count)]
+        for survey in self.surveys:
+            survey._mapper = Seen()
+        self.time_s = 0.0
+
+    def sees(self, robot_id, *cells):
+        """Let a robot map these cells."""
+        self.surveys[robot_id]._mapper.cells[:] = cells
+
+    def share(self, *lost):
+        """Let all robots send, some time later; lost: pairs of a sender and a receiver."""
+        self.time_s += 10.0
+        for survey in self.surveys:
+            survey.look()
+        news = [sent(survey, self.time_s) for survey in self.surveys]
+        for sender, receiver in itertools.permutations(range(len(self.surveys)), 2):
+            for each in () if (sender, receiver) in lost else news[sender]:
+                self.surveys[receiver].hear(sender, each, round(1e9 * self.time_s))
+        for survey in self.surveys:
+            survey.look()
+
+    @property
+    def known(self):
+        return [survey.found.cells[0, :3].tolist() for survey in self.surveys]
+
+
+@pytest.fixture
+def team():
+    setup = resolve(load("garage_unknown", ["robots.count=3"]))
+    return lambda count: Team(setup, count)
+
+
+def test_who_lost_messages_asks_until_it_gets_all(team):
+    two = team(2)
+    two.sees(0, FREE, FREE, UNKNOWN)
+    two.share((0, 1))
+    two.sees(0, FREE, FREE, OCCUPIED)
+    two.share((1, 0))  # notices the gap, and asks in vain
+    two.share((1, 0))
+    assert two.known[1] == [UNKNOWN, UNKNOWN, OCCUPIED]
+    two.share()
+    two.share()
+    assert two.known[1] == [FREE, FREE, OCCUPIED]
+    assert not any(news.wanted or news.cells for news in sent(two.surveys[1], 1000.0))
+
+
+def test_cells_that_are_unknown_again_are_so_for_the_team(team):
+    three = team(3)
+    three.sees(0, OCCUPIED, FREE, FREE)
+    three.share()
+    three.sees(0, UNKNOWN, FREE, FREE)
+    three.share()
+    assert three.known == [[UNKNOWN, FREE, FREE]] * 3
+
+
+def test_correction_reaches_the_team_also_if_it_is_what_another_robot_has_said_before(team):
+    three = team(3)
+    three.sees(1, FREE, UNKNOWN, UNKNOWN)
+    three.share()
+    three.sees(0, OCCUPIED, UNKNOWN, UNKNOWN)
+    three.share()
+    assert three.known[2][0] == OCCUPIED
+    three.sees(0, FREE, UNKNOWN, UNKNOWN)
+    three.share()
+    assert [cells[0] for cells in three.known] == [FREE, FREE, FREE]
+
+
+def test_robot_that_comes_back_with_new_numbers_is_asked_for_all(team):
+    two, again = team(2), team(1)
+    for cells in ((FREE, UNKNOWN, UNKNOWN), (FREE, FREE, UNKNOWN)):
+        two.sees(0, *cells)
+        two.share()
+    two.surveys[0] = again.surveys[0]
+    two.sees(0, OCCUPIED, UNKNOWN, UNKNOWN)
+    two.share((0, 1))
+    for _ in range(3):  # it notices, asks, and gets the answer
+        two.share()
+    assert two.known[1][0] == OCCUPIED
 
 
 def test_messages_fit_into_those_of_the_network(drive):
@@ -102,9 +183,20 @@ def test_what_a_teammate_has_told_is_not_told_again(drive):
     setup, (first, _) = drive
     survey, twin = surveyed(setup, first, 0), surveyed(setup, first, 0)
     for news in sent(survey):
-        twin.hear(1, news)
+        twin.hear(1, news, 0)
     twin.look()
     assert [news.cells for news in sent(twin)] == [None]
+
+
+def test_map_that_is_looked_at_often_is_that_which_is_looked_at_once():
+    setup, (observations,) = driven(600, "robots.count=1", "run.seed=1")
+    often = surveyed(setup, observations[:1], 0)
+    for step, observation in enumerate(observations[1:]):
+        often.pose(observation)
+        if step % 10 == 0:
+            often.look()
+    often.look()
+    np.testing.assert_array_equal(often.found.cells, surveyed(setup, observations, 0).found.cells, strict=True)
 
 
 def test_teammates_are_no_walls(drive):
@@ -146,7 +238,7 @@ def test_its_own_map_counts_where_both_know_something(drive):
     ours, theirs = surveyed(setup, first, 0), surveyed(setup, second, 1)
     own = ours.found.cells.copy()
     for news in sent(theirs):
-        ours.hear(1, news)
+        ours.hear(1, news, 0)
     ours.look()
     np.testing.assert_array_equal(ours.found.cells[own != UNKNOWN], own[own != UNKNOWN])
     assert np.sum(ours.found.cells == FREE) >= np.sum(own == FREE)

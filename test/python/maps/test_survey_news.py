@@ -38,7 +38,7 @@ def test_cells_come_back_from_messages_of_any_length(longest):
 def test_map_of_the_garage_fits_into_four_messages_of_1500_bytes(garage_cells):
     parts = list(packed(np.where(garage_cells == 100, IS_OCCUPIED, 2).astype(np.uint8), 1200))
     messages = [
-        survey_news(SurveyNews((12.345678901234567, 23.456789012345678), 123456, part, (1, 2))) for part in parts
+        survey_news(SurveyNews((12.345678901234567, 23.456789012345678), 123456, part, True, (1, 2))) for part in parts
     ]
     assert len(messages) <= 4
     assert max(map(len, messages)) <= 1500
@@ -49,7 +49,7 @@ def test_nothing_new_makes_no_message():
 
 
 def test_news_come_back():
-    news = SurveyNews((1.5, 2.5), 7, Cells(1, 2, 1, 1, "text"), (4,))
+    news = SurveyNews((1.5, 2.5), 7, Cells(1, 2, 1, 1, "text"), True, (4,))
     assert survey_news_in(survey_news(news)) == news
     assert survey_news_in('{"survey": {"position": [1, 2], "cells": [0, 0, 1]}}') is None
     assert survey_news_in('{"cover": 1}') is None

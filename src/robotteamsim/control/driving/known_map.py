@@ -151,7 +151,7 @@ def known_map(
 
 
 def _block(blocked: np.ndarray, occupancy: OccupancyGrid, disc: Disc, clearance_m: float) -> None:
-    """Block the cells of a grid to block so that robots with that clearance keep out of a disc, to a cell."""
+    """Block cells of a grid so that robots with that clearance keep out of a disc, to a cell."""
     (x, y), radius_m = disc
     # At least the cell in the middle.
     reach_m = max(radius_m - clearance_m, occupancy.resolution_m)

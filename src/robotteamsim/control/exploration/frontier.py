@@ -26,11 +26,13 @@ class FrontierUpdate(Update, frozen=True, tag="frontier"):
     """What a robot shares in each iteration.
 
     goal:        where it goes, in `map` [m]; None: it has nothing left to explore.
+    voice:       whether it follows a voice there; else left out.
     closed_area: centre of the area of the task, if the robot does not get there; else left out.
     """
 
     robot_id: Index
     goal: Point | None
+    voice: bool | msgspec.UnsetType = msgspec.UNSET
     closed_area: Point | msgspec.UnsetType = msgspec.UNSET
 
 
@@ -51,12 +53,16 @@ class FrontierController(RouteController):
         self._choice = Choice(robot_id, setup, tuning, arrival)
         self._goals: dict[int, Vector | None] = {}
         """The last goal of each teammate."""
+        self._voices: dict[int, Vector] = {}
+        """The voices that teammates follow."""
         self._heard_s: dict[int, float] = {}
         """When each teammate was last heard."""
         self._meeting_m = setup.start_m(0)
         # One after the other, also at first, so that each knows the goals of those before it.
-        self._turn_s = -tuning.replan_s * robot_id / setup.scenario.num_robots
-        self._turn = -1
+        self._turn_s = tuning.replan_s * robot_id / setup.scenario.num_robots
+        self._first_s = min(robot_id * setup.scenario.control.iteration_s, tuning.replan_s)
+        self._turn: int | None = None
+        """In which it chose last; None: it chooses now."""
         self._chosen_s = 0.0
         self._goal: Vector | None = None
         self._aim: Vector | None = None
@@ -82,27 +88,31 @@ class FrontierController(RouteController):
             update = parse_frontier_update(message.payload)
             if update is not None and update.robot_id != self.robot_id:
                 self._goals[update.robot_id], self._heard_s[update.robot_id] = update.goal, now.time_s
+                self._voices.pop(update.robot_id, None)
+                if update.voice is True and update.goal is not None:
+                    self._voices[update.robot_id] = update.goal
 
     def kept_out(self, task: Task) -> Disc | None:
         """Return the last area until the floor has been searched; with another one, the robot chooses again."""
         before, kept_out = self._kept_out_now, super().kept_out(task)
         if kept_out != before:
-            self._turn, self._aim = -1, None
+            self._turn = self._aim = None
         return kept_out
 
     def _look(self, now: Situation) -> tuple[Message, ...]:
-        if self._voice_m is not None and self._is_left_to_others(self._voice_m):
+        if self._voice_m is not None and self._is_left_to_others(self._voice_m, now.time_s):
             self._voice_m = None
         self._follows_voice = self._voice_m is not None
         turn = math.floor((now.time_s + self._turn_s) / self._choosing.replan_s)
         if self._voice_m is not None:
-            self._turn, self._chosen_s = -1, now.time_s  # The time on the way to a victim is not wasted.
-        elif turn != self._turn or self._has_arrived(now.position):
+            self._turn, self._chosen_s = None, now.time_s  # The time on the way to a victim is not wasted.
+        elif now.time_s >= self._first_s and (turn != self._turn or self._has_arrived(now.position)):
             self._turn = turn
             self._choose(now)
         area = self._areas.next
         closed = area.center if area is not None and self._is_missed(area) else msgspec.UNSET
-        update = FrontierUpdate(self.robot_id, self._voice_m or self._goal, closed)
+        follows = True if self._voice_m is not None else msgspec.UNSET
+        update = FrontierUpdate(self.robot_id, self._voice_m or self._goal, follows, closed)
         return (Message(self.robot_id, EVERYBODY, update.to_json()),)
 
     def _choose(self, now: Situation) -> None:
@@ -127,11 +137,12 @@ class FrontierController(RouteController):
         lately = (self._goals[i] for i, heard_s in self._heard_s.items() if heard_s >= self._chosen_s - _STALE_S)
         return [goal for goal in lately if goal is not None]
 
-    def _is_left_to_others(self, voice_m: Vector) -> bool:
-        """Whether a teammate goes there: one who was first or, if two begin together, the one with the lower id."""
+    def _is_left_to_others(self, voice_m: Vector, time_s: float) -> bool:
+        """Whether a teammate follows a voice: one who was first or, if two begin together, has the lower id."""
         radius_m = self.scenario.voice.local_best_radius_m
-        going = [i for i, goal in self._goals.items() if goal is not None and math.dist(goal, voice_m) <= radius_m]
-        return any(i < self.robot_id or not self._follows_voice for i in going)
+        following = [i for i, place in self._voices.items() if math.dist(place, voice_m) <= radius_m]
+        lately = [i for i in following if self._heard_s[i] >= time_s - _STALE_S]
+        return any(i < self.robot_id or not self._follows_voice for i in lately)
 
     def _is_somebody_missing(self, time_s: float) -> bool:
         """Whether a teammate has been silent for `rendezvous_s`; after twice this time, it counts as lost."""

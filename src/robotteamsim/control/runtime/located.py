@@ -81,7 +81,7 @@ class Located:
                 if news.position is not None:
                     self._teammates.note(message.sender, news.position, time_ns)
                 if self._survey is not None:
-                    self._survey.hear(message.sender, news)
+                    self._survey.hear(message.sender, news, time_ns)
         return [message for message, news in zip(inbox, found, strict=True) if news is None]
 
 
