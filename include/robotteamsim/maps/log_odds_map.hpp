@@ -131,7 +131,7 @@ class LogOddsMap {
 
  private:
   static constexpr int kTileBits = 6, kTileCells = 1 << kTileBits;
-  using Tile = std::array<std::int8_t, kTileCells * kTileCells>;
+  using Tile = std::array<std::int8_t, std::size_t{kTileCells} * kTileCells>;
 
   static std::uint64_t KeyOf(const Cell& cell) {
     return static_cast<std::uint64_t>(static_cast<std::uint32_t>(cell.row)) << 32 |

@@ -266,6 +266,7 @@ std::vector<HitCell> LogOddsMap::Hits() const {
     return a.first.row != b.first.row ? a.first.row < b.first.row : a.first.col < b.first.col;
   });
   std::vector<HitCell> hits;
+  hits.reserve(by_cell.size());
   for (const auto& [cell, of_cell] : by_cell) hits.push_back(of_cell);
   return hits;
 }

@@ -31,7 +31,7 @@ base::Point Neighbour(const Ends& ends, std::size_t beam, int side, double gap_m
   const base::Point& hit = *ends[beam];
   base::Point last = hit;
   for (int i = 1; i <= kMostNeighbours && Distance(last, hit) < kBaseline; ++i) {
-    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(beam) + side * i;
+    const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(beam) + std::ptrdiff_t{side} * i;
     if (at < 0 || at >= static_cast<std::ptrdiff_t>(ends.size()) || !ends[at]) break;
     if (Distance(*ends[at], last) > gap_m) break;
     last = *ends[at];

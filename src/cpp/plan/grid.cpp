@@ -117,7 +117,7 @@ void PlanningGrid::FindExits() {
   exits_.resize(blocked_.size());
   std::vector<std::uint8_t> beside(shape_.cols);  // whether a cell, or the one above or below it, is blocked
   for (int row = 0; row < shape_.rows; ++row) {
-    const std::uint8_t* here = &blocked_[row * shape_.cols];
+    const std::uint8_t* here = &blocked_[static_cast<std::size_t>(row) * shape_.cols];
     const std::uint8_t* above = here - (row > 0 ? shape_.cols : 0);
     const std::uint8_t* below = here + (row < shape_.rows - 1 ? shape_.cols : 0);
     for (int col = 0; col < shape_.cols; ++col) beside[col] = above[col] | here[col] | below[col];
