@@ -77,7 +77,7 @@ class LogOddsMap {
   void AddFree(const OccupancyGrid& grid, const base::Pose& pose);
   void AddHits(const std::vector<HitCell>& hits, const base::Pose& pose);
 
-  /// The cell that contains a point, whose coordinates are at most kLargest.
+  /// The cell that contains a point; for one beyond kLargest, some cell of which nothing is known.
   Cell CellOf(const base::Point& point) const;
 
   /// The same. Throws std::invalid_argument if a coordinate is above kLargest.

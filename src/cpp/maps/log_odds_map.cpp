@@ -17,6 +17,8 @@ constexpr std::int8_t kLeast = -48, kMost = 96;
 constexpr int kFreeThere = -16, kOccupiedThere = 51;
 /// More hits in a cell do not make its mean firmer: a wall may be moved.
 constexpr int kMostHits = 1000;
+/// Points farther away than so many cells count as being there, where no map reaches.
+constexpr int kFarthest = 1 << 30;
 
 /// Marks the cells along a segment but the last one. Args: from, to: in cells.
 void Cross(const base::Point& from, const base::Point& to, ScanCells* onto) {
@@ -67,7 +69,8 @@ void CheckRange(const base::Point& point) {
 }
 
 Cell CellAt(const base::Point& point, double cell_m) {
-  return {static_cast<int>(std::floor(point.x / cell_m)), static_cast<int>(std::floor(point.y / cell_m))};
+  const auto whole = [](double cells) { return base::ClampedInt(std::floor(cells), -kFarthest, kFarthest); };
+  return {whole(point.x / cell_m), whole(point.y / cell_m)};
 }
 
 }  // namespace
