@@ -160,10 +160,10 @@ void BindMapper(nb::module_& m) {
       .def(nb::init<const world::Fan&, double, const maps::MapperParameters&, const base::Pose&>(), nb::kw_only(),
            "fan"_a, "range_min_m"_a, "parameters"_a, "start"_a)
       .def(
-          "is_due",
+          "due_at",
           [](const Mapper& mapper, const base::Pose& odometry) {
             base::Check(odometry, "the pose of the odometry");
-            return mapper.IsDue(odometry);
+            return mapper.DueAt(odometry);
           },
           "odometry"_a)
       .def(

@@ -15,9 +15,7 @@ from robotteamsim.recording.exploration import ExplorationLog
 from robotteamsim.scenario import load
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Observer, Result, Simulation, StepRecord
-
-WRONG_M = 1.0
-"""A robot that is tracking with a larger error is wrong."""
+from study.unknown.localisation import WRONG_M
 
 
 class Believed(Observer):

@@ -49,7 +49,7 @@ def map_calls() -> Iterator[Call]:
     certain, masked = (0.0,) * 6, np.zeros(7, np.bool_)
     yield new("maps.Mapper", fan=_FAN, range_min_m=0.05, parameters=parameters, start=_POSE).of(
         ("step", Pose(0.0, 0.0, 0.0), certain, _SCAN, masked),
-        ("is_due", Pose(0.4, 0.0, 0.1)),
+        ("due_at", Pose(0.4, 0.0, 0.1)),
         ("step", Pose(0.4, 0.0, 0.1), (1e-4, 0.0, 0.0, 1e-4, 0.0, 1e-5), _SCAN, masked),
         ("step", Pose(0.8, 0.1, 0.2), (2e-4, 0.0, 0.0, 2e-4, 0.0, 2e-5), _SCAN, masked),
         ("pose",),

@@ -49,7 +49,7 @@ struct ScanCells {
 
 /// Returns the cells of a scan. Args: pose: of base_link, in the frame of the grid.
 /// Throws std::invalid_argument if a coordinate is above LogOddsMap::kLargest, or a beam is longer than kLongestBeam.
-ScanCells CellsOf(const Scan& scan, const base::Pose& pose, double cell_m);
+ScanCells CellsOfScan(const Scan& scan, const base::Pose& pose, double cell_m);
 
 /// An occupancy grid of log odds [thrun2005, Table 9.1] that grows where it is needed, with the mean hit of each cell.
 ///
@@ -69,8 +69,8 @@ class LogOddsMap {
   /// Throws std::invalid_argument if the map would become wider than kWidest.
   void InsertCells(const ScanCells& scan, const Cell& origin = {});
 
-  /// Adds a scan. Args: pose: of base_link, in the frame of the map. Throws std::invalid_argument as CellsOf, too.
-  void Insert(const Scan& scan, const base::Pose& pose) { InsertCells(CellsOf(scan, pose, cell_m_)); }
+  /// Adds a scan. Args: pose: of base_link, in the frame of the map. Throws std::invalid_argument as CellsOfScan, too.
+  void Insert(const Scan& scan, const base::Pose& pose) { InsertCells(CellsOfScan(scan, pose, cell_m_)); }
 
   /// Add what is free in another map, and what was hit there. Args: pose: of its frame, in this one.
   /// Throw std::invalid_argument as above.

@@ -58,8 +58,8 @@ class Mapper {
   /// Throws std::invalid_argument if a parameter cannot be used.
   Mapper(const world::Fan& fan, double range_min_m, const MapperParameters& parameters, const base::Pose& start);
 
-  /// Returns whether the next step, with this pose of the odometry, will be an update.
-  bool IsDue(const base::Pose& odometry) const;
+  /// Returns where the robot is by its odometry if the next step, with this pose of it, will be an update; else none.
+  std::optional<base::Pose> DueAt(const base::Pose& odometry) const;
 
   /// Takes what the robot measures in a step; returns whether it was an update.
   /// Args: ranges_m: one per beam; those that are not below range_max are no returns.

@@ -86,7 +86,7 @@ void CellBox::Include(const CellBox& other) {
   Include(other.high);
 }
 
-ScanCells CellsOf(const Scan& scan, const base::Pose& pose, double cell_m) {
+ScanCells CellsOfScan(const Scan& scan, const base::Pose& pose, double cell_m) {
   const base::Point laser = Moved(scan.laser, pose);
   Box box{laser, laser};
   ScanCells cells;

@@ -65,10 +65,12 @@ Mapper::Mapper(const world::Fan& fan, double range_min_m, const MapperParameters
   BeginSubmap();
 }
 
-bool Mapper::IsDue(const base::Pose& odometry) const {
+std::optional<base::Pose> Mapper::DueAt(const base::Pose& odometry) const {
+  if (!has_begun_) return pose_;
   const base::Pose motion = base::RelativePose(odometry_.pose, odometry);
-  return !has_begun_ || std::hypot(motion.x, motion.y) >= parameters_.update_m ||
-         std::abs(motion.yaw) >= parameters_.update_rad;
+  const bool has_turned = std::abs(motion.yaw) >= parameters_.update_rad;
+  if (std::hypot(motion.x, motion.y) < parameters_.update_m && !has_turned) return std::nullopt;
+  return base::Composed(pose_, motion);
 }
 
 bool Mapper::Step(const OdometryReading& odometry, const std::vector<float>& ranges_m,
@@ -84,7 +86,7 @@ bool Mapper::Step(const OdometryReading& odometry, const std::vector<float>& ran
     Insert(ReadScan(layout_, ranges_m, masked));
     return true;
   }
-  if (!IsDue(now_)) return false;
+  if (!DueAt(now_)) return false;
   Predict(odometry);
   Match(ReadScan(layout_, ranges_m, masked));
   driven_m_ += step_m_;
@@ -157,7 +159,7 @@ void Mapper::Match(const Scan& scan) {
 }
 
 void Mapper::Insert(const Scan& scan) {
-  const ScanCells cells = CellsOf(scan, pose_, parameters_.cell_m);
+  const ScanCells cells = CellsOfScan(scan, pose_, parameters_.cell_m);
   map_.InsertCells(cells);
   submap_.InsertCells(cells, submap_origin_);
 }

@@ -71,13 +71,11 @@ class LaserLocaliser:
         self._tuning = tuning = scenario.control.laser_localisation
         self._rng = rng.stream(scenario.run.seed, "localisation", robot_id, *again)
         self._building, self._view = setup.building, LaserView(body.laser)
-        self._beams = np.arange(body.laser.beams, dtype=np.int32)
         self._model = setup.building.shared(_beam_model, body.laser, tuning.cell_m)
         self._noise, self._step_s, self._omni = body.odometry, scenario.run.step_s, body.drive.kind == "omni"
         self._levels = LevelChanges(robot_id, setup)
         self._state: LocalisationState = "tracking" if arrival == 1 else "lost"
         self._main = self._around(Pose(*body.start_pose), tuning.start_m, tuning.start_rad)
-        self._most_sightings = 0
         self._narrowest_m = setup.smallest_reach_m
         self._places: list[Hypothesis] = []
         """Unless it is tracking: where it may be."""
@@ -122,10 +120,10 @@ class LaserLocaliser:
         tuning, ends_m = self._tuning, self._view.ends_m(ranges_m)
         self._compare_with_teammates(ranges_m, ends_m, teammates)
         for each in self._followed:
-            beams = evenly(self._view.not_at(teammates, each.pose, ends_m), tuning.beams)
+            beams = evenly(_indices(~self._view.end_in(teammates, each.pose, ends_m)), tuning.beams)
             each.weigh(ranges_m, beams, self._rng.random())
             each.agreement.add(driven_m, *self._agreement(each.weighed.pose, ranges_m, beams))
-        beams = self._view.not_at(teammates, self._main.pose, ends_m)
+        beams = _indices(~self._view.end_in(teammates, self._main.pose, ends_m))
         self._scans.add(self._driven_m, Scan(self._odometry, ranges_m, beams))
         if self._state != "tracking":
             self._find_itself()
@@ -136,11 +134,15 @@ class LaserLocaliser:
     def _compare_with_teammates(self, ranges_m: np.ndarray, ends_m: np.ndarray, teammates: Sequence[Disc]) -> None:
         """Drop the places from which scans should show teammates and do not, or show fewer than from others."""
         for each in self._places:
-            at_teammates = np.setdiff1d(self._beams, self._view.not_at(teammates, each.pose, ends_m))
+            at_teammates = _indices(self._view.end_in(teammates, each.pose, ends_m))
             is_seen = self._agreement(each.pose, ranges_m, at_teammates)[1] >= _FEWEST_ON_TEAMMATE
             each.sightings += is_seen - self._view.misses(teammates, each.pose, ranges_m, self._narrowest_m)
-        self._most_sightings = max([0, *(each.sightings for each in self._places)])
-        self._places = [each for each in self._places if each.sightings > self._most_sightings - _DECISIVE]
+        least = self._most_sightings - _DECISIVE
+        self._places = [each for each in self._places if each.sightings > least]
+
+    @property
+    def _most_sightings(self) -> int:
+        return max([0, *(each.sightings for each in self._places)])
 
     def _find_itself(self) -> None:
         """Drop the places that do not fit, search for others, and believe those that have fitted for long enough."""
@@ -149,8 +151,9 @@ class LaserLocaliser:
         if self._state == "lost" and self._driven_m - self._searched_m >= tuning.search_every_m:
             self._searched_m = self._driven_m
             found = [self._around(pose, _FOUND_M, _FOUND_RAD) for pose in self._search()]
+            most = self._most_sightings
             for each in found:  # only what scans show from now on can tell it from the others
-                each.sightings = self._most_sightings
+                each.sightings = most
             self._places += found
         places: list[Hypothesis] = []
         for each in self._places:
@@ -218,3 +221,8 @@ def _distance_field(building: Building, cell_m: float) -> _core.maps.DistanceFie
 def _submap_search(building: Building) -> _core.maps.SubmapSearch:
     grid = building.grid(_SEARCH_CELL_M)
     return _core.maps.SubmapSearch(grid.cells != FREE, grid.origin_m, _SEARCH_CELL_M, _ON_WALL_M)
+
+
+def _indices(of: np.ndarray) -> np.ndarray:
+    """Return which values are true, as indices of beams: int32."""
+    return np.flatnonzero(of).astype(np.int32)

@@ -46,15 +46,15 @@ class LaserView:
         limited_m = np.clip(ranges_m.astype(float), self.laser.range_min_m, self.laser.range_max_m)
         return np.asarray((self.laser.forward_m, self.laser.left_m) + limited_m[:, None] * self._directions)
 
-    def not_at(self, discs: Sequence[Disc], pose: Pose, ends_m: np.ndarray) -> np.ndarray:
-        """Return the beams that end in none of the discs, for a robot at a pose: indices, int32."""
-        free, reach_m = np.ones(len(ends_m), dtype=bool), self.laser.range_max_m + self._offset_m
+    def end_in(self, discs: Sequence[Disc], pose: Pose, ends_m: np.ndarray) -> np.ndarray:
+        """Return whether each beam ends in one of the discs, for a robot at a pose: bool, shape (beams,)."""
+        inside, reach_m = np.zeros(len(ends_m), dtype=bool), self.laser.range_max_m + self._offset_m
         for (x_m, y_m), radius_m in discs:
             if math.hypot(x_m - pose.x_m, y_m - pose.y_m) > reach_m + radius_m:
                 continue
             center = pose.inverse() @ Pose(x_m, y_m, 0.0)
-            free &= ~(np.hypot(ends_m[:, 0] - center.x_m, ends_m[:, 1] - center.y_m) <= radius_m)
-        return np.flatnonzero(free).astype(np.int32)
+            inside |= np.hypot(ends_m[:, 0] - center.x_m, ends_m[:, 1] - center.y_m) <= radius_m
+        return inside
 
     def misses(self, discs: Sequence[Disc], pose: Pose, ranges_m: np.ndarray, narrowest_m: float) -> bool:
         """Whether a robot at a pose looks through one of the discs: what is said to be there is not.

@@ -70,13 +70,11 @@ class Survey:
             start=self._map_T_frame.inverse() @ Pose(*body.start_pose),
             parameters=_core.maps.MapperParameters(**mapping.model_dump(exclude={"share_s"})),
         )
-        self._odometry: Pose | None = None
-        """The robot's pose in `odom`, or in the map if it is given, in the last step."""
         self._heard: list[Part] = []
         """Where teammates have found something since the last look."""
         self._own, self._of_team = found.cells.copy(), found.cells.copy()
         self._unsent = np.zeros(found.cells.shape, dtype=bool)
-        self._told = found.cells.copy()
+        self._said = found.cells.copy()
         """What anybody has said last about each cell."""
         self._is_asked = False
         """Whether a teammate wants all that it knows."""
@@ -97,12 +95,10 @@ class Survey:
         odometry, covariance, ranges_m = reading.pose.pose, reading.pose_covariance, observation.robot.ranges_m
         if self._given is not None:
             odometry, covariance = self._map_T_frame.inverse() @ self._given.pose(observation), _CERTAIN
-        before, self._odometry = self._odometry or odometry, odometry
         masked = np.zeros(len(ranges_m), dtype=bool)
-        if self._mapper.is_due(odometry):
-            now = self._pose @ before.inverse() @ odometry
-            masked[:] = True
-            masked[self._view.not_at(teammates, now, self._view.ends_m(ranges_m))] = False
+        due_at = self._mapper.due_at(odometry)
+        if due_at is not None:
+            masked = self._view.end_in(teammates, self._map_T_frame @ due_at, self._view.ends_m(ranges_m))
         self._mapper.step(odometry, covariance, ranges_m, masked)
         return self._pose
 
@@ -141,7 +137,7 @@ class Survey:
         if cells is not None and symbols is not None:
             here, there = _overlap(self._own.shape, cells.row, cells.column, symbols.shape)
             symbols = symbols[there]
-            for known in (self._of_team[here], self._told[here]):
+            for known in (self._of_team[here], self._said[here]):
                 np.copyto(known, _CELLS[symbols], where=symbols != SAME)
             self._heard.append(here)
 
@@ -155,7 +151,7 @@ class Survey:
             wanted, is_all = (), False
 
     def _cells_to_send(self, sim_time_ns: int) -> Iterator[Cells]:
-        """Yield what has changed in the robot's own map and differs from what the team was told last, if that is due.
+        """Yield what has changed in the robot's own map and is not as anybody has said last, if that is due.
 
         If a teammate has asked for it, yield all that the robot knows.
         """
@@ -165,11 +161,11 @@ class Survey:
         known = self.found.cells
         if self._is_asked:
             self._answered_ns = sim_time_ns
-            to_send = (known != UNKNOWN) | (self._told != UNKNOWN)
+            to_send = (known != UNKNOWN) | (self._said != UNKNOWN)
         else:
-            to_send = self._unsent & (known != self._told)
+            to_send = self._unsent & (known != self._said)
         self._is_asked, self._unsent[:] = False, False
-        np.copyto(self._told, known, where=to_send)
+        np.copyto(self._said, known, where=to_send)
         part = rows, columns = bounds(to_send)
         symbols = np.select([known[part] == FREE, known[part] == OCCUPIED], [IS_FREE, IS_OCCUPIED], IS_UNKNOWN)
         yield from packed(

@@ -97,7 +97,7 @@ TEST(LogOddsMap, InsertsAScanOfAnotherGridWhoseCellsCoincide) {
   const Scan scan = ScanIn(Rectangle(-2.0, -1.0, 12.0, 1.0), {});
   LogOddsMap map(0.05), shifted(0.05);
   map.Insert(scan, pose);
-  shifted.InsertCells(CellsOf(scan, pose, 0.05), {130, -70});
+  shifted.InsertCells(CellsOfScan(scan, pose, 0.05), {130, -70});
   const std::vector<HitCell> hits = map.Hits(), others = shifted.Hits();
   ASSERT_EQ(others.size(), hits.size());
   for (std::size_t i = 0; i < hits.size(); ++i) {

@@ -51,10 +51,8 @@ class FrontierController(RouteController):
         self._choosing = tuning = setup.scenario.control.as_kind(FrontierControl)
         super().__init__(robot_id, setup, tuning)
         self._choice = Choice(robot_id, setup, tuning, arrival)
-        self._goals: dict[int, Vector | None] = {}
-        """The last goal of each teammate."""
-        self._voices: dict[int, Vector] = {}
-        """The voices that teammates follow."""
+        self._updates: dict[int, FrontierUpdate] = {}
+        """The last one of each teammate."""
         self._heard_s: dict[int, float] = {}
         """When each teammate was last heard."""
         self._meeting_m = setup.start_m(0)
@@ -87,10 +85,7 @@ class FrontierController(RouteController):
         for message in now.inbox:
             update = parse_frontier_update(message.payload)
             if update is not None and update.robot_id != self.robot_id:
-                self._goals[update.robot_id], self._heard_s[update.robot_id] = update.goal, now.time_s
-                self._voices.pop(update.robot_id, None)
-                if update.voice is True and update.goal is not None:
-                    self._voices[update.robot_id] = update.goal
+                self._updates[update.robot_id], self._heard_s[update.robot_id] = update, now.time_s
 
     def kept_out(self, task: Task) -> Disc | None:
         """Return the last area until the floor has been searched; with another one, the robot chooses again."""
@@ -134,15 +129,18 @@ class FrontierController(RouteController):
     @property
     def _goals_of_team(self) -> list[Vector]:
         """The goals of the teammates that were heard lately, at the time of the last choice."""
-        lately = (self._goals[i] for i, heard_s in self._heard_s.items() if heard_s >= self._chosen_s - _STALE_S)
-        return [goal for goal in lately if goal is not None]
+        return [update.goal for update in self._lately(self._chosen_s) if update.goal is not None]
+
+    def _lately(self, time_s: float) -> list[FrontierUpdate]:
+        """Return the last updates of the teammates that had been heard not long before a time."""
+        return [self._updates[i] for i, heard_s in self._heard_s.items() if heard_s >= time_s - _STALE_S]
 
     def _is_left_to_others(self, voice_m: Vector, time_s: float) -> bool:
         """Whether a teammate follows a voice: one who was first or, if two begin together, has the lower id."""
         radius_m = self.scenario.voice.local_best_radius_m
-        following = [i for i, place in self._voices.items() if math.dist(place, voice_m) <= radius_m]
-        lately = [i for i in following if self._heard_s[i] >= time_s - _STALE_S]
-        return any(i < self.robot_id or not self._follows_voice for i in lately)
+        following = ((each.robot_id, each.goal) for each in self._lately(time_s) if each.voice is True)
+        near = [i for i, goal in following if goal is not None and math.dist(goal, voice_m) <= radius_m]
+        return any(i < self.robot_id or not self._follows_voice for i in near)
 
     def _is_somebody_missing(self, time_s: float) -> bool:
         """Whether a teammate has been silent for `rendezvous_s`; after twice this time, it counts as lost."""
