@@ -51,7 +51,7 @@ def wall_loss_db(layers: Sequence[Layer], frequency_mhz: float) -> float:
     for layer in layers:
         index = np.sqrt(permittivity(layer.of, frequency_mhz))
         phase = 2.0 * math.pi * frequency_mhz * 1e6 / _LIGHT_M_PER_S * index * layer.thickness_m * _SHARES
-        if phase.imag.min() < -_OPAQUE_NP:
+        if phase.imag.max() < -_OPAQUE_NP:  # also where it is thinnest
             return MOST_DB
         cos, sin = np.cos(phase), np.sin(phase)
         wave = wave @ np.moveaxis(np.array([[cos, 1j * sin / index], [1j * index * sin, cos]]), 2, 0)
