@@ -38,6 +38,14 @@ class Deep(Misspelt):
 class Wrong:
     def __init__(self, robot_id, setup, third):
         pass
+
+class NoDecision(Misspelt):
+    def step(self, observation, inbox, task):
+        return 0.8
+
+class NoDecisionOfPath(rts.PathController):
+    def decide(self, now):
+        return 0.8
 """
 FORWARD = Decision(Twist(0.5))
 
@@ -222,3 +230,15 @@ def test_place_of_a_fault_is_in_the_users_file(tmp_path, monkeypatch):
     assert faults[1].endswith(" (driver_of_test.py:14)")  # where numpy was called
     assert faults[2].startswith("TypeError: ")
     assert faults[2].endswith("'third'")  # no class could be called
+
+
+@pytest.mark.parametrize("scenario", ["tutorial_arena", "garage_unknown", "office_manet"])
+@pytest.mark.parametrize(("name", "line"), [("NoDecision", 21), ("NoDecisionOfPath", 25)])
+def test_place_of_a_wrong_decision_is_in_the_users_file(tmp_path, monkeypatch, scenario, name, line):
+    (tmp_path / "driver_of_test.py").write_text(MISTAKES, encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    simulation = Simulation(load(scenario, [f"control.algorithm=driver_of_test:{name}"]))
+    for _ in range(2):
+        simulation.step()
+    sys.modules.pop("driver_of_test")
+    assert simulation.controllers.faults[-1] == f"step returned 0.8; expected a Decision (driver_of_test.py:{line})"

@@ -109,10 +109,22 @@ def _place(error: BaseException) -> str:
     return "" if module == _REGISTRY else f" ({place})"
 
 
-def _place_of_step(controller: Controller) -> str:
-    """Return where the method `step` begins, as " (my_controller.py:27)"; "" if it is not Python's."""
-    code = getattr(controller.step, "__code__", None)
+def _place_of_step(controller: Any) -> str:
+    """Return where a controller's own `step` or `decide` begins, as " (my_controller.py:27)"; "" if it has none.
+
+    A method is its own if it is not of this package, which wraps controllers and has base classes for them.
+    """
+    while _is_of_package(controller) and hasattr(controller, "controller"):
+        controller = controller.controller
+    methods = (getattr(controller, name, None) for name in ("step", "decide"))
+    own = (method for method in methods if method is not None and not _is_of_package(method))
+    code = getattr(next(own, None), "__code__", None)
     return f" ({Path(code.co_filename).name}:{code.co_firstlineno})" if code else ""
+
+
+def _is_of_package(part: object) -> bool:
+    """Whether a method, or the class of an object, is defined in this package."""
+    return str(getattr(part, "__module__", "")).startswith("robotteamsim.")
 
 
 def _plain(decision: Decision, before: Decision | None) -> Decision:
