@@ -14,6 +14,7 @@ import pytest
 from robotteamsim.scenario import load
 from robotteamsim.scenario.controllers import ALGORITHMS
 from robotteamsim.simulation import Simulation
+from robotteamsim.testing import check_controller
 
 ROOT = Path(__file__).parents[3]
 TUTORIAL = ROOT / "docs" / "tutorial_controller.md"
@@ -54,6 +55,11 @@ def test_tutorial_class_drives_about_and_touches_nothing_for_long():
     assert result.robots[0].distance_m > 10.0
     assert result.robots[0].contact_s < 6.0
     assert result.robots[0].longest_stay_s < 30.0
+
+
+@pytest.mark.usefixtures("on_path")
+def test_tutorial_class_keeps_the_rules_of_controllers():
+    check_controller("my_controller:MyController", "garage_unknown", steps=30)
 
 
 @pytest.mark.slow

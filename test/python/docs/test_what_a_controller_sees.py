@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import robotteamsim as rts
+from robotteamsim.testing import check_controller
 
 PAGE = (Path(__file__).parents[3] / "docs" / "what_a_controller_sees.md").read_text(encoding="utf-8")
 (EXAMPLE,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
@@ -70,3 +71,19 @@ def test_example_explores_a_building_that_nobody_knows_and_touches_nothing_for_l
     robots = [guard.controller.controller.controller for guard in simulation.controllers.guards]
     assert all(set(robot.goals) == {0, 1, 2} - {robot.robot_id} for robot in robots)
     assert all(0.4 < np.mean(robot.found.grid(0.1).cells != rts.UNKNOWN) < 0.95 for robot in robots)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("on_path")
+def test_example_leaves_voices_behind_walls():
+    """In the office, a voice is heard at each place of the robots' way."""
+    algorithm = "control.algorithm=nearest_frontier:NearestFrontier"
+    result = rts.Simulation(rts.load("office_unknown", [algorithm, "mission.time_limit_s=220"])).run()
+    assert result.victims_saved >= 3
+    assert all(robot.distance_m > 60.0 for robot in result.robots)
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("on_path")
+def test_example_keeps_the_rules_of_controllers():
+    check_controller("nearest_frontier:NearestFrontier", "garage_unknown", steps=60)
