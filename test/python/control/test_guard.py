@@ -99,6 +99,10 @@ def test_decisions_of_a_sound_controller_pass_unchanged():
         (Decision(context=SwarmContext(*[math.nan] * 10)), "step returned the context SwarmContext(activity=nan, "),
         (Decision((0.5, 0.0, 0.0)), "step returned (0.5, 0.0, 0.0); expected a Twist of finite numbers"),
         (None, "step returned None; expected a Decision"),
+        (
+            Twist(0.125),
+            "step returned Twist(linear_x_mps=0.125, linear_y_mps=0.0, angular_z_rad...; expected a Decision",
+        ),
         (Decision(goal_m={1.0}), "step returned the goal {1.0}; expected finite (x, y), or None"),
         (Decision(goal_m=(math.nan, 0.0)), "step returned the goal (nan, 0.0); expected finite (x, y), or None"),
         (Decision(local_best_m=(math.inf, 0.0)), "step returned the local best (inf, 0.0); expected finite (x, y)"),

@@ -256,7 +256,8 @@ def _problem_of_message(message: object, robot_id: int, num_robots: int) -> str:
 
 def _shown(value: object) -> str:
     """Return the beginning of a value's text, without memory addresses, which differ between equal runs."""
-    return _ADDRESS.sub("", repr(value))[:60]
+    text = _ADDRESS.sub("", repr(value))
+    return text if len(text) <= 60 else f"{text[:57]}..."
 
 
 def _has_utf8(text: str) -> bool:
