@@ -118,6 +118,7 @@ void BindParticleFilter(nb::module_& m) {
           },
           "ranges_m"_a, "beams"_a)
       .def("resample", &ParticleFilter::Resample, "draw"_a)
+      .def("drawn", &ParticleFilter::Drawn, "count"_a, "draw"_a)
       .def("mean", [](const ParticleFilter& filter) {
         const ParticleFilter::Estimate mean = filter.Mean();
         const state::PoseCovariance& p = mean.covariance;

@@ -39,6 +39,7 @@ def map_calls() -> Iterator[Call]:
         ("shift", (0.5, 0.0)),
         ("weigh", _SCAN, _BEAMS),
         ("resample", 0.5),
+        ("drawn", 3, 0.5),
         ("mean",),
     )
     points = np.array([[0.5, 0.1], [1.0, 0.1], [1.5, 0.2]])

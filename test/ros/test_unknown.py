@@ -35,6 +35,28 @@ def test_unknown_building_in_lockstep_has_the_bits_and_beliefs_of_the_headless_m
     assert beliefs(tmp_path / "run.bag") == beliefs(tmp_path / "headless.bag")
 
 
+def test_particles_in_lockstep_are_those_of_the_headless_mission(tmp_path):
+    settings = ("control.localisation=laser", "robots.count=2", "mission.time_limit_s=10")
+    command = (*ROSLAUNCH, "robotteamsim", "garage_sar.launch", "rviz:=false", "lockstep:=true", "speed:=0")
+    options = ("out:=results", "record:=true", "bag:=run.bag")
+    with running((*command, f"set:={' '.join(settings)}", *options), tmp_path) as program:
+        assert program.wait() == 0, program.output
+    found = json.loads((tmp_path / "results" / "mission.json").read_text())
+    headless = Simulation(load("garage_sar", list(settings))).run([BagWriter(tmp_path / "headless.bag")])
+    assert found["result"]["trajectory_hash"] == headless.trajectory_hash
+    shown, expected = (clouds(tmp_path / name) for name in ("run.bag", "headless.bag"))
+    # No step waits for a cloud, so the last one may come too late.
+    assert shown == expected[: len(shown)]
+    assert len(shown) >= len(expected) - 1 > 6
+
+
+def clouds(path):
+    """Return the particles of a robot in each message, as x, y [m]; a yaw that was sent twice is rounded twice."""
+    with BagReader([path]) as bag:
+        messages = [message for _, _, message in bag.messages(["/robot_1/particlecloud"])]
+    return [[(one.position.x, one.position.y) for one in message.poses] for message in messages]
+
+
 def beliefs(path):
     """Return the first maps of a robot, and where it believed to be by stamp."""
     maps, places = [], {}

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <vector>
 
@@ -52,6 +53,11 @@ class ParticleFilter {
   /// count, by the effective sample size. Systematic resampling [thrun2005, Table 4.4].
   /// Args: draw: a random number from 0 to below 1.
   void Resample(double draw);
+
+  /// Some of the particles, drawn by their weights: each stands for the same share. Systematic resampling.
+  /// Args: draw: as for `Resample`.
+  /// Throws std::invalid_argument if there are fewer particles than `count`, or the draw is not usable.
+  std::vector<base::Pose> Drawn(std::size_t count, double draw) const;
 
   Estimate Mean() const;
 

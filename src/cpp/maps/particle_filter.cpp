@@ -19,6 +19,10 @@ void CheckNoise(const base::Table<const double>& noise, std::size_t particles) {
     base::Check({noise.Row(i)[0], noise.Row(i)[1], noise.Row(i)[2]}, "a random number");
 }
 
+void CheckDraw(double draw) {
+  if (!(draw >= 0.0 && draw < 1.0)) throw std::invalid_argument("the draw must be from 0 to below 1");
+}
+
 }  // namespace
 
 ParticleFilter::ParticleFilter(std::shared_ptr<const BeamModel> beams, const ScanWeighing& weighing,
@@ -71,23 +75,29 @@ void ParticleFilter::Weigh(const std::vector<Beam>& scan) {
 }
 
 void ParticleFilter::Resample(double draw) {
-  if (!(draw >= 0.0 && draw < 1.0)) throw std::invalid_argument("the draw must be from 0 to below 1");
+  CheckDraw(draw);
   double squares = 0.0;
   for (const double weight : weights_) squares += weight * weight;
   const auto count = static_cast<double>(particles_.size());
   if (1.0 / squares >= 0.5 * count) return;
+  particles_ = Drawn(particles_.size(), draw);
+  weights_.assign(particles_.size(), 1.0 / count);
+}
+
+std::vector<base::Pose> ParticleFilter::Drawn(std::size_t count, double draw) const {
+  CheckDraw(draw);
+  if (count > particles_.size()) throw std::invalid_argument("there are fewer particles than are to be drawn");
   std::vector<base::Pose> drawn;
-  drawn.reserve(particles_.size());
+  drawn.reserve(count);
   double reached = weights_[0];
   std::size_t from = 0;
-  for (std::size_t i = 0; i < particles_.size(); ++i) {
-    const double at = (static_cast<double>(i) + draw) / count;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double at = (static_cast<double>(i) + draw) / static_cast<double>(count);
     // The sum of all weights may be rounded to below 1.
     while (reached <= at && from + 1 < particles_.size()) reached += weights_[++from];
     drawn.push_back(particles_[from]);
   }
-  particles_ = std::move(drawn);
-  weights_.assign(particles_.size(), 1.0 / count);
+  return drawn;
 }
 
 ParticleFilter::Estimate ParticleFilter::Mean() const {

@@ -2,7 +2,7 @@
 
 import msgspec
 
-from robotteamsim.geometry import Twist
+from robotteamsim.geometry import Pose, Twist
 from robotteamsim.interface.localisation import Localisation
 from robotteamsim.network.messages import Message
 from robotteamsim.propagation import FieldMap
@@ -52,6 +52,8 @@ class Decision(msgspec.Struct, frozen=True):
     localisation: where it believes that it is; None: it uses its true pose, or that of tf.
     found:        for display, what it and its team have found of a building that they do not know: the cells around all
                   that are known; None in most steps.
+    particles:    for display, where it may be, if it follows its pose with particles: poses in `map`, each as likely as
+                  any other; None in most steps.
     """
 
     twist: Twist = Twist()
@@ -69,3 +71,4 @@ class Decision(msgspec.Struct, frozen=True):
     area: int = -1
     localisation: Localisation | None = None
     found: OccupancyGrid | None = None
+    particles: tuple[Pose, ...] | None = None

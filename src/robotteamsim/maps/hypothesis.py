@@ -94,6 +94,10 @@ class Hypothesis:
         self._particles.shift(by_m)
         self.weighed = msgspec.structs.replace(self.weighed, pose=Pose(*by_m, 0.0) @ self.weighed.pose)
 
+    def particles(self, count: int) -> list[Pose]:
+        """Return so many of the particles, drawn by their weights: each is as likely as any other."""
+        return self._particles.drawn(count, 0.5)
+
     def is_at(self, pose: Pose, within_m: float) -> bool:
         """Whether a pose is this place."""
         apart = self.pose.inverse() @ pose

@@ -50,6 +50,9 @@ _DECISIVE = 3
 _FEWEST_ON_TEAMMATE = 3
 """Of a teammate that a scan shows: they end where the plan is free, and where the teammate says that it is."""
 
+_SHOWN = 100
+"""Particles for display, at most: messages and bags have 56 bytes for each."""
+
 _TRUSTED_M = 2.0
 """When a robot notices that it is lost, it has been so for longer: older scans may be from elsewhere [m]."""
 
@@ -87,8 +90,18 @@ class LaserLocaliser:
     @property
     def localisation(self) -> Localisation:
         """Where the robot may be; a lost robot may be elsewhere."""
-        places = self._followed if self._state == "ambiguous" else [self._main]
-        return Localisation(self._state, tuple(each.estimate for each in places))
+        return Localisation(self._state, tuple(each.estimate for each in self._stated))
+
+    @property
+    def particles(self) -> tuple[Pose, ...]:
+        """Particles for display, around the places of `localisation`."""
+        stated = self._stated
+        count = max(min(_SHOWN, self._tuning.particles) // len(stated), 1)
+        return tuple(pose for each in stated for pose in each.particles(count))
+
+    @property
+    def _stated(self) -> list[Hypothesis]:
+        return self._followed if self._state == "ambiguous" else [self._main]
 
     def pose(self, observation: Observation, teammates: Sequence[Disc] = ()) -> Pose:
         """See `Localiser`: the pose of the most likely place."""

@@ -34,11 +34,16 @@ class Localiser(Protocol):
     def localisation(self) -> Localisation:
         """What it knows as of the last step; its pose is the one that `pose` has returned."""
 
+    @property
+    def particles(self) -> tuple[Pose, ...]:
+        """Poses for display, each as likely as any other; none if it does not follow its pose with particles."""
+
 
 class TruePose:
     """The true pose: `control.localisation: ground_truth`."""
 
     looks = False
+    particles = ()
 
     def pose(self, observation: Observation, teammates: Sequence[Disc] = ()) -> Pose:
         """Return the pose in a step."""
@@ -75,6 +80,7 @@ class DeadReckoning:
     """The known start and the odometry, which nothing corrects: `control.localisation: odometry`."""
 
     looks = False
+    particles = ()
 
     def __init__(self, robot_id: int, setup: Setup) -> None:
         self._map_T_odom = Pose(*setup.robots[robot_id].start_pose)

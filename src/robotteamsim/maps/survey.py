@@ -54,6 +54,7 @@ class Survey:
     """
 
     looks = True
+    particles = ()
 
     def __init__(self, robot_id: int, setup: Setup, found: FoundMap, given: Localiser | None) -> None:
         """Args: given: knows the robot's pose; None: the mapper finds it."""

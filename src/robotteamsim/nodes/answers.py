@@ -22,9 +22,8 @@ from robotteamsim.nodes.outputs import Decided, decision_outputs
 from robotteamsim.nodes.settings import Settings
 from robotteamsim.nodes.steps import REPORT_TIMEOUT_S
 from robotteamsim.recording.topics import Topic
-from robotteamsim.recording.topics.beliefs import FOUND_MAP, LOCALISATION
+from robotteamsim.recording.topics.beliefs import FOUND_MAP, LOCALISATION, PARTICLES
 from robotteamsim.recording.topics.decisions import COMMAND, OUTBOX, STAMPED_COMMAND, STATUS
-from robotteamsim.scenario.plan import OccupancyGrid
 from robotteamsim.scenario.sections import PlacedRobot
 from robotteamsim.simulation import TeamControllers
 
@@ -33,6 +32,8 @@ CHECK_PERIOD_S = 1.0
 
 ANSWERS = (STAMPED_COMMAND, OUTBOX, STATUS)
 """The topics by which a controller answers, with LOCALISATION if it localises the robot."""
+SHOWN = {FOUND_MAP: "found", PARTICLES: "particles"}
+"""What a robot believes, for display, and the field of `Decision` that has it; no step waits for these."""
 Answer = tuple[int, Topic]
 """A robot's id, and one of these topics."""
 
@@ -88,8 +89,8 @@ class _Robot:
         self.outbox: list[Message] = []
         self.localisation: Localisation | None = None
         """Of the current step."""
-        self.found: OccupancyGrid | None = None
-        """A map that came since the last step."""
+        self.shown: dict[str, Any] = {}
+        """What came since the last step on the topics of SHOWN, by field."""
 
 
 class ControllersByTopic:
@@ -125,7 +126,7 @@ class ControllersByTopic:
         self.faults = ("",) * settings.num_robots
         """As for all controllers: these publish theirs."""
         self._answers = (*ANSWERS, LOCALISATION) if LOCALISATION.is_in(settings.scenario) else ANSWERS
-        shown = (FOUND_MAP,) if FOUND_MAP.is_in(settings.scenario) else ()
+        shown = [topic for topic in SHOWN if topic.is_in(settings.scenario)]
         for topic in (*self._answers, *shown) if settings.mission else ():
             if topic is not STAMPED_COMMAND or settings.controlled:
                 for robot_id in range(settings.num_robots):
@@ -171,8 +172,8 @@ class ControllersByTopic:
     def _decision(self, robot_id: int) -> Decision:
         robot = self._robots[robot_id]
         outbox, robot.outbox = tuple(robot.outbox), []
-        believed = {"localisation": robot.localisation, "found": robot.found}
-        robot.localisation = robot.found = None
+        believed = {"localisation": robot.localisation, **robot.shown}
+        robot.localisation, robot.shown = None, {}
         if not self._settings.lockstep or robot_id not in self._settings.controlled:
             return msgspec.structs.replace(robot.status, twist=robot.twist, outbox=outbox, **believed)
         missing = self._waiting | self._silent
@@ -213,8 +214,8 @@ class ControllersByTopic:
             is_answer = stamp_ns == self._time_ns
             if robot_id in self._settings.controlled:
                 is_of_former_run = stamp_ns > self._time_ns
-                # No step waits for a map, which may come late.
-                is_late = self._settings.lockstep and not is_answer and topic is not FOUND_MAP
+                # No step waits for what is shown, which may come late.
+                is_late = self._settings.lockstep and not is_answer and topic not in SHOWN
                 if is_of_former_run or is_late:
                     return
             if is_answer or topic is not LOCALISATION:
@@ -234,8 +235,8 @@ class ControllersByTopic:
             robot.outbox += value
         elif topic is LOCALISATION:
             robot.localisation = value
-        elif topic is FOUND_MAP:
-            robot.found = value
+        elif topic in SHOWN:
+            robot.shown[SHOWN[topic]] = value
         else:
             robot.status = value
 

@@ -89,6 +89,22 @@ TEST(ParticleFilter, ResamplesInProportionToTheWeights) {
   for (const double weight : filter.weights()) EXPECT_EQ(weight, 0.25);
 }
 
+TEST(ParticleFilter, DrawsSomeParticlesByTheirWeightsAndKeepsAll) {
+  // Weights 0.87 and 0.043: of two, at 0.35 and 0.85 of their sum, both are the particle before the wall.
+  ParticleFilter filter = At<12>({5.0, 5.0, 0.0, 1.0, 1.0, 0.0, 1.0, 2.0, 0.0, 1.0, 3.0, 0.0});
+  filter.Weigh({{0, 3.0}});
+  const std::vector<double> before = filter.weights();
+  const std::vector<base::Pose> two = filter.Drawn(2, 0.7);
+  ASSERT_EQ(two.size(), 2u);
+  for (const base::Pose& particle : two) EXPECT_EQ(particle.x, 5.0);
+  EXPECT_EQ(filter.Drawn(1, 0.99)[0].y, 3.0);
+  EXPECT_TRUE(filter.Drawn(0, 0.5).empty());
+  EXPECT_EQ(filter.weights(), before);
+  EXPECT_EQ(filter.particles()[3].y, 3.0);
+  EXPECT_THROW(filter.Drawn(5, 0.5), std::invalid_argument);
+  EXPECT_THROW(filter.Drawn(2, 1.0), std::invalid_argument);
+}
+
 TEST(ParticleFilter, KeepsParticlesOfSimilarWeights) {
   ParticleFilter filter = At<6>({5.0, 5.0, 0.0, 4.9, 5.0, 0.0});
   filter.Weigh({{0, 3.0}});

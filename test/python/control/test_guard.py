@@ -123,6 +123,8 @@ def test_decisions_of_a_sound_controller_pass_unchanged():
             Decision(found=OccupancyGrid((0.0, 0.0), 0.1, np.zeros((2, 2)))),
             "step returned found = OccupancyGrid(origin_m=(0.0, 0.0), ",
         ),
+        (Decision(particles=[Pose(0.0, 0.0, 0.0)]), "step returned particles = [Pose(x_m=0.0, "),
+        (Decision(particles=(Pose(0.0, 0.0, math.nan),)), "step returned particles = (Pose(x_m=0.0, "),
         (Decision(area=-2), "step returned area = -2; expected the index of an area, or -1 for none"),
         (Decision(outbox=("hello",)), "step returned 'hello' to send; expected a Message with text"),
         (

@@ -22,6 +22,7 @@ LOCALISATION = Localisation("ambiguous", (Estimate(BELIEVED), Estimate(TRUE)))
 
 class _Fixed:
     looks = False
+    particles = ()
     localisation = LOCALISATION
 
     def pose(self, observation, teammates=()):

@@ -98,12 +98,21 @@ def test_robot_that_was_carried_elsewhere_finds_itself() -> None:
     assert error_m(pose, observation) < 0.3
 
 
+def number_around_each(localiser: LaserLocaliser) -> list[int]:
+    """Return how many particles are nearest to each place where the robot may be."""
+    places = np.array([(one.pose.x_m, one.pose.y_m) for one in localiser.localisation.estimates])
+    particles = np.array([(one.x_m, one.y_m) for one in localiser.particles])
+    nearest = np.linalg.norm(particles[:, None] - places, axis=2).argmin(axis=1)
+    return np.bincount(nearest, minlength=len(places)).tolist()
+
+
 @pytest.mark.parametrize("has_teammate", [False, True])
 def test_robot_in_a_symmetrical_building_is_ambiguous_until_it_meets_a_teammate(has_teammate: bool) -> None:
     # A square of four equal barriers in a square room: four places, each turned by a right angle about (3, 3).
     setup = set_up("tutorial_arena", "robots.laser.range_max_m=12", "robots.count=2")
     simulation, localiser = Simulation(setup.scenario), LaserLocaliser(0, setup, arrival=2)
     seen: set[tuple[str, int]] = set()
+    around: set[tuple[int, ...]] = set()
     for _ in range(1200):
         record = simulation.step()
         mine, other = record.state.readings()[:2]
@@ -112,7 +121,9 @@ def test_robot_in_a_symmetrical_building_is_ambiguous_until_it_meets_a_teammate(
         pose = localiser.pose(observation, [(at, 0.5)] if has_teammate else [])
         seen.add((localiser.localisation.state, len(localiser.localisation.estimates)))
         assert localiser.localisation.state != "tracking" or error_m(pose, observation) < 0.3
+        around.add((len(localiser.localisation.estimates), *number_around_each(localiser)))
     assert ("ambiguous", 4) in seen
+    assert around <= {(1, 100), (2, 50, 50), (3, 33, 33, 33), (4, 25, 25, 25, 25)}
     assert (localiser.localisation.state == "tracking") is has_teammate
 
 

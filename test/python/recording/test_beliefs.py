@@ -11,11 +11,13 @@ import pytest
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import Estimate, Localisation
 from robotteamsim.recording import BagWriter, McapWriter
+from robotteamsim.recording.bag import BagMessages
 from robotteamsim.recording.bag_reader import BagReader
 from robotteamsim.recording.bag_types import message_type
 from robotteamsim.recording.topics.base import read_occupancy_grid
-from robotteamsim.recording.topics.beliefs import localisation, read_localisation
+from robotteamsim.recording.topics.beliefs import localisation, particle_cloud, read_localisation, read_particle_cloud
 from robotteamsim.scenario import load
+from robotteamsim.setup import resolve
 from robotteamsim.simulation import Observer, Simulation
 
 UNKNOWN_GARAGE = "garage_unknown", ["robots.count=2", "run.seed=3", "mission.time_limit_s=6"]
@@ -98,6 +100,59 @@ def test_tf_leads_to_the_believed_pose(recorded):
         believed = decisions[stamp_ns].localisation.pose
         assert abs(x - complex(believed.x_m, believed.y_m)) < 1e-9
         assert abs(cmath.phase(turn / cmath.exp(1j * believed.yaw_rad))) < 1e-9
+
+
+def as_rows(poses):
+    return np.array([(one.x_m, one.y_m, one.yaw_rad) for one in poses])
+
+
+def test_cloud_of_particles_is_around_the_believed_pose_once_a_second(tmp_path):
+    settings = ["robots.count=2", "control.localisation=laser", "mission.time_limit_s=8"]
+    kept, clouds, poses = Kept(), {}, {}
+    Simulation(load("garage_sar", settings)).run([BagWriter(tmp_path / "run.bag"), kept])
+    with BagReader([tmp_path / "run.bag"]) as bag:
+        assert bag.topics["/robot_1/particlecloud"] == "geometry_msgs/PoseArray"
+        for topic, stamp_ns, message in bag.messages(["/robot_1/particlecloud", "/robot_1/amcl_pose"]):
+            (poses if topic.endswith("amcl_pose") else clouds)[stamp_ns] = message
+    assert min(np.diff(list(clouds))) >= 10**9
+    assert len(clouds) >= 6
+    for stamp_ns, cloud in clouds.items():
+        assert cloud.header.frame_id == "map"
+        read = as_rows(read_particle_cloud(cloud))
+        np.testing.assert_allclose(read, as_rows(kept.decisions[stamp_ns].particles), atol=1e-12)
+        places = read[:, :2]
+        pose = poses[stamp_ns].pose
+        # The mean of 100 particles is this uncertain, and that of those that have moved since the last scan.
+        spread_m = math.sqrt(max(pose.covariance[0], pose.covariance[7]))
+        assert len(places) == 100
+        mean_m = math.dist(places.mean(axis=0), (pose.pose.position.x, pose.pose.position.y))
+        assert mean_m < 0.3 * spread_m + 0.005
+        turn_rad = 2.0 * math.atan2(pose.pose.orientation.z, pose.pose.orientation.w)
+        assert abs(cmath.phase(np.exp(1j * (read[:, 2] - turn_rad)).mean())) < 0.01
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "is_there"),
+    [
+        ("garage_sar", ("control.localisation=laser",), True),
+        ("garage_sar", ("control.localisation=odometry",), False),
+        ("garage_sar", (), False),
+        ("garage_unknown", (), False),
+    ],
+)
+def test_cloud_is_a_topic_of_robots_that_localise_themselves_by_laser_in_a_known_building(name, settings, is_there):
+    topics = {topic.name for topic in BagMessages(resolve(load(name, list(settings)))).topics()}
+    assert ("/robot_0/particlecloud" in topics) == is_there
+
+
+def test_particle_at_an_impossible_place_is_rejected():
+    of_type = message_type("geometry_msgs/PoseArray")
+    for particle, problem in (
+        (Pose(math.nan, 2.0, 0.0), r"particle: \(nan, 2\); expected finite numbers within 1000 km"),
+        (Pose(1.0, 2.0, math.nan), "particle: nan; expected finite numbers"),
+    ):
+        with pytest.raises(ValueError, match=problem):
+            read_particle_cloud(of_type.decode(of_type.encode(particle_cloud(10**8, (particle,)))))
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ import numpy as np
 
 from robotteamsim.control.driving.driver import Course, DrivesOn
 from robotteamsim.errors import RobotTeamSimError
-from robotteamsim.geometry import Twist
+from robotteamsim.geometry import Pose, Twist
 from robotteamsim.interface import (
     EVERYBODY,
     OUTSIDE,
@@ -171,6 +171,8 @@ def problem_of(decision: Any, robot_id: int, num_robots: int, before: Decision |
         return f"step returned the belief {_shown(decision.belief)}; expected a finite FieldMap, or None"
     if decision.found is not None and not _is_grid(decision.found):
         return f"step returned found = {_shown(decision.found)}; expected an OccupancyGrid of int8, or None"
+    if decision.particles is not None and not _are_poses(decision.particles):
+        return f"step returned particles = {_shown(decision.particles)}; expected a tuple of finite Poses, or None"
     if not isinstance(decision.outbox, (tuple, list)):
         return f"step returned the outbox {_shown(decision.outbox)}; expected a tuple of Messages"
     for message in decision.outbox:
@@ -225,6 +227,14 @@ def _is_localisation(value: Any) -> bool:
         are_finite = all(len(numbers) == 9 and isfinite(hypot(*numbers)) for numbers in estimates)
         return isinstance(value, Localisation) and value.state in _STATES and bool(estimates) and are_finite
     except (TypeError, ValueError, AttributeError):
+        return False
+
+
+def _are_poses(value: Any) -> bool:
+    try:
+        numbers = [hypot(one.x_m, one.y_m, one.yaw_rad) for one in value if isinstance(one, Pose)]
+        return isinstance(value, tuple) and len(numbers) == len(value) and all(map(isfinite, numbers))
+    except TypeError:
         return False
 
 

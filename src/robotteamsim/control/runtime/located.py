@@ -19,6 +19,9 @@ from robotteamsim.setup import Setup
 _SHOWN_NS = 5_000_000_000
 """Least time between two maps for display."""
 
+_CLOUD_NS = 1_000_000_000
+"""Least time between two clouds of particles for display."""
+
 
 class Located:
     """Runs a robot's controller, which learns of no other pose than that of the robot's localiser.
@@ -38,6 +41,9 @@ class Located:
         self._due_ns = self._shown_ns = 0
         self._shown_version = 0
         """Of the map that was shown last."""
+        self._cloud: tuple[Pose, ...] = ()
+        """The particles that were shown last."""
+        self._cloud_due_ns = 0
 
     @property
     def found(self) -> FoundMap | None:
@@ -63,8 +69,8 @@ class Located:
             position = (round(pose.x_m, 3), round(pose.y_m, 3)) if is_sure else None
             news = (SurveyNews(position),) if self._survey is None else self._survey.news(position, time_ns)
             outbox = (*outbox, *(Message(self._robot_id, EVERYBODY, survey_news(one)) for one in news))
-        believed = {"localisation": self._localiser.localisation, "found": self._shown(time_ns)}
-        return msgspec.structs.replace(decision, outbox=outbox, **believed)
+        shown = {"found": self._shown(time_ns), "particles": self._particles(time_ns)}
+        return msgspec.structs.replace(decision, outbox=outbox, localisation=self._localiser.localisation, **shown)
 
     def _shown(self, time_ns: int) -> OccupancyGrid | None:
         """Return the map for display, if it has changed and was not shown just before."""
@@ -72,6 +78,14 @@ class Located:
             return None
         self._shown_ns, self._shown_version = time_ns + _SHOWN_NS, self._survey.found.version
         return self._survey.found.known_part
+
+    def _particles(self, time_ns: int) -> tuple[Pose, ...] | None:
+        """Return the particles for display, if they have changed and were not shown just before."""
+        if time_ns < self._cloud_due_ns:
+            return None
+        self._cloud_due_ns, before = time_ns + _CLOUD_NS, self._cloud
+        self._cloud = self._localiser.particles
+        return None if self._cloud == before else self._cloud
 
     def _read(self, inbox: Sequence[Message], time_ns: int) -> Sequence[Message]:
         """Take over the news in an inbox, and return the other messages."""

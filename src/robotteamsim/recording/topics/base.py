@@ -41,6 +41,7 @@ class When(Enum):
     ONCE = "once"
     CLOCK = "50 times per simulated second"
     SHOWN = "every 5 s"
+    CLOUD = "once a second if"
     REQUEST = "once a second, to subscribers"
 
 

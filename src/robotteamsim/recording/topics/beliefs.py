@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, get_args
 
-from robotteamsim.geometry import PoseReading
+from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.interface import Estimate, Localisation
 from robotteamsim.interface.localisation import LocalisationState
 from robotteamsim.message_parts import MAP_FRAME, RosMessage, header
@@ -24,6 +24,10 @@ from robotteamsim.sensing.readings import OdometryReading
 
 def _localises(scenario: Scenario) -> bool:
     return scenario.control.localises
+
+
+def _has_particles(scenario: Scenario) -> bool:
+    return scenario.control.localisation == "laser" and not _maps(scenario)
 
 
 def _maps(scenario: Scenario) -> bool:
@@ -60,11 +64,25 @@ def read_localisation(message: Any) -> Localisation:
 
 
 def _read_estimate(message: Any) -> Estimate:
-    place, covariance = message.pose, plane_covariance(message.covariance)
-    check_place("estimate", place.position.x, place.position.y)
-    check_finite("estimate", place.orientation.z, place.orientation.w, *covariance)
-    reading = PoseReading(place.position.x, place.position.y, place.orientation.z, place.orientation.w)
-    return Estimate(reading.pose, covariance)
+    covariance = plane_covariance(message.covariance)
+    check_finite("estimate", *covariance)
+    return Estimate(_read_pose("estimate", message.pose), covariance)
+
+
+def particle_cloud(time_ns: int, particles: tuple[Pose, ...]) -> RosMessage:
+    """geometry_msgs/PoseArray, of `particlecloud`: where the robot may be, each as likely as any other."""
+    return {"header": header(time_ns, MAP_FRAME), "poses": [pose(PoseReading.from_pose(one)) for one in particles]}
+
+
+def read_particle_cloud(message: Any) -> tuple[Pose, ...]:
+    """Return where a robot may be. Raises: ValueError: an impossible place."""
+    return tuple(_read_pose("particle", one) for one in message.poses)
+
+
+def _read_pose(name: str, place: Any) -> Pose:
+    check_place(name, place.position.x, place.position.y)
+    check_finite(name, place.orientation.z, place.orientation.w)
+    return PoseReading(place.position.x, place.position.y, place.orientation.z, place.orientation.w).pose
 
 
 def origin_transform(time_ns: int, robot_id: int, odometry: OdometryReading, believed: Localisation) -> RosMessage:
@@ -100,7 +118,17 @@ FOUND_MAP = Topic(
     is_in=_maps,
     read=lambda message, *_: read_occupancy_grid(message),
 )
-BELIEF_TOPICS = (LOCALISATION, AMCL_POSE, FOUND_MAP)
+PARTICLES = Topic(
+    "particlecloud",
+    "geometry_msgs/PoseArray",
+    When.CLOUD,
+    lambda _, step, i: None if (particles := step.decisions[i].particles) is None else (particles,),
+    particle_cloud,
+    latched=True,
+    is_in=_has_particles,
+    read=lambda message, *_: read_particle_cloud(message),
+)
+BELIEF_TOPICS = (LOCALISATION, AMCL_POSE, FOUND_MAP, PARTICLES)
 """What a robot that localises itself believes, next to what its controller decides."""
 
 ORIGIN = Topic(

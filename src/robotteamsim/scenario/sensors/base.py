@@ -27,7 +27,7 @@ _NAME = re.compile("[a-z][a-z0-9_]*")
 
 _TAKEN = frozenset(
     (
-        *("amcl_pose", "localisation", "map"),
+        *("amcl_pose", "localisation", "map", "particlecloud"),
         *("base", "base_laser", "base_pose_ground_truth", "base_scan", "cmd_vel", "cmd_vel_stamped", "contact"),
         *("controller", "network", "odom", "radio_map", "teleop", "voice"),
     )
