@@ -20,7 +20,8 @@ NAME_M, LETTER_SHARE = 1.1, 0.52
 """Height of the name of a level in a building of 60 x 40 m, and width of a letter as a share of it."""
 
 # Heights of what lies on the floor; far enough apart for the depth buffer of a camera 60 m away.
-VOICE_Z_M, DISC_Z_M, TRAIL_Z_M = 0.02, 0.03, 0.05
+# The maps of rviz are at 0, above the floor.
+EDGE_Z_M, FLOOR_Z_M, VOICE_Z_M, DISC_Z_M, TRAIL_Z_M = -0.05, -0.02, 0.02, 0.03, 0.05
 # Its layers for `drawn_below`.
 SMOKE_LAYER, TRAIL_LAYER, DISC_LAYER, VOICE_LAYER = range(4)
 
@@ -30,8 +31,8 @@ def building_markers(plan: FloorPlan, cut_height_m: float) -> list[Marker]:
     floor = Mesh()
     for bounds in floors(plan):
         inside = shapely.box(*bounds.min, *bounds.max)
-        floor.polygon(inside.buffer(FLOOR_MARGIN_M, join_style="mitre"), -0.03, FLOOR_EDGE)
-        floor.polygon(inside, 0.0, FLOOR)
+        floor.polygon(inside.buffer(FLOOR_MARGIN_M, join_style="mitre"), EDGE_Z_M, FLOOR_EDGE)
+        floor.polygon(inside, FLOOR_Z_M, FLOOR)
     for passage in plan.passages:
         for stop in passage.stops:
             rim_m = 0.86 * passage.radius_m
