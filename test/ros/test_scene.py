@@ -174,12 +174,15 @@ def test_rviz_shows_the_scans_of_each_robot_in_its_colour():
 def test_rviz_shows_the_beliefs_of_robots_that_localise_themselves_alone():
     config = ROOT / "rviz" / "robotteamsim.rviz"
     topics = {}
-    for name in ("office_unknown", "garage_sar"):
-        displays = fitted(config, load(name))["Visualization Manager"]["Displays"]
-        topics[name] = {one.get("Topic"): one["Class"] for one in displays}
+    for name, settings in (("office_unknown", []), ("garage_sar", []), ("garage_sar", ["control.localisation=laser"])):
+        displays = fitted(config, load(name, settings))["Visualization Manager"]["Displays"]
+        topics[name + "_by_laser" * bool(settings)] = {one.get("Topic"): one["Class"] for one in displays}
     assert topics["office_unknown"]["/robot_3/amcl_pose"] == "rviz/PoseWithCovariance"
     assert topics["office_unknown"]["/robot_3/map"] == "rviz/Map"
-    assert not {"/robot_0/amcl_pose", "/robot_0/map"} & topics["garage_sar"].keys()
+    assert topics["garage_sar_by_laser"]["/robot_1/particlecloud"] == "rviz/PoseArray"
+    beliefs = {f"/robot_0/{name}" for name in ("amcl_pose", "map", "particlecloud")}
+    assert not beliefs & topics["garage_sar"].keys()
+    assert "/robot_0/particlecloud" not in topics["office_unknown"]
 
 
 def grab(display: str) -> np.ndarray:

@@ -104,7 +104,8 @@ def test_rviz2_shows_what_rviz_shows():
     assert kinds[: len(old)] == [(one["Class"].partition("/")[2], one["Name"], one["Enabled"]) for one in old]
     topics = [one["Topic"]["Value"] for one in new if "Topic" in one]
     wanted = [topic for one in old if (topic := one.get("Marker Topic") or one.get("Topic"))]
-    assert topics == [*wanted, *(f"/robot_{i}/base_scan" for i in range(3))]
-    for robot_id, scan in enumerate(new[len(old) :]):
-        colour = [round(255.0 * part) for part in palette.rgb(palette.robot_colour(robot_id))]
-        assert scan["Color"] == "; ".join(map(str, colour))
+    beliefs = [f"/robot_{i}/{name}" for i in range(3) for name in ("map", "particlecloud", "amcl_pose")]
+    assert topics == [*wanted, *(f"/robot_{i}/base_scan" for i in range(3)), *beliefs]
+    for display in new[len(old) :]:
+        colour = [round(255.0 * part) for part in palette.rgb(palette.robot_colour(int(display["Name"][-1])))]
+        assert display.get("Color") == (None if "Map" in display["Name"] else "; ".join(map(str, colour)))

@@ -13,7 +13,8 @@ from robotteamsim import palette
 from robotteamsim.errors import RobotTeamSimError
 from robotteamsim.nodes.launched import read_ros1_scenario
 from robotteamsim.nodes.scene.shapes import unit
-from robotteamsim.recording.topics.beliefs import AMCL_POSE, FOUND_MAP
+from robotteamsim.recording.topics.base import Topic
+from robotteamsim.recording.topics.beliefs import AMCL_POSE, FOUND_MAP, PARTICLES
 from robotteamsim.scenario import Scenario
 from robotteamsim.scenario.sections import Team
 
@@ -21,10 +22,17 @@ MAX_SCANS = 20
 """Largest number of robots whose scans are shown."""
 
 
-BELIEFS = {"rviz/PoseWithCovariance": AMCL_POSE, "rviz/Map": FOUND_MAP}
-"""What robots that localise themselves believe, by the displays of rviz."""
-ARROW_M = {("Shaft", "Length"): 1.2, ("Shaft", "Radius"): 0.3, ("Head", "Length"): 1.2, ("Head", "Radius"): 0.7}
-"""Of believed poses, in a building of the size that the views are made for."""
+BELIEFS: tuple[tuple[str, Topic, dict[str, Any]], ...] = (
+    ("Map of robot {}", FOUND_MAP, {"Class": "rviz/Map", "Enabled": False, "Alpha": 0.4}),
+    ("Particles of robot {}", PARTICLES, {"Class": "rviz/PoseArray", "Shape": "Arrow (Flat)", "Alpha": 0.6}),
+    ("Pose believed by robot {}", AMCL_POSE, {"Class": "rviz/PoseWithCovariance"}),
+)
+"""What robots that localise themselves believe, as displays of rviz; the team's maps are one display of the scene."""
+ARROW_M = {
+    AMCL_POSE: {"Shaft Length": 1.2, "Shaft Radius": 0.3, "Head Length": 1.2, "Head Radius": 0.7},
+    PARTICLES: {"Arrow Length": 1.6},
+}
+"""Sizes of arrows, in a building of the size that the views are made for."""
 
 
 def main() -> None:
@@ -76,10 +84,9 @@ def fitted(config: Path, scenario: Scenario) -> dict[str, Any]:
         ):
             topics = [f"/robot_{robot_id}/{name}" for name in names]
             manager["Displays"] += [kind | {"Name": topic, "Topic": topic} for topic in topics]
-        arrow = {f"{part} {size}": scale * value for (part, size), value in ARROW_M.items()}
-        for display, belief in BELIEFS.items():
+        for name, belief, display in BELIEFS:
             if belief.is_in(scenario):
-                topic = f"/robot_{robot_id}/{belief.name}"
-                shown = {"Class": display, "Name": topic, "Topic": topic, "Enabled": belief is AMCL_POSE}
-                manager["Displays"].append(tint | shown | arrow)
+                arrow = {key: scale * size_m for key, size_m in ARROW_M.get(belief, {}).items()}
+                shown = {"Name": name.format(robot_id), "Topic": f"/robot_{robot_id}/{belief.name}"}
+                manager["Displays"].append(tint | display | shown | arrow)
     return settings
