@@ -47,12 +47,17 @@ MIN_COLOURS = 200
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """The name of a picture, and the run in ROS that it shows, stopped after some steps."""
+    """The name of a picture, and the run in ROS that it shows, stopped after some steps.
+
+    hidden: names of displays that it does not show.   width: of the picture [pixels].
+    """
 
     name: str
     launch: str
     arguments: tuple[str, ...]
     steps: int
+    hidden: tuple[str, ...] = ()
+    width: int = SIZE[0]
 
 
 MOMENTS = (
@@ -66,6 +71,14 @@ MOMENTS = (
     Moment("office_manet", "mission.launch", ("scenario:=office_manet", "seed:=3", "controllers:=team"), 1800),
     Moment("garage_rescue_rviz", "mission.launch", ("scenario:=garage_rescue", "seed:=1", "controllers:=team"), 1900),
     Moment("office_fire_rviz", "mission.launch", ("scenario:=office_fire", "seed:=1", "controllers:=team"), 500),
+    Moment(
+        "unknown_rviz",
+        "mission.launch",
+        ("scenario:=garage_unknown", "seed:=1", "controllers:=team"),
+        600,
+        hidden=("Voice",),
+        width=1200,
+    ),
     Moment("warehouse_push", "mission.launch", ("scenario:=warehouse_push",), 300),
     Moment("tutorial_arena", "mission.launch", ("scenario:=tutorial_arena",), 600),
 )
@@ -99,7 +112,7 @@ def take_picture(moment: Moment, screen: str, scratch: Path) -> None:
         with running([sys.executable, str(ROOT / "scripts" / "scene")], scratch / "scene.log"):
             pause_after(moment.steps)
             path = IMAGES / f"{moment.name}.png"
-            draw(screen, scratch, path)
+            draw(screen, scratch, path, moment)
             print(f"{path.relative_to(ROOT)}: {path.stat().st_size // 1024} kB")
 
 
@@ -171,9 +184,11 @@ def master_answers() -> bool:
     return True
 
 
-def draw(screen: str, scratch: Path, path: Path) -> None:
+def draw(screen: str, scratch: Path, path: Path, moment: Moment) -> None:
     """Show the scene, wait until it no longer changes, and write a picture."""
     config = fitted(CONFIG, read_ros1_scenario(rospy.get_param))
+    for display in config["Visualization Manager"]["Displays"]:
+        display["Enabled"] &= display["Name"] not in moment.hidden
     width, height = (FINER * pixels for pixels in SIZE)
     config["Window Geometry"] |= {"Width": width, "Height": height}
     config_path = scratch / "view.rviz"
@@ -182,7 +197,8 @@ def draw(screen: str, scratch: Path, path: Path) -> None:
     environment = os.environ | {"DISPLAY": screen, "LIBGL_ALWAYS_SOFTWARE": "1", "QT_QPA_PLATFORM": "xcb"}
     with running(rviz, scratch / "rviz.log", env=environment):
         picture = settled_picture(screen, scratch / "screen.png")
-    picture.convert("RGB").resize(SIZE, Image.Resampling.LANCZOS).save(path, optimize=True)
+    size = moment.width, moment.width * SIZE[1] // SIZE[0]
+    picture.convert("RGB").resize(size, Image.Resampling.LANCZOS).save(path, optimize=True)
 
 
 def settled_picture(screen: str, path: Path) -> Image.Image:
