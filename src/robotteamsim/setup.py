@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 from robotteamsim.errors import ScenarioError
 from robotteamsim.hazards.hazards import make_hazards
@@ -24,13 +25,13 @@ class Setup:
     scenario: with the victims of `mission.random_victims` and the people of `people.groups` at their places.
     robots:   the team with start poses, in id order: robots, firefighters, command centre.
     building: the floor plan, with the grids and maps of it that several users need.
-    found:    what a robot has found of a building that it does not know; None: it knows all of it.
+    found:    by id, what robots have found of a building that they do not know; others know `building`.
     """
 
     scenario: Scenario
     robots: tuple[PlacedRobot, ...]
     building: Building
-    found: MapSource | None = None
+    found: Mapping[int, MapSource] = field(default_factory=dict, hash=False)
 
     @property
     def plan(self) -> FloorPlan:
@@ -39,7 +40,7 @@ class Setup:
 
     def map_of(self, robot_id: int) -> MapSource:
         """Return what a member of the team knows of the building."""
-        return self.found or self.building
+        return self.found.get(robot_id, self.building)
 
     @property
     def smallest_reach_m(self) -> float:
@@ -50,8 +51,11 @@ class Setup:
         """Return where a member of the team starts, in `map` [m]."""
         return self.robots[robot_id].start_pose[:2]
 
-    def without_building(self, known: FloorPlan, found: MapSource) -> Setup:
-        """Return what a robot gets that does not know the building. Args: known: what it is told of the plan."""
+    def without_building(self, known: FloorPlan, found: Mapping[int, MapSource]) -> Setup:
+        """Return what robots get that do not know the building.
+
+        Args: known: what they are told of the plan.  found: by id, what they find.
+        """
         scenario = self.scenario.model_copy(update={"plan": known})
         return replace(self, scenario=scenario, building=Building(known), found=found)
 

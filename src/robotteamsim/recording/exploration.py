@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from typing import Any
 
 import msgspec
@@ -11,6 +12,7 @@ import numpy as np
 from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.runtime.located import Located
 from robotteamsim.maps.found_map import CELL_M, FoundMap
+from robotteamsim.scenario.building import MapSource
 from robotteamsim.scenario.plan import OCCUPIED, UNKNOWN
 from robotteamsim.setup import Setup
 from robotteamsim.simulation import Observer, Result, Simulation, StepRecord
@@ -48,6 +50,27 @@ def found_maps(simulation: Simulation) -> tuple[FoundMap, ...]:
     return tuple(one.found for one in running if isinstance(one, Located) and one.found is not None)
 
 
+class KnownFloor:
+    """The floor of a building, where the centre of the smallest robot can be, and which share of it a team knows."""
+
+    def __init__(self, setup: Setup) -> None:
+        """Args: setup: with the true building."""
+        grid = known_map(setup.building, setup.smallest_reach_m).grid
+        start = grid.nearest_free(setup.start_m(0), 1.0)
+        shape = setup.building.grid(CELL_M).cells.shape
+        self._floor = np.zeros(shape, bool) if start is None else np.isfinite(grid.distance_map(start))
+
+    def share(self, maps: Iterable[MapSource]) -> float:
+        """Return the share of the floor that is in one of the maps at least, 0 to 1; 1 without any floor.
+
+        Args: maps: what robots have found.
+        """
+        known = np.zeros_like(self._floor)
+        for found in maps:
+            known |= found.grid(CELL_M).cells != UNKNOWN
+        return float(np.mean(known[self._floor])) if self._floor.any() else 1.0
+
+
 class ExplorationLog(Observer):
     """An observer that measures what the team of a simulation finds, once per second."""
 
@@ -60,9 +83,7 @@ class ExplorationLog(Observer):
         """Discard an earlier trial."""
         self.exploration = None
         self._walls = setup.building.grid(CELL_M).cells == OCCUPIED
-        grid = known_map(setup.building, setup.smallest_reach_m).grid
-        start = grid.nearest_free(setup.start_m(0), 1.0)
-        self._floor = np.zeros_like(self._walls) if start is None else np.isfinite(grid.distance_map(start))
+        self._floor = KnownFloor(setup)
         self._every = max(round(1.0 / setup.scenario.run.step_s), 1)
         self._reached_s: dict[float, float] = {}
         self._share, self._bytes, self._num_robots = 0.0, 0, setup.scenario.num_robots
@@ -97,10 +118,7 @@ class ExplorationLog(Observer):
         return {} if self.exploration is None else {"exploration": msgspec.to_builtins(self.exploration)}
 
     def _look(self, time_s: float) -> None:
-        known = np.zeros_like(self._floor)
-        for found in found_maps(self._simulation):
-            known |= found.cells != UNKNOWN
-        self._share = float(np.mean(known[self._floor])) if self._floor.any() else 1.0
+        self._share = self._floor.share(found_maps(self._simulation))
         for share in (0.9, 0.99):
             if self._share >= share:
                 self._reached_s.setdefault(share, time_s)

@@ -52,14 +52,28 @@ class Located:
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """Return the controller's decision, with the news that are due."""
+        return self.decide(*self.perceive(observation, inbox, task), task)
+
+    def perceive(
+        self, observation: Observation, inbox: Sequence[Message], task: Task
+    ) -> tuple[Observation, Sequence[Message]]:
+        """Localise and map, and return the controller's observation and inbox: the first half of a step."""
         time_ns = observation.sim_time_ns
         if self._shares:
             inbox = self._read(inbox, time_ns)
         pose = self._localiser.pose(observation, self._teammates.discs(time_ns) if self._shares else ())
-        is_due = self._shares and task.running and time_ns >= self._due_ns
-        if is_due and self._survey is not None:
+        if self._survey is not None and self._is_due(time_ns, task):
             self._survey.look()
-        decision = self.controller.step(_believed(observation, pose), inbox, task)
+        return _believed(observation, pose), inbox
+
+    def decide(self, believed: Observation, inbox: Sequence[Message], task: Task) -> Decision:
+        """Return the controller's decision, with the news that are due: the second half of a step.
+
+        Args: believed, inbox: from `perceive`.
+        """
+        time_ns, pose = believed.sim_time_ns, believed.pose
+        is_due = self._is_due(time_ns, task)
+        decision = self.controller.step(believed, inbox, task)
         if not isinstance(decision, Decision):
             return decision  # The guard reports it, and a wrong outbox.
         outbox = decision.outbox
@@ -71,6 +85,10 @@ class Located:
             outbox = (*outbox, *(Message(self._robot_id, EVERYBODY, survey_news(one)) for one in news))
         shown = {"found": self._shown(time_ns), "particles": self._particles(time_ns)}
         return msgspec.structs.replace(decision, outbox=outbox, localisation=self._localiser.localisation, **shown)
+
+    def _is_due(self, time_ns: int, task: Task) -> bool:
+        """Whether the robot tells its team now where it is and what it has found."""
+        return self._shares and task.running and time_ns >= self._due_ns
 
     def _shown(self, time_ns: int) -> OccupancyGrid | None:
         """Return the map for display, if it has changed and was not shown just before."""

@@ -4,6 +4,7 @@ import inspect
 from collections.abc import Callable, Collection
 from functools import partial
 from importlib.metadata import EntryPoint
+from typing import NamedTuple
 
 from robotteamsim.control.people.dispatch import DispatchController
 from robotteamsim.control.people.firefighter import FirefighterController
@@ -61,13 +62,8 @@ def make_controller(robot_id: int, setup: Setup, arrival: int = 1) -> Controller
     stands = robot_id == scenario.base and not controls_base(make, scenario)
     taken = _parameters(make)
     own = {"arrival": arrival} if "arrival" in taken else {}
-    localiser: Localiser | None = _localiser(robot_id, setup, arrival)
-    survey: Survey | None = None
-    if scenario.control.map == "unknown":
-        known = without_walls(scenario.plan)
-        found = FoundMap(known)
-        setup = setup.without_building(known, found)
-        localiser = survey = Survey(robot_id, setup, found, localiser)
+    belief = make_belief(robot_id, setup, arrival)
+    setup = belief.setup
     made = StandingBase() if stands else make(robot_id, setup if "setup" in taken else scenario, **own)
     if not callable(getattr(made, "step", None)):
         problem = f"makes a {type(made).__module__}.{type(made).__name__}, which has no step(observation, inbox, task)"
@@ -75,7 +71,32 @@ def make_controller(robot_id: int, setup: Setup, arrival: int = 1) -> Controller
     complete = made if scenario.base is None else with_base(made, robot_id, scenario)
     if scenario.mission.area_order != "given" and robot_id in scenario.searcher_ids:
         complete = AreaPlanner(complete, robot_id, setup, getattr(made, "best_area", None))
-    return complete if localiser is None else Located(complete, robot_id, setup, localiser, survey)
+    return complete if belief.localiser is None else Located(complete, robot_id, setup, belief.localiser, belief.survey)
+
+
+class Belief(NamedTuple):
+    """What a robot's controller gets in place of the truth, see `Located`.
+
+    setup:     with what the robot knows of the building.
+    localiser: follows its pose; None: the true one is used.
+    survey:    maps the building; None: the robot knows it.
+    """
+
+    setup: Setup
+    localiser: Localiser | None
+    survey: Survey | None
+
+
+def make_belief(robot_id: int, setup: Setup, arrival: int = 1) -> Belief:
+    """Return what a robot believes, by `control.localisation` and `control.map`."""
+    localiser = _localiser(robot_id, setup, arrival)
+    if setup.scenario.control.map == "known":
+        return Belief(setup, localiser, None)
+    known = without_walls(setup.plan)
+    found = FoundMap(known)
+    setup = setup.without_building(known, {robot_id: found})
+    survey = Survey(robot_id, setup, found, localiser)
+    return Belief(setup, survey, survey)
 
 
 def _localiser(robot_id: int, setup: Setup, arrival: int) -> Localiser | None:
