@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from robotteamsim.geometry import Twist
 from robotteamsim.interface import Decision
 from robotteamsim.learning.act import Commands
 from robotteamsim.learning.arrays import numbers_of
-from robotteamsim.learning.driven import DrivenControllers
+from robotteamsim.learning.driven import Believed, DrivenControllers, believes, known_setup
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.observe import area_of, cos_sin
 from robotteamsim.learning.reward import Steps
@@ -84,6 +85,7 @@ class _Mission:
     """The objects of a mission.
 
     sensed: the step to be judged next; None if the batch has made it.
+    believed: what the agents perceive of it; None: what was sensed.
     record: the last complete step that somebody has looked at.
     """
 
@@ -93,6 +95,7 @@ class _Mission:
         self.controllers = DrivenControllers(self.setup)
         self.simulation = Simulation(self.setup, controllers=self.controllers)
         self.sensed: StepRecord | None = None
+        self.believed: Believed | None = None
         self.record: StepRecord | None = None
 
     @property
@@ -127,8 +130,9 @@ class Missions:
         self.robot_ids = list(self.scenario.searcher_ids)
         """The agents."""
         self._setup = resolve(self.scenario)
-        self.observe = rules.observe(self._setup, self.robot_ids, rules.said, rules.teammates)
-        self.act = rules.act(self._setup, self.robot_ids, rules.said)
+        known = known_setup(self._setup, {})
+        self.observe = rules.observe(known, self.robot_ids, rules.said, rules.teammates)
+        self.act = rules.act(known, self.robot_ids, rules.said)
         if not isinstance(self.act.space, Box | Discrete):
             raise LearningError(f"act: space {self.act.space!r:.60}; expected a Box or Discrete")
         self.watch: Callable[[Simulation, StepRecord], None] | None = None
@@ -138,7 +142,7 @@ class Missions:
         """Whether nothing but robots that obey acts in a mission, as of its beginning, and no message is lost."""
         self._rngs = [stream(self.scenario.run.seed, "episodes") for _ in range(number)]
         self._missions: list[_Mission | None] = [None] * number
-        self._senses = Senses(self._setup, self.observe, number)
+        self._senses = Senses(known, self.observe, number)
         self._reward = rules.reward(self._setup, self.robot_ids, number)
         self._was_present, self._earned, self._cycles = np.zeros(shape, bool), np.zeros(shape), np.zeros(number, int)
         """Who was present in the agents' last step; their rewards since then; and how many steps they have made."""
@@ -184,8 +188,9 @@ class Missions:
         self._missions[which] = None
         mission = _Mission(self.scenario, int(self._rngs[which].integers(LARGEST_SEED) if seed is None else seed))
         mission.simulation.mission.start()
-        self._senses.begin(which, mission.setup)
-        self._reward.begin(which, mission.setup)
+        found = mission.controllers.found
+        self._senses.begin(which, known_setup(mission.setup, found))
+        self._reward.begin(which, replace(mission.setup, found=found))
         self._cycles[which] = self._passed[which] = 0
         self._earned[which] = 0.0
         while not (sensed := self._sense(which, mission)).task.running:
@@ -193,7 +198,7 @@ class Missions:
             if self._has_ended[which]:
                 raise LearningError(f"the mission ends before it begins: {END_TEXTS[record.mission.end]}")
         self._was_present[which] = self.present[which]
-        self._senses.perceive_team(which, sensed)
+        self._senses.perceive_team(which, sensed, mission.believed)
         self._missions[which] = mission
         self.are_plain[which] = self._is_plain(which, mission)
         if self.are_plain[which]:
@@ -278,7 +283,7 @@ class Missions:
             sensed = self._sense(which, mission)
             if self._has_ended[which]:
                 break
-        self._senses.perceive_team(which, sensed)
+        self._senses.perceive_team(which, sensed, mission.believed)
 
     def _sense(self, which: int, mission: _Mission) -> StepRecord:
         """Let a simulation make a step, up to what is perceived in it."""
@@ -287,7 +292,8 @@ class Missions:
         self.present[which], self._contact[which] = present, sensed.state.contact[ids]
         self._positions_m[which] = np.where(present[:, None], sensed.state.positions_m[ids], 0.0)
         self._times_ns[which] = sensed.sim_time_ns
-        self._senses.note_team(which, sensed)
+        mission.believed = mission.controllers.perceive(sensed)
+        self._senses.note_team(which, sensed, mission.believed)
         return sensed
 
     def _decide(self, which: int, mission: _Mission) -> StepRecord:
@@ -396,6 +402,7 @@ class Missions:
         carried = any(robot.sensors or robot.laser.noise_m > 0.0 for robot in robots)
         return (
             self.watch is None
+            and not believes(scenario.control)
             and scenario.run.world == "box2d"
             and self.robot_ids == list(range(len(robots)))
             and not (others or walk or doors or carried or scenario.mission.saved_by == "firefighter")
@@ -440,12 +447,6 @@ def _checked(scenario: AnyScenario, rules: Rules) -> Scenario:
     """Return a scenario. Raises: RobotTeamSimError: it is invalid, or no mission of agents with these rules."""
     scenario = scenario if isinstance(scenario, Scenario) else load(scenario)
     check_headless(scenario)
-    control = scenario.control
-    if control.localisation == "laser" or control.map == "unknown":
-        key = "control.map" if control.map == "unknown" else "control.localisation"
-        expected = "expected the plan, and true poses or odometry"
-        text = f"{key}: '{getattr(control, key[8:])}' is not possible for agents; {expected}"
-        raise LearningError(scenario.origin.line(text, key))
     if not scenario.searcher_ids:
         raise LearningError(scenario.origin.line("robots.count: no robot can be driven", "robots.count"))
     arriving = [f"schedule.{i}.spawn" for i, event in enumerate(scenario.schedule) if event.spawn is not None]

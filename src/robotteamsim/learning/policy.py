@@ -54,7 +54,7 @@ class PolicyController:
             return Decision()
         decision = self._held
         if self._steps % self.every == 0:
-            self._senses.perceive_robot(observation, task)
+            self._senses.perceive_each(0, [observation], task, observation.sim_time_ns)
             action = self.choose(self._senses.vectors(np.array([[True]]))[0, 0])
             commands = self._act.commands([action])
             (decision,) = commands.decisions(self._act.robot_ids, self._senses.percepts.poses[0, :, :2])

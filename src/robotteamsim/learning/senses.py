@@ -13,6 +13,7 @@ from robotteamsim.geometry import Pose, PoseReading
 from robotteamsim.interface import Message, Observation, Task
 from robotteamsim.interface.payload import Point, Update, update_reader
 from robotteamsim.learning.arrays import array_of, numbers_of, shown
+from robotteamsim.learning.driven import Believed
 from robotteamsim.learning.errors import LearningError
 from robotteamsim.learning.observe import Memory, Observe, Percepts, area_of, cos_sin
 from robotteamsim.mission import Sensed
@@ -99,10 +100,14 @@ class Senses:
             self._heard[where] = rows
             self._heard[(*where, 3)] = time_ns
 
-    def note_team(self, mission: int, sensed: Sensed) -> None:
-        """Note a step of a whole team, see `note`."""
-        readings = [sensed.readings[i] for i in self._ids] if self.looks(mission) else ()
-        self.note(mission, sensed.sim_time_ns, [sensed.inboxes[i] for i in self._ids], readings)
+    def note_team(self, mission: int, sensed: Sensed, believed: Believed | None = None) -> None:
+        """Note a step of a whole team, see `note`. Args: believed: by the agents, in place of what was sensed."""
+        readings = [sensed.readings[i] for i in self._ids] if self.looks(mission) else []
+        inboxes: Sequence[Sequence[Message]] = [sensed.inboxes[i] for i in self._ids]
+        if believed is not None:
+            own, inboxes = believed
+            readings = [read if one is None else one.robot for read, one in zip(readings, own, strict=False)]
+        self.note(mission, sensed.sim_time_ns, inboxes, readings)
 
     def hear(
         self, missions: Rows, hears: np.ndarray, positions_m: np.ndarray, say: np.ndarray, times_ns: np.ndarray
@@ -128,19 +133,28 @@ class Senses:
         """
         self._perceive(missions, self._measured(state, missions), areas, times_ns)
 
-    def perceive_team(self, mission: int, sensed: Sensed) -> None:
-        """Let the agents of a mission perceive a step."""
+    def perceive_team(self, mission: int, sensed: Sensed, believed: Believed | None = None) -> None:
+        """Let the agents of a mission perceive a step. Args: believed: see `note_team`."""
+        if believed is not None:
+            self.perceive_each(mission, believed.observations, sensed.task, sensed.sim_time_ns)
+            return
         measured, are_absent = self._measured(sensed.state, self._ids), ~sensed.present[self._ids]
         for part in measured:
             part[are_absent] = 0.0  # not NaN
         self._perceive_alone(mission, measured, sensed.task, sensed.sim_time_ns)
 
-    def perceive_robot(self, observation: Observation, task: Task) -> None:
-        """Let the only agent of the only mission perceive, by the observation of its controller."""
-        state = _core.state.State(1, self._observe.beams)
-        state.put_reading(0, observation.robot)
-        state.put_voice(0, observation.voice)
-        self._perceive_alone(0, self._measured(state, slice(None)), task, observation.sim_time_ns)
+    def perceive_each(self, mission: int, observations: Sequence[Observation | None], task: Task, time_ns: int) -> None:
+        """Let the agents of a mission perceive, by the observations of their controllers; None for absent agents."""
+        state = _core.state.State(len(observations), self._observe.beams)
+        for agent, observation in enumerate(observations):
+            if observation is not None:
+                state.put_reading(agent, observation.robot)
+                state.put_voice(agent, observation.voice)
+        measured = self._measured(state, np.arange(len(observations)))
+        are_absent = [observation is None for observation in observations]
+        for part in measured:
+            part[are_absent] = 0.0  # not NaN
+        self._perceive_alone(mission, measured, task, time_ns)
 
     def vectors(self, present: np.ndarray) -> np.ndarray:
         """Return the observation of each agent, float32, shape (missions, n, size of the space); 0 for absent ones.

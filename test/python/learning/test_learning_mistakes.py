@@ -141,8 +141,7 @@ class WithoutCounting(Observe):
         (lambda env: env.step({}), "the mission has not begun; call reset first"),
         (
             lambda _: parallel_env("garage_unknown"),
-            "garage_unknown.yaml: control.map: 'unknown' is not possible for agents; "
-            "expected the plan, and true poses or odometry",
+            "garage_unknown.yaml: mission.area_order: nearest; expected given, because agents choose no areas",
         ),
         (lambda env: (env.reset(), env.step({})), "actions of nobody; expected robot_0, robot_1, robot_2"),
         (
