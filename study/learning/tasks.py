@@ -10,6 +10,7 @@ from __future__ import annotations
 import argparse
 import csv
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -19,6 +20,7 @@ from robotteamsim.campaign.protocol import control_of
 from robotteamsim.learning import TASKS, task
 from robotteamsim.learning.observe import area_of
 from robotteamsim.learning.reward import Reward, Steps
+from robotteamsim.recording.exploration import ExplorationLog, found_maps
 from robotteamsim.recording.idleness import IdlenessLog
 from robotteamsim.recording.measures import Measures
 from robotteamsim.recording.network_log import NetworkLog
@@ -29,11 +31,12 @@ BASELINES = {
     "garage_search": ("search", "rdpso", "greedy", "cover", "random_walk"),
     "floor_search": ("search", "rdpso", "greedy", "cover", "random_walk"),
     "explore": ("cover", "boustrophedon", "search", "random_walk"),
+    "explore_unknown": ("frontier", "study.learning.follow_frontier:FollowFrontier", "random_walk"),
     "connected_coverage": ("cover_connected", "cover", "search_connected", "random_walk"),
     "patrol": ("sebs", "conscientious_reactive", "random_walk"),
     "rescue": ("search", "rdpso", "random_walk"),
 }
-QUANTITIES = ("return", "saved", "dead", "dose", "areas", "end_s", "covered", "split_s", "idle_s")
+QUANTITIES = ("return", "saved", "dead", "dose", "areas", "end_s", "covered", "known", "t90_s", "split_s", "idle_s")
 
 Row = dict[str, str | float]
 
@@ -41,13 +44,13 @@ Row = dict[str, str | float]
 class Return(Observer):
     """Adds up the rewards of a mission."""
 
-    def __init__(self, reward: type[Reward]) -> None:
-        self._make, self.total = reward, 0.0
+    def __init__(self, reward: type[Reward], simulation: Simulation) -> None:
+        self._make, self._simulation, self.total = reward, simulation, 0.0
 
     def begin(self, setup: Setup) -> None:
         """Begin with nothing."""
         self._reward, self.total = self._make(setup, setup.scenario.searcher_ids), 0.0
-        self._reward.begin(0, setup)
+        self._reward.begin(0, replace(setup, found=dict(enumerate(found_maps(self._simulation)))))
 
     def step(self, record: StepRecord) -> None:
         """Add the mean reward of the agents."""
@@ -61,10 +64,13 @@ class Return(Observer):
 def run_trial(name: str, controller: str, seed: int) -> Row:
     """Return what a mission has led to."""
     of = task(name, overrides=[f"run.seed={seed}"])
-    scenario = of["scenario"].model_copy(update={"control": control_of(controller)})
-    measures, network, idleness, won = Measures(), NetworkLog(), IdlenessLog(), Return(of["reward"])
-    result = Simulation(scenario).run([measures, network, won, *([idleness] if name == "patrol" else [])])
-    measured = measures.measured
+    control = control_of(controller, {"map": of["scenario"].control.map})
+    simulation = Simulation(of["scenario"].model_copy(update={"control": control}))
+    won, exploration = Return(of["reward"], simulation), ExplorationLog(simulation)
+    measures, network, idleness = Measures(), NetworkLog(), IdlenessLog()
+    own: dict[str, list[Observer]] = {"patrol": [idleness], "explore_unknown": [exploration]}
+    result = simulation.run([measures, network, won, *own.get(name, [])])
+    measured, explored = measures.measured, exploration.exploration
     return {
         "task": name,
         "controller": controller,
@@ -76,6 +82,8 @@ def run_trial(name: str, controller: str, seed: int) -> Row:
         "areas": result.areas_explored,
         "end_s": result.time_s,
         "covered": "" if measured.coverage is None else measured.coverage,
+        "known": "" if explored is None else explored.known,
+        "t90_s": "" if explored is None or explored.t90_s is None else explored.t90_s,
         "split_s": network.totals.split_s,
         "idle_s": "" if idleness.idleness is None else round(idleness.idleness.mean_s, 2),
         "hash": result.trajectory_hash[:12],

@@ -10,6 +10,7 @@ import numpy as np
 from robotteamsim.control.driving.known_map import UNREACHABLE_M, KnownMap, known_map
 from robotteamsim.mission.status import VictimState
 from robotteamsim.recording.coverage import CoverageLog
+from robotteamsim.recording.exploration import KnownFloor
 from robotteamsim.recording.idleness import IdlenessLog
 from robotteamsim.recording.network_log import NetworkLog
 from robotteamsim.scenario import Scenario
@@ -64,7 +65,10 @@ class Reward:
         return ""
 
     def begin(self, mission: int, setup: Setup) -> None:
-        """Let a mission begin: forget the one before it of the same number. Args: setup: with a seed of its own."""
+        """Let a mission begin: forget the one before it of the same number.
+
+        Args: setup: with a seed of its own. It has the true building, and in `found` the maps of agents that map it.
+        """
 
     def of_step(self, steps: Steps) -> np.ndarray:
         """Return the reward of each agent for one step of the simulation of some missions, shape (k, n)."""
@@ -168,6 +172,44 @@ class CoverageReward(Reward):
             self._coverages[i].step(record)
             self._covered[i] = self._coverages[i].share
         floor = self.FLOOR * (self._covered[steps.missions] - before)
+        return np.asarray(floor[:, None] + self.for_contacts(steps))
+
+
+class KnownFloorReward(Reward):
+    """For the team: the share of the true floor that is newly in a map of some agent; for each robot: contacts.
+
+    What leaves all maps again, because one was corrected, is a loss. Whether a map is right is not looked at.
+    """
+
+    FLOOR = 10.0
+
+    def __init__(self, setup: Setup, robot_ids: Sequence[int], missions: int = 1) -> None:
+        """See `Reward`."""
+        super().__init__(setup, robot_ids, missions)
+        self._floors, self._maps = [KnownFloor(setup)] * missions, [tuple(setup.found.values())] * missions
+        self._shares, self._versions = np.zeros(missions), [[0] * len(maps) for maps in self._maps]
+        """The share of each mission, and the versions of its maps when it was counted."""
+
+    @classmethod
+    def lack_of(cls, scenario: Scenario) -> str:
+        """See `Reward`."""
+        if scenario.control.map == "known":
+            return "control.map: known; expected unknown, so that there is something to find"
+        return _areas_of(scenario)
+
+    def begin(self, mission: int, setup: Setup) -> None:
+        """See `Reward`."""
+        self._floors[mission], self._maps[mission] = KnownFloor(setup), tuple(setup.found.values())
+        self._shares[mission], self._versions[mission] = 0.0, [0] * len(setup.found)
+
+    def of_step(self, steps: Steps) -> np.ndarray:
+        """See `Reward`."""
+        before = self._shares[steps.missions]
+        for i in steps.missions.tolist():
+            versions = [found.version for found in self._maps[i]]
+            if versions != self._versions[i]:
+                self._versions[i], self._shares[i] = versions, self._floors[i].share(self._maps[i])
+        floor = self.FLOOR * (self._shares[steps.missions] - before)
         return np.asarray(floor[:, None] + self.for_contacts(steps))
 
 

@@ -8,12 +8,14 @@ from typing import Any, NamedTuple
 import gymnasium
 
 from robotteamsim.learning.errors import LearningError
+from robotteamsim.learning.found_floor import FoundMemory
 from robotteamsim.learning.gym_env import CentralEnv, gym_env
 from robotteamsim.learning.memory import FloorMemory, PatrolMemory, RescueMemory
 from robotteamsim.learning.observe import Observe
 from robotteamsim.learning.reward import (
     ConnectedCoverageReward,
     CoverageReward,
+    KnownFloorReward,
     PatrolReward,
     RescueReward,
     Reward,
@@ -27,6 +29,12 @@ class FloorObserve(Observe):
     """Also the floor that an agent knows to be covered, and a place to cover next."""
 
     remembers = FloorMemory
+
+
+class FoundObserve(Observe):
+    """Also the map that an agent has found of a building that nobody knows, and a path to where it ends."""
+
+    remembers = FoundMemory
 
 
 class PatrolObserve(Observe):
@@ -59,6 +67,7 @@ TASKS: Mapping[str, LearningTask] = {
     "garage_search": LearningTask("garage_sar"),
     "floor_search": LearningTask("isr_floor_0_sar"),
     "explore": LearningTask("garage_sar", CoverageReward, FloorObserve, (*_COVERAGE, *_ANYWHERE)),
+    "explore_unknown": LearningTask("garage_unknown", KnownFloorReward, FoundObserve, (*_NO_SEARCH, *_ANYWHERE)),
     "connected_coverage": LearningTask(
         "office_manet", ConnectedCoverageReward, FloorObserve, (*_COVERAGE, "mission.base=null")
     ),

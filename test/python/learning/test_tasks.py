@@ -119,7 +119,7 @@ def test_task_is_registered_with_gymnasium(name):
     assert env.observation_space.contains(vector)
 
 
-@pytest.mark.parametrize("name", ["explore", "patrol"])
+@pytest.mark.parametrize("name", ["explore", "explore_unknown", "patrol"])
 def test_missions_of_other_seeds_start_elsewhere(name):
     env = parallel_env(**short(name))
     starts = []
@@ -330,6 +330,14 @@ def test_graphs_of_patrolling_sim_are_patrolled():
         (
             lambda: parallel_env(**task("explore", load("garage_sar", ["mission.areas=[]"]))),
             "garage_sar.yaml: mission.coverage: none; expected a section, such as {radius_m: 2.5}",
+        ),
+        (
+            lambda: parallel_env(**task("explore_unknown", "garage_sar")),
+            "garage_sar.yaml: control.map: known; expected unknown, so that there is something to find",
+        ),
+        (
+            lambda: parallel_env(**task("explore_unknown", load("garage_unknown"))),
+            "garage_unknown.yaml: mission.areas: 5, the last of which ends a mission; expected none",
         ),
         (
             lambda: BatchEnv(**task("explore", load("garage_sar", ["mission.coverage={}"])), num_envs=2),
