@@ -139,6 +139,17 @@ def test_area_behind_walls_is_given_up_and_the_others_are_explored(run):
 
 
 @pytest.mark.parametrize("order", ["given", "nearest"])
+@pytest.mark.parametrize("starts", [STARTS, STARTS[:1]])
+def test_floor_behind_the_last_area_does_not_keep_robots_from_it(run, starts, order):
+    door = Area(name="door", center=(12.0, 5.0))  # all paths to the corners of the room on the right lead through it
+    mission = run(walls=[_wall(12.0, 0.0, 4.3), _wall(12.0, 5.7, 10.0)], areas=(door,), starts=starts, area_order=order)
+    assert mission.status.end == "areas_explored"
+    assert mission.status.time_s < 60.0
+    # It was only kept out of for a while.
+    assert not any(decision.done for record in mission.records for decision in record.decisions)
+
+
+@pytest.mark.parametrize("order", ["given", "nearest"])
 def test_areas_are_explored_and_the_last_one_after_everything(run, order):
     south = Area(name="south", center=(10.0, 2.0))
     mission = run(areas=(WEST, south, EAST), area_order=order)

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from robotteamsim import _core
 from robotteamsim.control.driving.hot_places import HotPlaces
-from robotteamsim.control.driving.known_map import Disc, known_map
+from robotteamsim.control.driving.known_map import Disc, KnownMap, known_map
 from robotteamsim.control.driving.navigation import Navigator
 from robotteamsim.control.driving.places import OtherPlaces, Places
 from robotteamsim.geometry import Pose, Twist
@@ -68,8 +68,12 @@ class Driver:
         if not self.hot.update(sim_time_ns) and now == (self.doors, self._kept_out, self._version):
             return False
         self.doors, self._kept_out, self._version = now
-        self.map = known_map(self._building, self._reach_m, doors, self.hot.blocked, kept_out, self._by)
+        self.map = self.map_outside(kept_out)
         return True
+
+    def map_outside(self, kept_out: Disc | None) -> KnownMap:
+        """Return the map as of the last update, but with another disc that paths do not enter; None: without one."""
+        return known_map(self._building, self._reach_m, self.doors, self.hot.blocked, kept_out, self._by)
 
     def closed_area(self, task: Task, position: Vector) -> Vector | None:
         """Return the centre of the area of the task if the robot knows no path to its floor; None if it knows one."""

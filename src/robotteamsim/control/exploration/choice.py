@@ -53,15 +53,30 @@ class Choice:
             return None
         lengths_m = known.grid.distance_map(start)
         goals = self._frontiers(lengths_m).joined_with(self._ways_to(areas, known, lengths_m))
+        self._last = self._try(goals, last, goals_of_team, spent_s)
+        return self._last
+
+    def way_to(self, area: Area, known: KnownMap, position: Vector, spent_s: float) -> Vector | None:
+        """Return where the robot enters an area, in `map` [m], and note whether it misses it; None if it does.
+
+        Args: spent_s: how long it has been on the way there.
+        """
+        start = known.grid.nearest_free(position, 1.0)
+        if start is None:
+            self.missed.add(area.center)
+            return None
+        return self._try(self._ways_to([area], known, known.grid.distance_map(start)), None, (), spent_s)
+
+    def _try(self, goals: Goals, last: Vector | None, goals_of_team: Sequence[Vector], spent_s: float) -> Vector | None:
+        """Return the best of the places that are not given up, and spend patience on it; None without one."""
         for patience in self._chances:
             left = goals.where(~patience.given_up(goals.places_m))
             if len(left):
                 best = int(np.argmax(self._scores(left, last, goals_of_team)))
                 x_m, y_m = left.places_m[best].tolist()
                 patience.spend((x_m, y_m), float(left.paths_m[best]), spent_s)
-                self._last = x_m, y_m
-                break
-        return self._last
+                return x_m, y_m
+        return None
 
     def _frontiers(self, lengths_m: np.ndarray) -> Goals:
         """Return the frontiers that are worth a path. Args: lengths_m: of the paths to all cells."""

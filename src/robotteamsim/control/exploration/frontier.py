@@ -115,16 +115,21 @@ class FrontierController(RouteController):
         spent_s, self._chosen_s, self._place = now.time_s - self._chosen_s, now.time_s, None
         left = self._areas.left
         next_ones = left[:1] if now.task.areas_left is None else left
-        known, team = self.driver.map, self._goals_of_team
+        team = self._goals_of_team
         if self._is_somebody_missing(now.time_s):
             self._goal = self._meeting_m
         else:
+            # Also once paths may enter the last area: else, floor in it or behind it would close it again.
+            outside = self.driver.map_outside(self._areas.kept_out_soon)
             self._goal = self._choice.choose(
-                known, now.position, [a for a in next_ones if a is not left[-1]], team, spent_s
+                outside, now.position, [a for a in next_ones if a is not left[-1]], team, spent_s
             )
         self._aim, self._is_idle = self._goal, self._goal is None
-        if self.is_searched and len(left) == 1:
-            self._aim = self._choice.choose(known, now.position, left, team, spent_s)
+        if len(left) == 1:
+            # It is not missed because paths do not enter it yet.
+            self._choice.missed.discard(left[0].center)
+            if self.is_searched and self._kept_out_now is None:
+                self._aim = self._choice.way_to(left[0], self.driver.map, now.position, spent_s)
 
     @property
     def _goals_of_team(self) -> list[Vector]:
