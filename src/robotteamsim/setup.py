@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 
 from robotteamsim.errors import ScenarioError
+from robotteamsim.geometry import Pose
 from robotteamsim.hazards.hazards import make_hazards
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.building import Building, MapSource, building_of
@@ -58,6 +59,29 @@ class Setup:
         """
         scenario = self.scenario.model_copy(update={"plan": known})
         return replace(self, scenario=scenario, building=Building(known), found=found)
+
+    def knows_start(self, robot_id: int) -> bool:
+        """Whether a member of the team is told where it starts."""
+        starts = self.scenario.control.mapping.starts
+        return starts == "known" or robot_id in (0, self.scenario.base)
+
+    @property
+    def middle(self) -> Pose:
+        """The middle of the building: where a robot takes itself to be that does not know where it starts."""
+        (x0, y0), (x1, y1) = self.plan.bounds.min, self.plan.bounds.max
+        return Pose(0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.0)
+
+    def with_starts(self, starts: Mapping[int, Pose]) -> Setup:
+        """Return the same setup with other start poses of some members of the team, by id."""
+        poses = {i: (pose.x_m, pose.y_m, pose.yaw_rad) for i, pose in starts.items()}
+        robots = enumerate(self.robots)
+        moved = (robot.model_copy(update={"start_pose": poses.get(i, robot.start_pose)}) for i, robot in robots)
+        return replace(self, robots=tuple(moved))
+
+    def without_areas(self) -> Setup:
+        """Return the same setup without areas to explore."""
+        mission = self.scenario.mission.model_copy(update={"areas": (), "area_order": "given"})
+        return replace(self, scenario=self.scenario.model_copy(update={"mission": mission}))
 
     def with_control(self, control: Control) -> Setup:
         """Return the same setup with another section `control`."""

@@ -120,4 +120,4 @@ class DrivenControllers(TeamControllers):
         belief = make_belief(robot_id, self._setup, arrival)
         assert belief.localiser is not None
         kind = _Agent if is_driven else Located
-        return kind(controller, robot_id, belief.setup, belief.localiser, belief.survey)
+        return kind(lambda setup: controller, robot_id, belief.setup, belief.localiser, belief.survey)

@@ -114,7 +114,7 @@ class RecentScans:
         What only one scan has hit may move, such as a teammate, and is left out.
         """
         cells = [
-            np.unique(np.round(_moved(pose, self._view.hits_m(scan)) / CELL_M).astype(np.int64), axis=0)
+            np.unique(np.round(moved(pose, self._view.hits_m(scan)) / CELL_M).astype(np.int64), axis=0)
             for pose, scan in self.seen_from(odometry)
         ]
         distinct, counts = np.unique(np.concatenate(cells), axis=0, return_counts=True)
@@ -126,7 +126,7 @@ def evenly(items: np.ndarray, most: int) -> np.ndarray:
     return np.asarray(items[np.linspace(0, len(items) - 1, min(most, len(items))).round().astype(int)])
 
 
-def _moved(pose: Pose, points_m: np.ndarray) -> np.ndarray:
+def moved(pose: Pose, points_m: np.ndarray) -> np.ndarray:
     """Return points of a frame with that pose, shape (n, 2) [m]."""
     cos, sin = math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
     return np.asarray(points_m @ np.array([[cos, sin], [-sin, cos]]) + (pose.x_m, pose.y_m))

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from robotteamsim import _core
 from robotteamsim.geometry import Pose
 from robotteamsim.interface import Estimate, Localisation, Observation
 from robotteamsim.interface.survey_news import (
@@ -20,14 +19,15 @@ from robotteamsim.interface.survey_news import (
     packed,
     unpacked,
 )
-from robotteamsim.maps.found_map import CELL_M, FoundMap, Part
+from robotteamsim.maps.found_map import FoundMap, Part
 from robotteamsim.maps.localiser import Localiser
+from robotteamsim.maps.merging import Merging
+from robotteamsim.maps.own_map import OwnMap, overlap, whole
 from robotteamsim.maps.recent_scans import LaserView
 from robotteamsim.maps.teammates import Disc
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN
 from robotteamsim.setup import Setup
-from robotteamsim.world.core_parts import core_fan
 
 _LONGEST = 1200
 """Characters of the cells in one message: with the rest of it, it fits into a packet of 1,500 bytes."""
@@ -61,19 +61,16 @@ class Survey:
         self._robot_id, self.found, self._given = robot_id, found, given
         body = setup.robots[robot_id]
         self._view = LaserView(body.laser)
-        mapping = setup.scenario.control.mapping
-        self._factor = round(CELL_M / mapping.cell_m)
-        self._map_T_frame = Pose(*found.origin_m, 0.0)
-        """The mapper's frame has its origin in cell (0, 0) of the map, so that cells coincide."""
-        self._mapper = _core.maps.Mapper(
-            fan=core_fan(body.laser.beam_model().fan),
-            range_min_m=body.laser.range_min_m,
-            start=self._map_T_frame.inverse() @ Pose(*body.start_pose),
-            parameters=_core.maps.MapperParameters(**mapping.model_dump(exclude={"share_s"})),
-        )
+        mapping, knows_start = setup.scenario.control.mapping, setup.knows_start(robot_id)
+        start = Pose(*body.start_pose) if knows_start else setup.middle
+        self._own = OwnMap(body.laser, mapping, start, found, may_move=not knows_start)
+        self._merging = None if knows_start else Merging(self._view, setup.smallest_reach_m, found)
+        """Until the robot knows where it started."""
+        self._place: Pose | None = None
+        """Where it has found that its own map lies in `map`, to which it moves in the next step."""
         self._heard: list[Part] = []
         """Where teammates have found something since the last look."""
-        self._own, self._of_team = found.cells.copy(), found.cells.copy()
+        self._of_team = found.cells.copy()
         self._unsent = np.zeros(found.cells.shape, dtype=bool)
         self._said = found.cells.copy()
         """What anybody has said last about each cell."""
@@ -95,33 +92,45 @@ class Survey:
         reading = observation.robot.odometry
         odometry, covariance, ranges_m = reading.pose.pose, reading.pose_covariance, observation.robot.ranges_m
         if self._given is not None:
-            odometry, covariance = self._map_T_frame.inverse() @ self._given.pose(observation), _CERTAIN
+            odometry, covariance = self._own.to_frame(self._given.pose(observation)), _CERTAIN
         masked = np.zeros(len(ranges_m), dtype=bool)
-        due_at = self._mapper.due_at(odometry)
-        if due_at is not None:
-            masked = self._view.end_in(teammates, self._map_T_frame @ due_at, self._view.ends_m(ranges_m))
-        self._mapper.step(odometry, covariance, ranges_m, masked)
-        return self._pose
+        due_at = self._own.due_at(odometry)
+        if due_at is not None and self._merging is None:
+            masked = self._view.end_in(teammates, due_at, self._view.ends_m(ranges_m))
+        is_update = self._own.step(odometry, covariance, ranges_m, masked)
+        if self._merging is not None and is_update:
+            self._merging.note(self._own.pose, ranges_m, teammates, self._own.cells)
+        if self._place is not None:
+            self._own.move(self._place)
+            self._merging = self._place = None
+            self._heard.append(whole(self.found.cells))
+            self.look()
+        return self._own.pose
 
     @property
-    def _pose(self) -> Pose:
-        return self._map_T_frame @ self._mapper.pose
+    def is_placed(self) -> bool:
+        """Whether the robot knows where it is in the map of its team."""
+        return self._merging is None
 
     @property
     def localisation(self) -> Localisation:
-        """What the mapper knows as of the last step."""
-        # The axes of the mapper's frame are those of `map`.
-        estimate = Estimate(self._pose, tuple(self._mapper.covariance))
-        return Localisation("lost" if self._mapper.is_lost else "tracking", (estimate,))
+        """What the robot knows as of the last step."""
+        if self._merging is not None:
+            return self._merging.localisation(self._own.pose)
+        estimate = Estimate(self._own.pose, self._own.covariance)
+        return Localisation("lost" if self._own.is_lost else "tracking", (estimate,))
 
     def look(self) -> None:
         """Show in `found` what the robot and its teammates have found by now."""
-        (x_m, y_m), cells = self._mapper.take_changes(self._factor)
-        here, there = _overlap(self._own.shape, round(y_m / CELL_M), round(x_m / CELL_M), cells.shape)
-        self._unsent[here] |= self._own[here] != cells[there]
-        self._own[here] = cells[there]
-        parts, self._heard = [here, *self._heard], []
-        known = (np.where(self._own[part] == UNKNOWN, self._of_team[part], self._own[part]) for part in parts)
+        own, of_team = self._own.cells, self._of_team
+        part, changed = self._own.take_changes()
+        self._unsent[part] |= changed
+        if self._merging is not None:
+            self.found.show([(part, own[part])])
+            self._place = self._merging.search(own, of_team)
+            return
+        parts, self._heard = [part, *self._heard], []
+        known = (np.where(own[part] == UNKNOWN, of_team[part], own[part]) for part in parts)
         self.found.show(list(zip(parts, known, strict=True)))
 
     def hear(self, sender: int, news: SurveyNews, sim_time_ns: int) -> None:
@@ -134,13 +143,14 @@ class Survey:
             self._wanted.discard(sender)
         self._expected[sender] = news.number + (news.cells is not None)
         cells = news.cells
-        symbols = None if cells is None else unpacked(cells, self._own.size)
+        symbols = None if cells is None else unpacked(cells, self._of_team.size)
         if cells is not None and symbols is not None:
-            here, there = _overlap(self._own.shape, cells.row, cells.column, symbols.shape)
+            here, there = overlap(self._of_team.shape, cells.row, cells.column, symbols.shape)
             symbols = symbols[there]
             for known in (self._of_team[here], self._said[here]):
                 np.copyto(known, _CELLS[symbols], where=symbols != SAME)
-            self._heard.append(here)
+            if self._merging is None:
+                self._heard.append(here)
 
     def news(self, position: Point | None, sim_time_ns: int) -> Iterator[SurveyNews]:
         """Yield what the robot has to say now: one message or more. Args: position: of the robot, in `map` [m]."""
@@ -156,7 +166,7 @@ class Survey:
 
         If a teammate has asked for it, yield all that the robot knows.
         """
-        if not self._is_asked and sim_time_ns < self._due_ns:
+        if self._merging is not None or (not self._is_asked and sim_time_ns < self._due_ns):
             return
         self._due_ns = sim_time_ns + self._period_ns
         known = self.found.cells
@@ -172,11 +182,3 @@ class Survey:
         yield from packed(
             np.where(to_send[part], symbols, SAME).astype(np.uint8), self._longest, rows.start, columns.start
         )
-
-
-def _overlap(shape: tuple[int, ...], row: int, column: int, other: tuple[int, ...]) -> tuple[Part, Part]:
-    """Return the same rectangle in two grids of cells, of which the second begins at a row and column of the first."""
-    low, left = max(row, 0), max(column, 0)
-    high, right = max(min(shape[0], row + other[0]), low), max(min(shape[1], column + other[1]), left)
-    here = slice(low, high), slice(left, right)
-    return here, (slice(low - row, high - row), slice(left - column, right - column))

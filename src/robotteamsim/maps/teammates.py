@@ -23,7 +23,9 @@ class Teammates:
     def __init__(self, robot_id: int, setup: Setup) -> None:
         self._robot_id, self._robots = robot_id, setup.robots
         self._last: dict[int, tuple[int, Point]] = {
-            i: (0, robot.start_pose[:2]) for i, robot in enumerate(setup.robots) if i != robot_id
+            i: (0, robot.start_pose[:2])
+            for i, robot in enumerate(setup.robots)
+            if i != robot_id and setup.knows_start(i)
         }
 
     def note(self, robot_id: int, position: Point, sim_time_ns: int) -> None:

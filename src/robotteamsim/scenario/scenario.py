@@ -172,7 +172,12 @@ class Scenario(Model):
             expected = " or ".join(f"'{name}'" for name in control.maps)
             raise wrong("control.map", f"'{control.map}' with algorithm {control.algorithm}; expected {expected}")
         if control.map == "known":
+            if control.mapping.starts == "unknown":
+                raise wrong("control.mapping.starts", "'unknown' needs control.map 'unknown'")
             return
+        if control.mapping.starts == "unknown" and control.localisation != "laser":
+            text = f"'unknown' is not possible with localisation {control.localisation}; expected 'laser'"
+            raise wrong("control.mapping.starts", text)
         cannot = {"levels": self.plan.levels, "firefighters": self.firefighters, "relays": self.relays.count}
         cannot["localisation tf"] = control.localisation == "tf"
         for what, given in cannot.items():

@@ -42,7 +42,7 @@ def step():
     robot = RobotReading(reading, Twist(), OdometryReading(reading, Twist()), np.zeros(0, np.float32), in_contact=False)
     kept = _Kept()
     # The voice is 2 m ahead and 1 m to the left.
-    located = Located(kept, 0, resolve(load("garage_sar")), _Fixed())
+    located = Located(lambda setup: kept, 0, resolve(load("garage_sar")), _Fixed())
     decision = located.step(Observation(0, 10**8, robot, VoiceReading(20.0, True, (2.0, 6.0), 25.0)), (), Task())
     return kept.observation, decision
 

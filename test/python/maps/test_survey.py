@@ -71,12 +71,12 @@ class Team:
     def __init__(self, setup, count):
         self.surveys = [Survey(i, setup, FoundMap(without_walls(setup.plan)), None) for i in range(count)]
         for survey in self.surveys:
-            survey._mapper = Seen()
+            survey._own._mapper = Seen()
         self.time_s = 0.0
 
     def sees(self, robot_id, *cells):
         """Let a robot map these cells."""
-        self.surveys[robot_id]._mapper.cells[:] = cells
+        self.surveys[robot_id]._own._mapper.cells[:] = cells
 
     def share(self, *lost):
         """Let all robots send, some time later; lost: pairs of a sender and a receiver."""

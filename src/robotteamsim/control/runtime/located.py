@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import msgspec
 
@@ -28,13 +28,25 @@ class Located:
 
     Once per `control.iteration_s`, the robot tells its team where it is and, with a survey, what it has found; such
     messages do not reach the controller. Its decisions say what the robot believes.
+
+    With unknown starts, the map of a robot has a frame of its own until it finds its place in that of its team. Until
+    then the controller knows no areas, and its messages, which speak of places, are neither sent nor received; then a
+    new controller begins.
     """
 
     def __init__(
-        self, controller: Controller, robot_id: int, setup: Setup, localiser: Localiser, survey: Survey | None = None
+        self,
+        make: Callable[[Setup], Controller],
+        robot_id: int,
+        setup: Setup,
+        localiser: Localiser,
+        survey: Survey | None = None,
     ) -> None:
-        self.controller = controller
+        """Args: make: makes the controller of a robot that knows of the mission what the setup says."""
+        self._make, self._setup = make, setup
         self._robot_id, self._localiser, self._survey = robot_id, localiser, survey
+        self._is_placed = survey is None or survey.is_placed
+        self.controller = make(self._told())
         self._teammates = Teammates(robot_id, setup)
         self._shares = localiser.looks or survey is not None
         self._period_ns = round(setup.scenario.control.iteration_s * 1e9)
@@ -62,6 +74,11 @@ class Located:
         if self._shares:
             inbox = self._read(inbox, time_ns)
         pose = self._localiser.pose(observation, self._teammates.discs(time_ns) if self._shares else ())
+        if not self._is_placed:
+            inbox = ()
+            if self._survey is not None and self._survey.is_placed:
+                self._is_placed = True
+                self.controller = self._make(self._told())
         if self._survey is not None and self._is_due(time_ns, task):
             self._survey.look()
         return _believed(observation, pose), inbox
@@ -73,10 +90,11 @@ class Located:
         """
         time_ns, pose = believed.sim_time_ns, believed.pose
         is_due = self._is_due(time_ns, task)
-        decision = self.controller.step(believed, inbox, task)
+        known = task if self._is_placed else Task(task.running, task.epoch)
+        decision = self.controller.step(believed, inbox, known)
         if not isinstance(decision, Decision):
             return decision  # The guard reports it, and a wrong outbox.
-        outbox = decision.outbox
+        outbox = decision.outbox if self._is_placed else ()
         if is_due and isinstance(outbox, (tuple, list)):
             self._due_ns = time_ns + self._period_ns
             is_sure = self._localiser.localisation.state == "tracking"
@@ -90,9 +108,22 @@ class Located:
         """Whether the robot tells its team now where it is and what it has found."""
         return self._shares and task.running and time_ns >= self._due_ns
 
+    def _told(self) -> Setup:
+        """Return what the controller is told: the middle of the building instead of starts that nobody knows."""
+        setup = self._setup
+        starts = {i: setup.middle for i in range(len(setup.robots)) if not setup.knows_start(i)}
+        if not starts:
+            return setup
+        if self._is_placed and self._robot_id in starts:
+            starts[self._robot_id] = self._localiser.localisation.pose
+        told = setup.with_starts(starts)
+        return told if self._is_placed else told.without_areas()
+
     def _shown(self, time_ns: int) -> OccupancyGrid | None:
         """Return the map for display, if it has changed and was not shown just before."""
-        if self._survey is None or time_ns < self._shown_ns or self._survey.found.version == self._shown_version:
+        if self._survey is None or not self._is_placed:
+            return None
+        if time_ns < self._shown_ns or self._survey.found.version == self._shown_version:
             return None
         self._shown_ns, self._shown_version = time_ns + _SHOWN_NS, self._survey.found.version
         return self._survey.found.known_part

@@ -52,26 +52,32 @@ def make_controller(robot_id: int, setup: Setup, arrival: int = 1) -> Controller
             of the controller's constructor are not caught.
     """
     scenario = setup.scenario
-    name = scenario.control.algorithm
     if not 0 <= robot_id < len(setup.robots):
         raise ScenarioError(f"{scenario.name}: there is no robot {robot_id}, only 0 to {len(setup.robots) - 1}")
     try:
         make = _make_for(robot_id, scenario)
     except _NotFoundError as error:
         raise ScenarioError(f"{scenario.name}: control.algorithm: {error}") from None
-    stands = robot_id == scenario.base and not controls_base(make, scenario)
-    taken = _parameters(make)
-    own = {"arrival": arrival} if "arrival" in taken else {}
+    complete = partial(_complete, robot_id, make=make, arrival=arrival)
     belief = make_belief(robot_id, setup, arrival)
-    setup = belief.setup
+    if belief.localiser is None:
+        return complete(belief.setup)
+    return Located(complete, robot_id, belief.setup, belief.localiser, belief.survey)
+
+
+def _complete(robot_id: int, setup: Setup, *, make: MakeController, arrival: int) -> Controller:
+    """Return the controller of a robot, with what makes its deliveries, and chooses its areas."""
+    scenario, taken = setup.scenario, _parameters(make)
+    own = {"arrival": arrival} if "arrival" in taken else {}
+    stands = robot_id == scenario.base and not controls_base(make, scenario)
     made = StandingBase() if stands else make(robot_id, setup if "setup" in taken else scenario, **own)
     if not callable(getattr(made, "step", None)):
         problem = f"makes a {type(made).__module__}.{type(made).__name__}, which has no step(observation, inbox, task)"
-        raise ScenarioError(f"{scenario.name}: control.algorithm: '{name}' {problem}")
+        raise ScenarioError(f"{scenario.name}: control.algorithm: '{scenario.control.algorithm}' {problem}")
     complete = made if scenario.base is None else with_base(made, robot_id, scenario)
     if scenario.mission.area_order != "given" and robot_id in scenario.searcher_ids:
-        complete = AreaPlanner(complete, robot_id, setup, getattr(made, "best_area", None))
-    return complete if belief.localiser is None else Located(complete, robot_id, setup, belief.localiser, belief.survey)
+        return AreaPlanner(complete, robot_id, setup, getattr(made, "best_area", None))
+    return complete
 
 
 class Belief(NamedTuple):

@@ -5,6 +5,8 @@ All defaults are ours, from the missions of study/unknown.
 
 from __future__ import annotations
 
+from typing import Literal
+
 from pydantic import Field, field_validator
 
 from robotteamsim.scenario.base import SMALLEST, Model, wrong
@@ -49,6 +51,11 @@ class Mapping(Model):
         ge=SMALLEST,
         le=1000.0,
         description="time between two messages with what a robot has mapped [s]",
+    )
+    starts: Literal["known", "unknown"] = Field(
+        default="known",
+        description="unknown: robot 0 and the base alone know where they start; the others find out when walls and the "
+        "sight of teammates agree",
     )
     submap_m: float = Field(default=6.0, ge=0.5, le=1000.0, description="length driven in one submap [m]")
     lost_share: float = Field(
