@@ -22,8 +22,8 @@ from robotteamsim.interface.survey_news import (
 from robotteamsim.maps.found_map import FoundMap, Part
 from robotteamsim.maps.localiser import Localiser
 from robotteamsim.maps.merging import Merging
-from robotteamsim.maps.own_map import OwnMap, overlap, whole
-from robotteamsim.maps.recent_scans import LaserView
+from robotteamsim.maps.own_map import OwnMap, cells_at, overlap, whole
+from robotteamsim.maps.recent_scans import LaserView, moved
 from robotteamsim.maps.teammates import Disc
 from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN
@@ -96,7 +96,10 @@ class Survey:
         masked = np.zeros(len(ranges_m), dtype=bool)
         due_at = self._own.due_at(odometry)
         if due_at is not None and self._merging is None:
-            masked = self._view.end_in(teammates, due_at, self._view.ends_m(ranges_m))
+            # A wall that is known stays one while a teammate is beside it.
+            ends_m = self._view.ends_m(ranges_m)
+            is_wall = cells_at(self.found.cells, moved(due_at, ends_m), self.found.origin_m) == OCCUPIED
+            masked = self._view.end_in(teammates, due_at, ends_m) & ~is_wall
         is_update = self._own.step(odometry, covariance, ranges_m, masked)
         if self._merging is not None and is_update:
             self._merging.note(self._own.pose, ranges_m, teammates, self._own.cells)

@@ -259,3 +259,18 @@ def test_walls_that_no_laser_sees_change_no_decision():
             record = simulation.step()
             decided[-1].append([(one.twist, one.goal_m, one.outbox) for one in record.decisions])
     assert decided[0] == decided[1]
+
+
+def test_beam_that_ends_beside_a_teammate_is_a_wall_only_where_one_is_known(drive):
+    setup, observed = drive
+    everywhere = [((20.0, 20.0), 100.0)]
+    assert not (surveyed(setup, observed[0], 0, everywhere).found.cells == OCCUPIED).any()
+    told = FoundMap(without_walls(setup.plan))
+    told.show([((slice(None), slice(None)), setup.building.grid(0.1).cells)])
+    survey = Survey(0, setup, told, None)
+    for observation in observed[0]:
+        survey.pose(observation, everywhere)
+    survey.look()
+    walls = survey._own.cells == OCCUPIED
+    assert walls.sum() > 100
+    assert (told.cells[walls] == OCCUPIED).all()
