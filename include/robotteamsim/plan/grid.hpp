@@ -119,7 +119,6 @@ class PlanningGrid {
   bool Inside(int row, int col) const { return row >= 0 && row < shape_.rows && col >= 0 && col < shape_.cols; }
   bool Free(int row, int col) const { return Inside(row, col) && blocked_[row * shape_.cols + col] == 0; }
   void FindExits();
-  std::uint8_t ExitsOf(int cell) const;
   int RowOf(double y) const;
   int ColOf(double x) const;
   int FreeCellOf(const base::Point& point) const;

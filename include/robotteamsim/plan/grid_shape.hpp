@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 #include "robotteamsim/base/geometry.hpp"
@@ -19,7 +18,13 @@ struct GridShape {
 /// Throws std::invalid_argument unless a shape has cells of a usable size, as many as `num_cells`.
 void CheckShape(const GridShape& shape, std::size_t num_cells);
 
-/// Returns row and column offsets of the cells whose centre is nearer than `inflation_m` to the square of cell (0, 0).
-std::vector<std::pair<int, int>> InflationStamp(double inflation_m, const GridShape& shape);
+/// A row of cells: from `reach` columns before another cell to as many behind it.
+struct StampRow {
+  int d_row;
+  int reach;
+};
+
+/// Returns the cells whose centre is nearer than `inflation_m` to the square of cell (0, 0).
+std::vector<StampRow> InflationStamp(double inflation_m, const GridShape& shape);
 
 }  // namespace robotteamsim::plan

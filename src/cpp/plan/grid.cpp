@@ -24,9 +24,6 @@ constexpr double kNearby = 1.0;
 /// With more portals, in both directions, paths are searched with a weaker bound.
 constexpr std::size_t kManyJumps = 64;
 
-/// A bit for each of the eight steps.
-constexpr std::uint8_t kAllExits = 0xFF;
-
 /// The number of steps along a row or a column; the others are diagonal.
 constexpr std::array<std::size_t, 4> kStraightSteps{1, 3, 4, 6};
 
@@ -49,20 +46,23 @@ PlanningGrid::PlanningGrid(const GridShape& shape, const std::vector<std::uint8_
       steps_[step++] = {d_row * shape.cols + d_col, d_row, d_col, length};
     }
   }
-  const auto stamp = InflationStamp(inflation_m, shape);
+  const std::vector<StampRow> stamp = InflationStamp(inflation_m, shape);
   const auto is_occupied = [&](int row, int col) {
     return !Inside(row, col) || occupied[static_cast<std::size_t>(row) * shape.cols + col] != 0;
   };
   for (int row = 0; row < shape.rows; ++row) {
+    const std::uint8_t* in_row = &occupied[static_cast<std::size_t>(row) * shape.cols];
     for (int col = 0; col < shape.cols; ++col) {
-      if (!is_occupied(row, col)) continue;
+      if (in_row[col] == 0) continue;
       // One of these four is at least as near to each free cell.
       if (is_occupied(row - 1, col) && is_occupied(row + 1, col) && is_occupied(row, col - 1) &&
           is_occupied(row, col + 1)) {
         continue;
       }
-      for (const auto& [d_row, d_col] : stamp) {
-        if (Inside(row + d_row, col + d_col)) blocked_[(row + d_row) * shape.cols + col + d_col] = 1;
+      for (const auto& [d_row, reach] : stamp) {
+        if (row + d_row < 0 || row + d_row >= shape.rows) continue;
+        const int first = std::max(col - reach, 0), last = std::min(col + reach, shape.cols - 1);
+        std::fill_n(&blocked_[static_cast<std::size_t>(row + d_row) * shape.cols + first], last - first + 1, 1);
       }
     }
   }
@@ -113,36 +113,27 @@ base::Point PlanningGrid::Center(int row, int col) const {
 
 base::Point PlanningGrid::Center(int cell) const { return Center(cell / shape_.cols, cell % shape_.cols); }
 
+/// For all cells at once, by operations on bytes without branches, of which the compiler makes wide instructions.
 void PlanningGrid::FindExits() {
-  exits_.resize(blocked_.size());
-  std::vector<std::uint8_t> beside(shape_.cols);  // whether a cell, or the one above or below it, is blocked
+  const std::size_t cols = shape_.cols, width = cols + 2;
+  std::vector<std::uint8_t> free(width * (shape_.rows + 2), 0);  // with a border: 0 or, where a cell is free, all bits
   for (int row = 0; row < shape_.rows; ++row) {
-    const std::uint8_t* here = &blocked_[static_cast<std::size_t>(row) * shape_.cols];
-    const std::uint8_t* above = here - (row > 0 ? shape_.cols : 0);
-    const std::uint8_t* below = here + (row < shape_.rows - 1 ? shape_.cols : 0);
-    for (int col = 0; col < shape_.cols; ++col) beside[col] = above[col] | here[col] | below[col];
-    const bool at_border = row == 0 || row == shape_.rows - 1;
-    for (int col = 0; col < shape_.cols; ++col) {
-      // Most cells have eight free neighbours.
-      const bool all =
-          !at_border && col > 0 && col < shape_.cols - 1 && (beside[col - 1] | beside[col] | beside[col + 1]) == 0;
-      exits_[row * shape_.cols + col] = all ? kAllExits : ExitsOf(row * shape_.cols + col);
+    const std::uint8_t* blocked = &blocked_[row * cols];
+    std::uint8_t* to = &free[(row + 1) * width + 1];
+    for (std::size_t col = 0; col < cols; ++col) to[col] = blocked[col] == 0 ? 0xFF : 0;
+  }
+  exits_.resize(blocked_.size());
+  for (int row = 0; row < shape_.rows; ++row) {
+    const std::uint8_t *here = &free[(row + 1) * width + 1], *below = here - width, *above = here + width;
+    const std::uint8_t *left = here - 1, *right = here + 1;
+    std::uint8_t* exits = &exits_[row * cols];
+    for (std::size_t col = 0; col < cols; ++col) {  // the bits are in the order of the steps
+      const unsigned straight = (below[col] & 2U) | (left[col] & 8U) | (right[col] & 16U) | (above[col] & 64U);
+      const unsigned down = below[col] & ((below[col - 1] & left[col] & 1U) | (below[col + 1] & right[col] & 4U));
+      const unsigned up = above[col] & ((above[col - 1] & left[col] & 32U) | (above[col + 1] & right[col] & 128U));
+      exits[col] = static_cast<std::uint8_t>(here[col] & (straight | down | up));
     }
   }
-}
-
-std::uint8_t PlanningGrid::ExitsOf(int cell) const {
-  const int row = cell / shape_.cols;
-  const int col = cell % shape_.cols;
-  if (!Free(row, col)) return 0;
-  std::uint8_t exits = 0;
-  for (std::size_t i = 0; i < steps_.size(); ++i) {
-    const Step& step = steps_[i];
-    if (!Free(row + step.d_row, col + step.d_col)) continue;
-    if (step.d_row != 0 && step.d_col != 0 && (!Free(row + step.d_row, col) || !Free(row, col + step.d_col))) continue;
-    exits = static_cast<std::uint8_t>(exits | (1U << i));
-  }
-  return exits;
 }
 
 bool PlanningGrid::IsFree(const base::Point& point) const { return FreeCellOf(point) >= 0; }

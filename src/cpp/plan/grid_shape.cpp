@@ -17,17 +17,20 @@ void CheckShape(const GridShape& shape, std::size_t num_cells) {
   }
 }
 
-std::vector<std::pair<int, int>> InflationStamp(double inflation_m, const GridShape& shape) {
-  std::vector<std::pair<int, int>> stamp;
-  const double reach = std::ceil(inflation_m / shape.resolution_m) + 1.0;
-  const int rows = base::ClampedInt(reach, 0, shape.rows), cols = base::ClampedInt(reach, 0, shape.cols);
+std::vector<StampRow> InflationStamp(double inflation_m, const GridShape& shape) {
+  std::vector<StampRow> stamp;
+  const double farthest = std::ceil(inflation_m / shape.resolution_m) + 1.0;
+  const int rows = base::ClampedInt(farthest, 0, shape.rows), cols = base::ClampedInt(farthest, 0, shape.cols);
   for (int d_row = -rows; d_row <= rows; ++d_row) {
-    for (int d_col = -cols; d_col <= cols; ++d_col) {
-      const double x = std::max(0.0, std::abs(d_col) - 0.5) * shape.resolution_m;
+    int reach = -1;
+    while (reach < cols) {
+      const double x = std::max(0.0, reach + 1 - 0.5) * shape.resolution_m;
       const double y = std::max(0.0, std::abs(d_row) - 0.5) * shape.resolution_m;
       // The margin keeps a cell at exactly the inflation free despite rounding.
-      if (x * x + y * y < inflation_m * inflation_m - 1e-9) stamp.emplace_back(d_row, d_col);
+      if (!(x * x + y * y < inflation_m * inflation_m - 1e-9)) break;
+      ++reach;
     }
+    if (reach >= 0) stamp.push_back({d_row, reach});
   }
   return stamp;
 }
