@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -95,9 +96,11 @@ class LogOddsMap {
   void ForHitsNear(const base::Point& point, int reach, Function function) const {
     const Cell center = CellOf(point);
     for (int row = center.row - reach; row <= center.row + reach; ++row) {
-      for (int col = center.col - reach; col <= center.col + reach; ++col) {
-        if (LogOdds({col, row}) > 0) function(hits_.at(KeyOf({col, row})));
-      }
+      ForKnownPieces(row, center.col - reach, center.col + reach, [&](int first, int count, const std::int8_t* cells) {
+        for (int i = 0; i < count; ++i) {
+          if (cells[i] > 0) function(hits_.at(KeyOf({first + i, row})));
+        }
+      });
     }
   }
 
@@ -145,6 +148,18 @@ class LogOddsMap {
     const int col = (cell.col >> kTileBits) - first_tile_.col, row = (cell.row >> kTileBits) - first_tile_.row;
     return col >= 0 && col < tile_cols_ && row >= 0 && row < tile_rows_ ? row * tile_cols_ + col : -1;
   }
+
+  /// Calls a function with the column, the number and the log odds of neighbouring cells of a row that share a tile,
+  /// for each tile in which something is known.
+  template <typename Function>
+  void ForKnownPieces(int row, int first_col, int last_col, Function function) const {
+    for (int col = first_col; col <= last_col;) {
+      const int end = std::min(last_col, col | (kTileCells - 1)) + 1, place = PlaceOfTile({col, row});
+      if (place >= 0 && tiles_[place] != nullptr) function(col, end - col, &(*tiles_[place])[PlaceInTile({col, row})]);
+      col = end;
+    }
+  }
+
   void Reach(const CellBox& box);
   void Merge(const Cell& cell, const HitCell& hits);
   void Apply(const std::uint8_t* marks, int count, const Cell& first);

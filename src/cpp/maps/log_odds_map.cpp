@@ -152,18 +152,22 @@ void LogOddsMap::Apply(const std::uint8_t* marks, int count, const Cell& first) 
   std::array<std::int8_t, kTileCells> before;
   std::copy_n(now, count, before.begin());
   // Operations on single bytes without branches, of which the compiler makes instructions for many at once.
-  std::uint8_t signs_changed = 0;  // its highest bit
+  std::array<std::uint8_t, kTileCells> differences;  // their highest bits: whether the sign has changed
+  std::uint8_t any_difference = 0;
   for (int i = 0; i < count; ++i) {
     const std::int8_t crossed = marks[i] != ScanCells::kNone ? kMiss : 0;
     const std::int8_t by = marks[i] >= ScanCells::kHit ? kHit : crossed;
     const auto sum = static_cast<std::int8_t>(now[i] + by);  // at most kMost + kHit
     const std::int8_t limited = sum < kLeast ? kLeast : sum;
     const std::int8_t after = limited > kMost ? kMost : limited;
-    signs_changed |= static_cast<std::uint8_t>((after ^ now[i]) | (-after ^ -now[i]));
+    differences[i] = static_cast<std::uint8_t>((after ^ now[i]) | (-after ^ -now[i]));
+    any_difference |= differences[i];
     now[i] = after;
   }
-  if ((signs_changed & 0x80) == 0) return;
-  for (int i = 0; i < count; ++i) Note({first.col + i, first.row}, SignOf(before[i]), SignOf(now[i]));
+  if ((any_difference & 0x80) == 0) return;
+  for (int i = 0; i < count; ++i) {
+    if ((differences[i] & 0x80) != 0) Note({first.col + i, first.row}, SignOf(before[i]), SignOf(now[i]));
+  }
 }
 
 /// Adds hits to those of a cell, if it is occupied: a hit where many beams crossed it leaves it free.
@@ -298,14 +302,19 @@ OccupancyGrid LogOddsMap::Occupancy(const CellBox& box, int factor) const {
   const auto last_col = static_cast<int>(std::min<std::int64_t>(begin(high.col + 1) - 1, all.high.col));
   for (int row = first_row; row <= last_row; ++row) {
     std::int8_t* cells = &grid.cells[static_cast<std::size_t>(coarse(row) - low.row) * cols];
-    int square = coarse(first_col);
-    for (int col = first_col; col <= last_col; ++col) {
-      if (col >= begin(square + 1)) ++square;
-      const int log_odds = LogOdds({col, row});
-      const std::int8_t known = log_odds > 0 ? kOccupied : log_odds < 0 ? kFree : kUnknown;
-      std::int8_t& cell = cells[square - low.col];
-      cell = std::max(cell, known);  // unknown < free < occupied
-    }
+    ForKnownPieces(row, first_col, last_col, [&](int first, int count, const std::int8_t* log_odds) {
+      int square = coarse(first);
+      for (int i = 0; i < count; ++square) {
+        const auto end = static_cast<int>(std::min<std::int64_t>(count, begin(square + 1) - first));
+        std::int8_t& cell = cells[square - low.col];
+        std::int8_t known = cell;
+        for (; i < end; ++i) {
+          const std::int8_t now = log_odds[i] > 0 ? kOccupied : log_odds[i] < 0 ? kFree : kUnknown;
+          known = std::max(known, now);  // unknown < free < occupied
+        }
+        cell = known;
+      }
+    });
   }
   return grid;
 }
