@@ -18,6 +18,7 @@
 #include "robotteamsim/control/navigator.hpp"
 #include "robotteamsim/control/ruled_out.hpp"
 #include "robotteamsim/control/surroundings.hpp"
+#include "robotteamsim/control/unknown_in_view.hpp"
 #include "robotteamsim/control/victim_belief.hpp"
 #include "robotteamsim/control/voice_fix.hpp"
 #include "robotteamsim/control/voice_losses.hpp"
@@ -252,6 +253,21 @@ void BindFix(nb::module_& m) {
           [](const VoiceFix& fix, const Floats& prior) { return fix.MostProbable(ValuesOf<float>(prior)); }, "prior"_a);
 }
 
+void BindExploration(nb::module_& m) {
+  using control::RowAndCol;
+  m.def(
+      "unknown_in_view",
+      [](const Array<const std::int8_t, -1, -1>& cells, const Array<const std::int32_t, -1, 2>& from,
+         const Array<const std::int32_t, -1, -1, 2>& rays, const Array<const double, -1>& areas_m2) {
+        const auto* const places = reinterpret_cast<const RowAndCol*>(from.data());
+        const auto* const offsets = reinterpret_cast<const RowAndCol*>(rays.data());
+        return ArrayOf(control::UnknownInView({cells.data(), cells.shape(0), cells.shape(1)},
+                                              {places, places + from.shape(0)}, {offsets, rays.shape(0), rays.shape(1)},
+                                              ValuesOf<double>(areas_m2)));
+      },
+      "cells"_a, "places"_a, "rays"_a, "areas_m2"_a);
+}
+
 }  // namespace
 
 void BindControl(nb::module_&& m) {
@@ -261,6 +277,7 @@ void BindControl(nb::module_&& m) {
   BindPaths(m);
   BindBelief(m);
   BindFix(m);
+  BindExploration(m);
 }
 
 }  // namespace robotteamsim::bindings

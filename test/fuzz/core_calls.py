@@ -108,6 +108,11 @@ def _control() -> Iterator[Call]:
     yield ruled_out.of(
         ("add", (1.0, 2.0), (3.0, 4.0)), ("add_all", heard), ("covers", (1.1, 2.1)), ("clear",), ("covers", (1.0, 2.0))
     )
+    cells, rays = (
+        np.array([[0, -1, 100], [-1, -1, 0]], np.int8),
+        np.array([[(0, 1), (0, 2)], [(1, 0), (1, 1)]], np.int32),
+    )
+    yield new("control.unknown_in_view", cells, np.array([(0, 0), (1, 2)], np.int32), rays, np.array([0.1, 0.2]))
     yield new("swarm.next_velocity", (1.0, 2.0), (0.1, 0.2), [(1.0, 2.0)] * 4, [0.5] * 4, [0.3] * 4)
     yield new("swarm.memory_term", [0.5, 0.2], [(1.0, 2.0), (3.0, 4.0)])
 

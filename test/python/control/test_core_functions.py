@@ -244,3 +244,23 @@ def test_lengths_to_several_places_are_those_to_each():
     assert known.distances_m(goal, places_m).tolist() == expected_m
     assert known.distances_m(goal, places_m.reshape(4, 50, 2)).ravel().tolist() == expected_m
     assert known.distances_m(goal, places_m[:0]).size == 0
+
+
+def test_unknown_cells_in_view_are_those_on_rays_before_walls():
+    rng = np.random.default_rng(6)
+    cells = rng.choice([0, 100, -1], (30, 40), p=[0.5, 0.05, 0.45]).astype(np.int8)
+    places = np.stack((rng.integers(0, 30, 20), rng.integers(0, 40, 20)), axis=1).astype(np.int32)
+    rays = np.cumsum(rng.integers(-1, 2, (12, 15, 2)), axis=1).astype(np.int32)
+    areas_m2 = rng.random(15)
+    expected = []
+    for at in places.tolist():
+        sum_m2 = 0.0
+        for ray in (at + rays).tolist():
+            for (row, column), area_m2 in zip(ray, areas_m2, strict=True):
+                if not (0 <= row < 30 and 0 <= column < 40) or cells[row, column] == 100:
+                    break
+                sum_m2 += area_m2 * (cells[row, column] == -1)
+        expected.append(sum_m2)
+    assert _core.control.unknown_in_view(cells, places, rays, areas_m2) == pytest.approx(expected)
+    with pytest.raises(ValueError, match="one area per cell"):
+        _core.control.unknown_in_view(cells, places, rays, areas_m2[1:])

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN, OccupancyGrid
+from robotteamsim import _core
+from robotteamsim.scenario.plan import FREE, UNKNOWN, OccupancyGrid
 from robotteamsim.swarm import Vector
 
 _BLOCK_M = 1.0
@@ -55,9 +56,15 @@ def frontier_cells(grid: OccupancyGrid) -> np.ndarray:
 
     Returns: (row, column) of each, shape (n, 2).
     """
-    unknown = np.pad(grid.cells == UNKNOWN, 1)
-    beside = unknown[:-2, 1:-1] | unknown[2:, 1:-1] | unknown[1:-1, :-2] | unknown[1:-1, 2:]
-    return np.argwhere((grid.cells == FREE) & beside)
+    unknown = grid.cells == UNKNOWN
+    beside = np.zeros_like(unknown)
+    beside[1:] |= unknown[:-1]
+    beside[:-1] |= unknown[1:]
+    beside[:, 1:] |= unknown[:, :-1]
+    beside[:, :-1] |= unknown[:, 1:]
+    # In one dimension, which is much faster than in two.
+    found = np.flatnonzero((grid.cells == FREE) & beside)
+    return np.stack(np.divmod(found, grid.cells.shape[1]), axis=1)
 
 
 def frontiers(grid: OccupancyGrid, cells: np.ndarray, lengths_m: np.ndarray, range_m: float) -> Goals:
@@ -88,17 +95,12 @@ def gains_m2(grid: OccupancyGrid, places_m: np.ndarray, range_m: float) -> np.nd
     angles_rad = np.arange(_RAYS) * (2.0 * math.pi / _RAYS)
     # Found walls may be one cell thick.
     along_m = np.arange(1, math.floor(range_m / grid.resolution_m) + 1) * grid.resolution_m
-    # A border of walls as wide as the rays are long: all samples are then at fixed distances in memory.
-    border = len(along_m) + 1
-    cells = np.pad(grid.cells, border, constant_values=OCCUPIED)
-    columns, rows = (np.rint(np.outer(along_m / grid.resolution_m, f(angles_rad))) for f in (np.cos, np.sin))
-    offsets = (rows * cells.shape[1] + columns).astype(np.intp)
-    columns, rows = np.floor((places_m - grid.origin_m) / grid.resolution_m).astype(np.intp).T + border
-    seen = cells.ravel()[(rows * cells.shape[1] + columns)[:, None, None] + offsets]
-    before_walls = np.logical_and.accumulate(seen != OCCUPIED, axis=1)
+    rays = np.stack([np.rint(np.outer(f(angles_rad), along_m / grid.resolution_m)) for f in (np.sin, np.cos)], axis=2)
+    cells = np.floor((places_m - grid.origin_m) / grid.resolution_m)[:, ::-1]
     # Each sample along a ray is a piece of a ring.
-    areas_m2 = along_m * grid.resolution_m * (2.0 * math.pi / _RAYS)
-    return np.asarray(np.einsum("ijk,j->i", before_walls & (seen == UNKNOWN), areas_m2))
+    areas_m2: np.ndarray = along_m * grid.resolution_m * (2.0 * math.pi / _RAYS)
+    seen_m2 = _core.control.unknown_in_view(grid.cells, cells.astype(np.int32), rays.astype(np.int32), areas_m2)
+    return np.asarray(seen_m2)
 
 
 def discount(places_m: np.ndarray, goals_m: Sequence[Vector], range_m: float) -> np.ndarray:
