@@ -246,6 +246,19 @@ def test_lengths_to_several_places_are_those_to_each():
     assert known.distances_m(goal, places_m[:0]).size == 0
 
 
+def test_a_path_is_found_with_and_without_a_distance_map():
+    rng = np.random.default_rng(5)
+    known = cluttered_map(rng)
+    for _ in range(30):
+        start, goal = known.grid.nearest_free(place(rng), 5.0), known.grid.nearest_free(place(rng), 5.0)
+        length_m = known.grid.value_at(known.grid.distance_map(start), goal)
+        limits_m = (length_m + 0.01, max(length_m - 0.01, 0.0))
+        found = [known.has_path(start, goal, limit_m) for limit_m in limits_m]
+        known.distance_map(start)
+        assert [known.has_path(start, goal, limit_m) for limit_m in limits_m] == found
+        assert found[0] == math.isfinite(length_m)
+
+
 def test_unknown_cells_in_view_are_those_on_rays_before_walls():
     rng = np.random.default_rng(6)
     cells = rng.choice([0, 100, -1], (30, 40), p=[0.5, 0.05, 0.45]).astype(np.int8)

@@ -104,11 +104,11 @@ class RouteController(PathController, abc.ABC):
         """Return where to drive to reach a place, or a victim there, outside the last area; None without a path."""
         if self._kept_out_now is None:
             return place
-        grid = self.driver.map.grid
+        known, grid = self.driver.map, self.driver.map.grid
         start, free = grid.nearest_free(position, 1.0), grid.nearest_free(place, self._save_distance_m)
         if start is None or free is None or grid.is_line_free(start, free):
             return free
-        return free if len(grid.waypoints(start, free, LONGEST_TIMED_M)) > 1 else None
+        return free if known.has_path(start, free, LONGEST_TIMED_M) else None
 
     def _listen(self, inbox: Sequence[Message]) -> None:
         """Process the messages of this step; none by default."""

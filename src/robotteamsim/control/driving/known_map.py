@@ -63,22 +63,42 @@ class KnownMap:
         self._distance_maps: dict[Vector, np.ndarray | None] = {}
         self._pieces: dict[tuple[Vector, float], list[np.ndarray]] = {}
 
+    def distance_map(self, goal: Vector) -> np.ndarray | None:
+        """Return the length of the path between each cell and the free one nearest to a goal, float32 [m].
+
+        inf: there is no path. None: no cell within 5 m is free. It is kept: do not change it.
+        """
+        distances = self._distance_maps.get(goal)
+        if distances is None and goal not in self._distance_maps:
+            while len(self._distance_maps) >= _KEPT_DISTANCE_MAPS:
+                del self._distance_maps[next(iter(self._distance_maps))]
+            free_goal = self.grid.nearest_free(goal, 5.0)
+            distances = self._distance_maps[goal] = None if free_goal is None else self.grid.distance_map(free_goal)
+        return distances
+
     def distance_m(self, goal: Vector, position: Vector) -> float:
         """Return the length of the shortest free path [m]; UNREACHABLE_M and the straight distance without one."""
-        distances = self._distance_map(goal)
+        distances = self.distance_map(goal)
         start = self.grid.nearest_free(position, 1.0)
         length_m = self.grid.value_at(distances, start) if distances is not None and start is not None else math.inf
         return length_m if math.isfinite(length_m) else UNREACHABLE_M + math.dist(goal, position)
 
     def distances_m(self, goal: Vector, positions_m: np.ndarray) -> np.ndarray:
         """Return `distance_m` of each of several positions, shape (..., 2) [m]; shape (...)."""
-        distances, places_m = self._distance_map(goal), positions_m.reshape(-1, 2)
+        distances, places_m = self.distance_map(goal), positions_m.reshape(-1, 2)
         lengths_m = np.full(len(places_m), np.inf)
         if distances is not None:
             lengths_m = self.grid.values_near(distances, places_m, 1.0)
         for row in np.flatnonzero(~np.isfinite(lengths_m)).tolist():
             lengths_m[row] = UNREACHABLE_M + math.dist(goal, places_m[row])
         return lengths_m.reshape(positions_m.shape[:-1])
+
+    def has_path(self, start: Vector, goal: Vector, longest_m: float) -> bool:
+        """Whether a free path of at most `longest_m` leads between two free places, in `map` [m]."""
+        distances = self._distance_maps.get(start)
+        if distances is None:
+            return bool(self.grid.waypoints(start, goal, longest_m))
+        return self.grid.value_at(distances, goal) <= longest_m
 
     def reaches(self, start: Vector, center: Vector, radius_m: float) -> bool:
         """Whether a free path leads from a free place into a disc. Places in `map` [m]."""
@@ -90,7 +110,7 @@ class KnownMap:
         The cells are those that the robot can reach within `radius_m`. If the goal cannot be reached, the cell with the
         smallest straight distance to it is returned, with the length from `distance_m`.
         """
-        distances = self._distance_map(goal)
+        distances = self.distance_map(goal)
         start = self.grid.nearest_free(position, 1.0)
         if distances is not None and start is not None:
             best = self.grid.least_reachable(distances, start, radius_m)
@@ -120,15 +140,6 @@ class KnownMap:
                     pieces.append(self.grid.distance_map(point))
             self._pieces[center, radius_m] = pieces
         return self._pieces[center, radius_m]
-
-    def _distance_map(self, goal: Vector) -> np.ndarray | None:
-        distances = self._distance_maps.get(goal)
-        if distances is None and goal not in self._distance_maps:
-            while len(self._distance_maps) >= _KEPT_DISTANCE_MAPS:
-                del self._distance_maps[next(iter(self._distance_maps))]
-            free_goal = self.grid.nearest_free(goal, 5.0)
-            distances = self._distance_maps[goal] = None if free_goal is None else self.grid.distance_map(free_goal)
-        return distances
 
 
 def known_map(

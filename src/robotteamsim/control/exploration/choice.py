@@ -48,10 +48,10 @@ class Choice:
         """
         last, self._last = self._last, None
         start = known.grid.nearest_free(position, 1.0)
-        if start is None:
+        lengths_m = None if start is None else known.distance_map(start)
+        if lengths_m is None:
             self.missed.update(area.center for area in areas)
             return None
-        lengths_m = known.grid.distance_map(start)
         goals = self._frontiers(lengths_m).joined_with(self._ways_to(areas, known, lengths_m))
         self._last = self._try(goals, last, goals_of_team, spent_s)
         return self._last
