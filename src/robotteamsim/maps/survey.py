@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 
 import numpy as np
 
@@ -145,13 +147,10 @@ class Survey:
         elif news.is_all:
             self._wanted.discard(sender)
         self._expected[sender] = news.number + (news.cells is not None)
-        cells = news.cells
-        symbols = None if cells is None else unpacked(cells, self._of_team.size)
-        if cells is not None and symbols is not None:
-            here, there = overlap(self._of_team.shape, cells.row, cells.column, symbols.shape)
-            symbols = symbols[there]
-            for known in (self._of_team[here], self._said[here]):
-                np.copyto(known, _CELLS[symbols], where=symbols != SAME)
+        found = None if news.cells is None else _changed_by(news.cells, self._of_team.shape)
+        if found is not None:
+            here, changed, cells = found
+            self._of_team[changed] = self._said[changed] = cells
             if self._merging is None:
                 self._heard.append(here)
 
@@ -185,3 +184,17 @@ class Survey:
         yield from packed(
             np.where(to_send[part], symbols, SAME).astype(np.uint8), self._longest, rows.start, columns.start
         )
+
+
+@lru_cache(maxsize=64)
+def _changed_by(cells: Cells, shape: tuple[int, ...]) -> tuple[Part, tuple[np.ndarray, ...], np.ndarray] | None:
+    """Return what a message changes in a map: around it all, which cells, what they become; None if it is not valid.
+
+    All receivers of a message share it. Args: shape: of the map.
+    """
+    symbols = unpacked(cells, math.prod(shape))
+    if symbols is None:
+        return None
+    here, there = overlap(shape, cells.row, cells.column, symbols.shape)
+    rows, columns = np.nonzero(symbols[there] != SAME)
+    return here, (rows + here[0].start, columns + here[1].start), _CELLS[symbols[there][rows, columns]]
