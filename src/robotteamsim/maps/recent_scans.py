@@ -48,13 +48,15 @@ class LaserView:
 
     def end_in(self, discs: Sequence[Disc], pose: Pose, ends_m: np.ndarray) -> np.ndarray:
         """Return whether each beam ends in one of the discs, for a robot at a pose: bool, shape (beams,)."""
-        inside, reach_m = np.zeros(len(ends_m), dtype=bool), self.laser.range_max_m + self._offset_m
+        to_base_link, reach_m = pose.inverse(), self.laser.range_max_m + self._offset_m
+        near: list[tuple[float, float, float]] = []
         for (x_m, y_m), radius_m in discs:
-            if math.hypot(x_m - pose.x_m, y_m - pose.y_m) > reach_m + radius_m:
-                continue
-            center = pose.inverse() @ Pose(x_m, y_m, 0.0)
-            inside |= np.hypot(ends_m[:, 0] - center.x_m, ends_m[:, 1] - center.y_m) <= radius_m
-        return inside
+            if math.hypot(x_m - pose.x_m, y_m - pose.y_m) <= reach_m + radius_m:
+                center = to_base_link @ Pose(x_m, y_m, 0.0)
+                near.append((center.x_m, center.y_m, radius_m))
+        xs_m, ys_m, radii_m = np.array(near).reshape(-1, 3, 1).swapaxes(0, 1)
+        is_inside = (ends_m[:, 0] - xs_m) ** 2 + (ends_m[:, 1] - ys_m) ** 2 <= radii_m**2
+        return np.asarray(is_inside.any(axis=0))
 
     def misses(self, discs: Sequence[Disc], pose: Pose, ranges_m: np.ndarray, narrowest_m: float) -> bool:
         """Whether a robot at a pose looks through one of the discs: what is said to be there is not.

@@ -21,7 +21,8 @@ class Teammates:
     """The last position of each teammate, and how far it may have driven since."""
 
     def __init__(self, robot_id: int, setup: Setup) -> None:
-        self._robot_id, self._robots = robot_id, setup.robots
+        self._robot_id = robot_id
+        self._bodies = [(robot.reach_m, robot.drive.max_speed_mps) for robot in setup.robots]
         self._last: dict[int, tuple[int, Point]] = {
             i: (0, robot.start_pose[:2])
             for i, robot in enumerate(setup.robots)
@@ -37,8 +38,8 @@ class Teammates:
         """Return where teammates may be now."""
         found = []
         for robot_id, (since_ns, position) in self._last.items():
-            robot, age_ns = self._robots[robot_id], sim_time_ns - since_ns
+            (reach_m, speed_mps), age_ns = self._bodies[robot_id], sim_time_ns - since_ns
             if age_ns <= _OLDEST_NS:
-                radius_m = robot.reach_m + robot.drive.max_speed_mps * 1e-9 * age_ns + _WRONG_BY_M
+                radius_m = reach_m + speed_mps * 1e-9 * age_ns + _WRONG_BY_M
                 found.append((position, radius_m))
         return found
