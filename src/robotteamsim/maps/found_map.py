@@ -17,8 +17,8 @@ from robotteamsim.scenario.plan import OCCUPIED, UNKNOWN, OccupancyGrid, grid_sh
 CELL_M = SHARED_CELL_M
 """Edge of a cell: as in the maps of known buildings."""
 
-Part = tuple[slice, slice]
-"""A rectangle of cells, as an index."""
+Part = tuple[slice, slice] | tuple[np.ndarray, np.ndarray]
+"""Some cells, as an index: a rectangle, or the rows and columns of each."""
 
 _THICKEST = 8
 """Cells: Table 3 ends with walls of 0.8 m."""
@@ -54,7 +54,7 @@ class FoundMap(SharedResults):
         return OccupancyGrid((x0 + columns.start * CELL_M, y0 + rows.start * CELL_M), CELL_M, part)
 
     def show(self, parts: Sequence[tuple[Part, np.ndarray]]) -> bool:
-        """Replace the cells of rectangles; return whether some differ, which makes a new version."""
+        """Replace some cells; return whether some differ, which makes a new version."""
         if all(np.array_equal(self.cells[part], new) for part, new in parts):
             return False
         self.cells = self.cells.copy()  # who has the cells of an older version keeps them

@@ -9,7 +9,7 @@ import numpy as np
 
 from robotteamsim import _core
 from robotteamsim.geometry import Pose
-from robotteamsim.maps.found_map import CELL_M, FoundMap, Part
+from robotteamsim.maps.found_map import CELL_M, FoundMap
 from robotteamsim.maps.localiser import turned
 from robotteamsim.maps.recent_scans import moved
 from robotteamsim.scenario.base import Point
@@ -17,6 +17,9 @@ from robotteamsim.scenario.controllers.mapping import Mapping
 from robotteamsim.scenario.plan import UNKNOWN
 from robotteamsim.scenario.sensors.laser import Laser
 from robotteamsim.world.core_parts import core_fan
+
+Rectangle = tuple[slice, slice]
+"""Of cells, as an index."""
 
 
 class OwnMap:
@@ -77,7 +80,7 @@ class OwnMap:
         """Let the map lie elsewhere. Args: by: what was at pose p in `map` is at `by @ p`."""
         self._map_T_frame, self._has_moved = by @ self._map_T_frame, True
 
-    def take_changes(self) -> tuple[Part, np.ndarray]:
+    def take_changes(self) -> tuple[Rectangle, np.ndarray]:
         """Bring the cells up to date; return a rectangle with all that have changed, and which have, bool."""
         (x_m, y_m), cells = self._mapper.take_changes(self._factor)
         row, column = round(y_m / CELL_M) + self._margin, round(x_m / CELL_M) + self._margin
@@ -94,7 +97,7 @@ class OwnMap:
         self.cells[part] = now
         return part, changed
 
-    def _around(self, framed: Part) -> Part:
+    def _around(self, framed: Rectangle) -> Rectangle:
         """Return the cells of `map` in which a rectangle of the mapper's frame lies."""
         rows, columns = framed
         ends = [(x, y) for x in (columns.start, columns.stop) for y in (rows.start, rows.stop)]
@@ -103,7 +106,7 @@ class OwnMap:
         (left, bottom), (width, height) = low.astype(int).tolist(), (high - low).astype(int).tolist()
         return overlap(self.cells.shape, bottom, left, (height, width))[0]
 
-    def _in_map(self, part: Part) -> np.ndarray:
+    def _in_map(self, part: Rectangle) -> np.ndarray:
         """Return what the robot has mapped at some cells of `map`, int8: each has the cell in which its centre lies."""
         rows, columns = np.mgrid[part]
         centers_m = (np.stack((columns.ravel(), rows.ravel()), axis=1) + 0.5) * CELL_M + self._origin_m
@@ -112,7 +115,7 @@ class OwnMap:
         return cells_at(self._framed, framed_m, (-margin_m, -margin_m)).reshape(rows.shape)
 
 
-def whole(cells: np.ndarray) -> Part:
+def whole(cells: np.ndarray) -> Rectangle:
     """Return the rectangle of all cells."""
     rows, columns = cells.shape
     return slice(0, rows), slice(0, columns)
@@ -127,7 +130,7 @@ def cells_at(cells: np.ndarray, points_m: np.ndarray, origin_m: Point) -> np.nda
     return found
 
 
-def overlap(shape: tuple[int, ...], row: int, column: int, other: tuple[int, ...]) -> tuple[Part, Part]:
+def overlap(shape: tuple[int, ...], row: int, column: int, other: tuple[int, ...]) -> tuple[Rectangle, Rectangle]:
     """Return the same rectangle in two grids of cells, of which the second begins at a row and column of the first."""
     low, left = max(row, 0), max(column, 0)
     high, right = max(min(shape[0], row + other[0]), low), max(min(shape[1], column + other[1]), left)

@@ -128,13 +128,14 @@ class Survey:
     def look(self) -> None:
         """Show in `found` what the robot and its teammates have found by now."""
         own, of_team = self._own.cells, self._of_team
-        part, changed = self._own.take_changes()
-        self._unsent[part] |= changed
+        rectangle, changed = self._own.take_changes()
+        self._unsent[rectangle] |= changed
         if self._merging is not None:
-            self.found.show([(part, own[part])])
+            self.found.show([(rectangle, own[rectangle])])
             self._place = self._merging.search(own, of_team)
             return
-        parts, self._heard = [part, *self._heard], []
+        parts: list[Part] = [rectangle, *self._heard]
+        self._heard = []
         known = (np.where(own[part] == UNKNOWN, of_team[part], own[part]) for part in parts)
         self.found.show(list(zip(parts, known, strict=True)))
 
@@ -149,10 +150,10 @@ class Survey:
         self._expected[sender] = news.number + (news.cells is not None)
         found = None if news.cells is None else _changed_by(news.cells, self._of_team.shape)
         if found is not None:
-            here, changed, cells = found
+            changed, cells = found
             self._of_team[changed] = self._said[changed] = cells
             if self._merging is None:
-                self._heard.append(here)
+                self._heard.append(changed)
 
     def news(self, position: Point | None, sim_time_ns: int) -> Iterator[SurveyNews]:
         """Yield what the robot has to say now: one message or more. Args: position: of the robot, in `map` [m]."""
@@ -187,14 +188,14 @@ class Survey:
 
 
 @lru_cache(maxsize=64)
-def _changed_by(cells: Cells, shape: tuple[int, ...]) -> tuple[Part, tuple[np.ndarray, ...], np.ndarray] | None:
-    """Return what a message changes in a map: around it all, which cells, what they become; None if it is not valid.
+def _changed_by(cells: Cells, shape: tuple[int, ...]) -> tuple[Part, np.ndarray] | None:
+    """Return which cells of a map a message changes, and what they become, int8; None if it is not valid.
 
     All receivers of a message share it. Args: shape: of the map.
     """
     symbols = unpacked(cells, math.prod(shape))
     if symbols is None:
         return None
-    here, there = overlap(shape, cells.row, cells.column, symbols.shape)
+    (here_rows, here_columns), there = overlap(shape, cells.row, cells.column, symbols.shape)
     rows, columns = np.nonzero(symbols[there] != SAME)
-    return here, (rows + here[0].start, columns + here[1].start), _CELLS[symbols[there][rows, columns]]
+    return (rows + here_rows.start, columns + here_columns.start), _CELLS[symbols[there][rows, columns]]
