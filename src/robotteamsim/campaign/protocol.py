@@ -88,7 +88,7 @@ UNKNOWN_BUILDINGS: Mapping[str, tuple[str, tuple[str, ...]]] = {
 """The buildings of the exploration protocol; the last six are maps of our own."""
 
 STARTS = ("near", "far")
-POSES = ("known", "unknown")
+POSES = ("known", "unknown", "unknown_start")
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +138,7 @@ class ExplorationProtocol:
                  not know the building; the first is the reference of comparisons.
     buildings:   names in UNKNOWN_BUILDINGS, shipped scenarios, or files.
     starts:      of STARTS: robots start together, or at random places.
-    poses:       of POSES: robots know their true poses, or find them with their maps.
+    poses:       of POSES: robots know their true poses, or find them with their maps, also where they start.
     """
 
     controllers: tuple[str, ...]
@@ -180,7 +180,7 @@ def quick_exploration() -> ExplorationProtocol:
 def full_exploration() -> ExplorationProtocol:
     """Return the full exploration protocol."""
     return ExplorationProtocol(
-        _EXPLORING, tuple(UNKNOWN_BUILDINGS), (1, 2, 4, 8), STARTS, POSES, trials=20, duration_s=1200.0
+        _EXPLORING, tuple(UNKNOWN_BUILDINGS), (1, 2, 4, 8), STARTS, POSES[:2], trials=20, duration_s=1200.0
     )
 
 
@@ -264,7 +264,11 @@ def exploration_design(protocol: ExplorationProtocol) -> Design:
         mission = _section(Mission, base.mission, "--duration: ", **changes)
         base = base.model_copy(update={"mission": mission})
         for start, pose in itertools.product(protocol.starts, protocol.poses):
-            found = {"map": "unknown", "localisation": "ground_truth" if pose == "known" else "laser"}
+            found = {
+                "map": "unknown",
+                "localisation": "ground_truth" if pose == "known" else "laser",
+                "mapping": {"starts": "unknown" if pose == "unknown_start" else "known"},
+            }
             placed = _at_random_places(base, building) if start == "far" else base
             for robots, controller, cell in _teams(placed, protocol.robots, protocol.controllers, found):
                 cells.append(Cell((building, start, pose, robots, controller), cell))

@@ -138,7 +138,10 @@ def _add_exploration(kinds: Any) -> Parser:
         "--start", action="append", metavar="near|far", help="robots start together or anywhere; repeatable"
     )
     explore.add_argument(
-        "--pose", action="append", metavar="known|unknown", help="robots know their true poses or not; repeatable"
+        "--pose",
+        action="append",
+        metavar="known|unknown|unknown_start",
+        help="robots know their true poses, or their starts, or neither; repeatable",
     )
     explore.add_argument("--duration", type=positive_number, metavar="S", help="time limit of each mission [s]")
     explore.set_defaults(command=run_exploration)

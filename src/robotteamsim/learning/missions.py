@@ -454,6 +454,9 @@ def _checked(scenario: AnyScenario, rules: Rules) -> Scenario:
         key = arriving[0] if arriving else "robots"
         text = f"{key}: a robot arrives later; expected robots that are present from the start"
         raise LearningError(scenario.origin.line(text, key))
+    if scenario.control.mapping.starts == "unknown":
+        key = "control.mapping.starts"
+        raise LearningError(scenario.origin.line(f"{key}: 'unknown'; expected 'known', which agents need", key))
     if lack := rules.reward.lack_of(scenario):
         raise LearningError(scenario.origin.line(lack, lack.partition(":")[0]))
     return scenario

@@ -180,20 +180,27 @@ def test_mistake_in_a_patrol_is_one_line_with_the_option(changes, line):
 
 
 EXPLORATION = ExplorationProtocol(
-    ("frontier", "rdpso"), ("rooms", "loop"), (1, 2), ("near", "far"), ("known", "unknown"), trials=2, duration_s=60.0
+    ("frontier", "rdpso"),
+    ("rooms", "loop"),
+    (1, 2),
+    ("near", "far"),
+    ("known", "unknown", "unknown_start"),
+    trials=2,
+    duration_s=60.0,
 )
 
 
 def test_exploration_has_all_combinations_in_buildings_that_nobody_knows():
     design = exploration_design(EXPLORATION)
     assert design.keys == ("building", "start", "pose", "robots", "controller")
-    assert len(design.cells) == 32
+    assert len(design.cells) == 48
     for cell in design.cells:
         building, start, pose, robots, _ = cell.values
         scenario = cell.scenario
         assert scenario.plan.name == f"explore_{building}"
         assert scenario.control.map == "unknown"
-        assert scenario.control.localisation == {"known": "ground_truth", "unknown": "laser"}[pose]
+        assert scenario.control.localisation == ("ground_truth" if pose == "known" else "laser")
+        assert scenario.control.mapping.starts == ("unknown" if pose == "unknown_start" else "known")
         assert (scenario.num_robots, scenario.robots.formation) == (robots, "square" if start == "near" else "random")
         assert (scenario.mission.areas, scenario.mission.victims, scenario.mission.time_limit_s) == ((), (), 60.0)
 
@@ -221,7 +228,7 @@ def test_full_exploration_has_room_for_eight_robots_in_each_building():
     [
         ({"controllers": ("greedy", "search")}, "--controller: 'search' needs to know the building"),
         ({"starts": ("here",)}, "--start: 'here'; expected one of near, far"),
-        ({"poses": ("known", "wrong")}, "--pose: 'wrong'; expected one of known, unknown"),
+        ({"poses": ("known", "wrong")}, "--pose: 'wrong'; expected one of known, unknown, unknown_start"),
         ({"starts": ()}, "--start: no values"),
         ({"poses": ("known", "known")}, "--pose: known is given twice"),
         ({"duration_s": 2e6}, "--duration: time_limit_s: "),

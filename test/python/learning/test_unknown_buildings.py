@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from robotteamsim.geometry import PoseReading
-from robotteamsim.learning import BatchEnv, PolicyController, Reward, gym_env, parallel_env, task
+from robotteamsim.learning import BatchEnv, LearningError, PolicyController, Reward, gym_env, parallel_env, task
 from robotteamsim.learning.found_floor import SIDE, squares_around
 from robotteamsim.learning.tasks import FoundObserve
 from robotteamsim.maps.found_map import FoundMap
@@ -207,3 +207,8 @@ def test_team_goes_on_without_a_robot_that_leaves(unknown):
         vectors, *_ = env.step({agent: follow(vectors[agent]) for agent in env.agents})
         steps += 1
     assert (steps, list(vectors)) == (20, ["robot_0"])
+
+
+def test_agents_know_where_they_start():
+    with pytest.raises(LearningError, match=r"control\.mapping\.starts: 'unknown'; expected 'known'"):
+        parallel_env(**task("explore_unknown", overrides=["control.mapping.starts=unknown"]))

@@ -59,8 +59,8 @@ class Located:
 
     @property
     def found(self) -> FoundMap | None:
-        """What the robot and its team have found; None if it knows the building."""
-        return None if self._survey is None else self._survey.found
+        """What the robot and its team have found; None if it knows the building, or not yet where it is."""
+        return self._survey.found if self._survey is not None and self._is_placed else None
 
     def step(self, observation: Observation, inbox: Sequence[Message], task: Task) -> Decision:
         """Return the controller's decision, with the news that are due."""
@@ -121,12 +121,11 @@ class Located:
 
     def _shown(self, time_ns: int) -> OccupancyGrid | None:
         """Return the map for display, if it has changed and was not shown just before."""
-        if self._survey is None or not self._is_placed:
+        found = self.found
+        if found is None or time_ns < self._shown_ns or found.version == self._shown_version:
             return None
-        if time_ns < self._shown_ns or self._survey.found.version == self._shown_version:
-            return None
-        self._shown_ns, self._shown_version = time_ns + _SHOWN_NS, self._survey.found.version
-        return self._survey.found.known_part
+        self._shown_ns, self._shown_version = time_ns + _SHOWN_NS, found.version
+        return found.known_part
 
     def _particles(self, time_ns: int) -> tuple[Pose, ...] | None:
         """Return the particles for display, if they have changed and were not shown just before."""
