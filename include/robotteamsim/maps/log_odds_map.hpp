@@ -90,6 +90,17 @@ class LogOddsMap {
     return place < 0 || tiles_[place] == nullptr ? 0 : (*tiles_[place])[PlaceInTile(cell)];
   }
 
+  /// Whether anything is unknown in a square of cells around one. Args: reach: between it and the border of the square.
+  bool IsUnknownNear(const Cell& cell, int reach) const {
+    int known = 0;
+    for (int row = cell.row - reach; row <= cell.row + reach; ++row) {
+      ForKnownPieces(row, cell.col - reach, cell.col + reach, [&](int, int count, const std::int8_t* cells) {
+        known += count - static_cast<int>(std::count(cells, cells + count, std::int8_t{0}));
+      });
+    }
+    return known < (2 * reach + 1) * (2 * reach + 1);
+  }
+
   /// Calls a function with the hits of each occupied cell in a square of cells around a point within kLargest.
   /// Args: reach: the cells between the point's own and the border of the square.
   template <typename Function>

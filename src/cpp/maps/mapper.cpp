@@ -111,6 +111,9 @@ void Mapper::Predict(const OdometryReading& odometry) {
 }
 
 /// Returns which share of the hits in known places is where the map is free; none if there are few.
+///
+/// A hit next to something unknown does not count: before a robot comes along a wall, the beams that graze it free its
+/// cells.
 std::optional<double> Mapper::Contradiction(const std::vector<SurfacePoint>& hits, const base::Pose& pose) const {
   int agreeing = 0, contradicting = 0;
   for (const SurfacePoint& hit : hits) {
@@ -119,7 +122,7 @@ std::optional<double> Mapper::Contradiction(const std::vector<SurfacePoint>& hit
     map_.ForHitsNear(at, kNear, [&](const HitCell&) { is_near = true; });
     if (is_near) {
       ++agreeing;
-    } else if (map_.LogOdds(map_.CellOf(at)) < 0) {
+    } else if (const Cell cell = map_.CellOf(at); map_.LogOdds(cell) < 0 && !map_.IsUnknownNear(cell, kNear)) {
       ++contradicting;
     }
   }

@@ -274,3 +274,11 @@ def test_beam_that_ends_beside_a_teammate_is_a_wall_only_where_one_is_known(driv
     walls = survey._own.cells == OCCUPIED
     assert walls.sum() > 100
     assert (told.cells[walls] == OCCUPIED).all()
+
+
+def test_robot_that_comes_along_a_wall_is_not_lost():
+    # Beams that graze the wall of the core, at (24, 13), had freed its cells before robot 2 came there.
+    simulation = Simulation(load("garage_unknown", ["run.seed=34099"]))
+    simulation.mission.start()
+    records = [simulation.step() for _ in range(1060)]
+    assert {record.decisions[2].localisation.state for record in records} == {"tracking"}
