@@ -60,10 +60,10 @@ class Setup:
         scenario = self.scenario.model_copy(update={"plan": known})
         return replace(self, scenario=scenario, building=Building(known), found=found)
 
-    def knows_start(self, robot_id: int) -> bool:
-        """Whether a member of the team is told where it starts."""
+    def knows_start(self, robot_id: int, arrival: int = 1) -> bool:
+        """Whether a member of the team is told where it starts. Args: arrival: number of its arrivals."""
         starts = self.scenario.control.mapping.starts
-        return starts == "known" or robot_id in (0, self.scenario.base)
+        return arrival == 1 and (starts == "known" or robot_id in (0, self.scenario.base))
 
     @property
     def middle(self) -> Pose:

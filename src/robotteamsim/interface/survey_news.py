@@ -34,6 +34,8 @@ class SurveyNews(msgspec.Struct, frozen=True, omit_defaults=True):
     cells:    what it has found since then.
     is_all:   whether this and the messages after it have all that it knows.
     wanted:   ids of robots of whom it has lost messages: they send all that they know.
+    moving:   where it sees something move that is no teammate whose position it knows [m]; left out while it knows the
+              positions of all.
     """
 
     position: Point | None = None
@@ -41,6 +43,7 @@ class SurveyNews(msgspec.Struct, frozen=True, omit_defaults=True):
     cells: Cells | None = None
     is_all: bool = False
     wanted: tuple[Index, ...] = ()
+    moving: tuple[Point, ...] = ()
 
 
 class _Message(msgspec.Struct, frozen=True):

@@ -20,10 +20,10 @@ from robotteamsim.scenario.base import Point
 from robotteamsim.scenario.plan import FREE, OCCUPIED
 
 _KEPT = 150
-"""Scans with teammates in reach of messages."""
+"""So many of the last scans in whose step teammates said where they are."""
 
-_EVERY_M = 2.0
-"""Way of the robot between two searches [m]."""
+_EVERY = 4
+"""A search needs so many scans since the last one."""
 
 _NEAR_M, _POINTS = 12.0, 150
 """The search uses so many occupied cells of the robot's own map, this near to it [m]."""
@@ -40,13 +40,18 @@ _AGREEING, _FEWEST_CELLS = 0.9, 100
 """Share of the occupied cells of each map that are occupied in the other, among those that both know; and how many."""
 
 _SIGHTINGS, _APART_M, _BEAMS = 8, 2.0, 3
-"""So many scans must show a teammate where the other map says that it is, at places this far apart [m], with so many
-beams each that end where the robot's own map is free."""
+"""So many scans must show a teammate where it says that it is, at places so far apart [m], with so many beams each."""
+
+_MISSED_SHARE, _RIVAL_SHARE = 0.1, 0.5
+"""Of the sightings: at most so many scans show that a teammate is not there; no other place has so many sightings."""
+
+_CONFIRMED, _SEEN_AT_M, _SEEN_MOST = 3, 0.6, 3
+"""So many times a teammate must see something move where the robot would be, within this distance [m]; how many such
+places a message has at most."""
 
 
 _BESIDE_M = CELL_M * np.array([(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)])
-_AROUND_M = 2.0 * _BESIDE_M
-"""A cell and those next to it, and those two cells away [m]: noise is not movement."""
+"""A cell and those next to it [m]."""
 
 _FAR_M = 1.0
 """No distance from a wall counts as more [m]."""
@@ -60,6 +65,7 @@ class Match(NamedTuple):
     agreement:  share of these that are occupied in both.
     seen, missed: scans that showed a teammate where it says that it is, and that showed that it is not there.
     spread_m:   largest distance between two places where one was seen [m].
+    confirmed:  how many times a teammate saw something move where the robot would be.
     """
 
     pose: Pose
@@ -68,29 +74,39 @@ class Match(NamedTuple):
     seen: int
     missed: int
     spread_m: float
+    confirmed: int
 
     @property
     def is_certain(self) -> bool:
-        """Whether walls and sightings both confirm it."""
+        """Whether walls, what the robot sees and what teammates see all confirm it."""
         fits = self.cells >= _FEWEST_CELLS and self.agreement >= _AGREEING
-        return fits and self.seen >= _SIGHTINGS and self.spread_m >= _APART_M and 10 * self.missed <= self.seen
+        sees = self.seen >= _SIGHTINGS and self.spread_m >= _APART_M and self.missed <= _MISSED_SHARE * self.seen
+        return fits and sees and self.confirmed >= _CONFIRMED
 
 
 class _Look(NamedTuple):
-    """A scan: the robot's pose in the frame of its own map, where beams end, and which do so where that is free."""
+    """A scan.
+
+    pose:      of the robot in the frame of its own map.
+    moving:    beams that end at what moves, bool.
+    teammates: where they said just before that they are, in `map`.
+    reported:  where they saw something move that is none of them, in `map` [m].
+    """
 
     pose: Pose
     ranges_m: np.ndarray
     ends_m: np.ndarray
     moving: np.ndarray
     teammates: tuple[Disc, ...]
+    reported: tuple[Point, ...]
 
 
 class Merging:
     """Looks for the place of a robot's own map in the map of its team, by walls and by the sight of teammates.
 
     Walls alone prove nothing: in the office, maps of two wings agree in 97 % of 5,753 cells. The second witness are
-    teammates: beams that end where a teammate says that it is, and where the robot's own map is free.
+    teammates: beams that end where a teammate says that it is, and where the robot's own map is free. And the teammate
+    must see the robot: in a building with two equal halves, somebody else may be where it would be seen.
     """
 
     def __init__(self, view: LaserView, narrowest_m: float, found: FoundMap) -> None:
@@ -100,7 +116,8 @@ class Merging:
         rows, columns = found.cells.shape
         self._anywhere = ((columns * CELL_M) ** 2 / 12.0, 0.0, 0.0, (rows * CELL_M) ** 2 / 12.0, 0.0, math.pi**2 / 3.0)
         """Covariance of a pose of which the robot knows nothing: uniform within the bounds."""
-        self._driven_m = 0.0
+        self._new = 0
+        """Scans since the last search."""
         self.matches: list[Match] = []
         """What the last search found, the one with the most sightings first."""
 
@@ -110,37 +127,41 @@ class Merging:
         poses = (pose, *(match.pose @ pose for match in self.matches))
         return Localisation(state, tuple(Estimate(each, self._anywhere) for each in poses))
 
-    def note(self, pose: Pose, ranges_m: np.ndarray, teammates: Sequence[Disc], own: np.ndarray) -> None:
-        """Note a scan. Args: teammates: where they say that they are, in `map`.  own: cells of the robot's map."""
-        if self._looks:
-            since = self._looks[-1].pose.inverse() @ pose
-            self._driven_m += math.hypot(since.x_m, since.y_m)
+    def note(
+        self,
+        pose: Pose,
+        ranges_m: np.ndarray,
+        teammates: Sequence[Disc],
+        reported: Sequence[Point],
+        own: np.ndarray,
+    ) -> None:
+        """Note a scan after teammates have said where they are. Args: see `_Look`.  own: cells of the own map."""
         ends_m = self._view.ends_m(ranges_m)
-        hits = (ranges_m > self._view.laser.range_min_m) & (ranges_m < self._view.laser.range_max_m)
-        around = [self._at(own, moved(pose, ends_m) + shift) == FREE for shift in _AROUND_M]
-        moving = hits & np.all(around, axis=0)
-        self._looks.append(_Look(pose, ranges_m.copy(), ends_m, moving, tuple(teammates)))
+        moving = self._view.hits(ranges_m) & is_open(own, moved(pose, ends_m), self._origin_m)
+        self._looks.append(_Look(pose, ranges_m.copy(), ends_m, moving, tuple(teammates), tuple(reported)))
+        self._new += 1
 
-    def search(self, own: np.ndarray, team: np.ndarray) -> Pose | None:
+    def search(self, here: Pose, own: np.ndarray, team: np.ndarray) -> Pose | None:
         """Return the pose of the frame of the robot's own map in `map`, once there is no doubt about it.
 
-        Args: own, team: cells of both maps, int8, of the same shape.
+        Args:   here: of the robot in that frame.
+                own, team: cells of both maps, int8, of the same shape.
         """
         moving = sum(np.count_nonzero(look.moving) >= _BEAMS for look in self._looks if look.teammates)
-        if self._driven_m < _EVERY_M or moving < _SIGHTINGS:
+        if self._new < _EVERY or moving < _SIGHTINGS:
             return None
-        self._driven_m = 0.0
-        found = [self._judged(pose, own, team) for pose in self._places(own, team)]
+        self._new = 0
+        found = [self._judged(pose, own, team) for pose in self._places(here, own, team)]
         found = [match for match in found if match.agreement >= _AGREEING]
         self.matches = sorted(found, key=lambda match: match.missed - match.seen)
         if not self.matches or not self.matches[0].is_certain:
             return None
         best, *others = self.matches
-        return None if any(2 * match.seen >= best.seen for match in others) else best.pose
+        is_rivalled = any(match.seen >= _RIVAL_SHARE * best.seen for match in others)
+        return None if is_rivalled else best.pose
 
-    def _places(self, own: np.ndarray, team: np.ndarray) -> list[Pose]:
+    def _places(self, here: Pose, own: np.ndarray, team: np.ndarray) -> list[Pose]:
         """Return where the walls near the robot fit those of the team."""
-        here = self._looks[-1].pose
         walls_m = moved(here.inverse(), centers_m(own, self._origin_m))
         near_m = walls_m[np.hypot(*walls_m.T) < _NEAR_M]
         if len(near_m) < _FEWEST_POINTS:
@@ -151,7 +172,12 @@ class Merging:
         if len(matches) >= _MOST_MATCHES:
             return []
         walls, points_m = WallField(team, self._origin_m), centers_m(own, self._origin_m)
-        return [walls.aligned(pose @ here.inverse(), points_m)[0] for pose, _ in matches]
+        places: list[Pose] = []
+        for pose, _ in matches:
+            place = walls.aligned(pose @ here.inverse(), points_m)
+            if not any(_are_same(place @ here, other @ here) for other in places):
+                places.append(place)
+        return places
 
     def _judged(self, pose: Pose, own: np.ndarray, team: np.ndarray) -> Match:
         """Return how well a place of the own map fits."""
@@ -162,16 +188,17 @@ class Merging:
             is_wall = np.any([self._at(others, walls_m + shift) == OCCUPIED for shift in _BESIDE_M], axis=0)
             known += int(np.count_nonzero(is_wall | (there == FREE)))
             agreeing += int(np.count_nonzero(is_wall))
-        seen_m, missed = [], 0
+        seen_m, missed, confirmed = [], 0, 0
         for look in self._looks:
             at = pose @ look.pose
+            confirmed += any(math.dist(each, (at.x_m, at.y_m)) < _SEEN_AT_M for each in look.reported)
             missed += self._view.misses(look.teammates, at, look.ranges_m, self._narrowest_m)
             on_teammates = look.moving & self._view.end_in(look.teammates, at, look.ends_m)
             if np.count_nonzero(on_teammates) >= _BEAMS:
                 seen_m.append(moved(at, look.ends_m[on_teammates]).mean(axis=0))
         places_m = np.array(seen_m).reshape(-1, 2)
         spread_m = np.hypot(*(places_m[:, None] - places_m[None]).T).max(initial=0.0)
-        return Match(pose, known, agreeing / max(known, 1), len(seen_m), missed, float(spread_m))
+        return Match(pose, known, agreeing / max(known, 1), len(seen_m), missed, float(spread_m), confirmed)
 
     def _at(self, cells: np.ndarray, points_m: np.ndarray) -> np.ndarray:
         """Return the cells of points, shape (n,); outside, they are UNKNOWN."""
@@ -186,30 +213,31 @@ class WallField:
         field = _core.maps.DistanceField(cells == OCCUPIED, origin_m, CELL_M).distances_m()
         self._away_m, self._origin_m = np.minimum(field, _FAR_M).astype(float), origin_m
 
-    def aligned(self, pose: Pose, points_m: np.ndarray) -> tuple[Pose, np.ndarray]:
-        """Return a pose near the given one at which points lie better on walls, and those that do.
+    def aligned(self, pose: Pose, points_m: np.ndarray) -> Pose:
+        """Return a pose near the given one at which points lie better on walls, in 0.1 mm and millionths of a radian.
 
         Gauss-Newton steps on the distances of the points near walls, which weigh less the larger they are.
 
         Args: points_m: shape (n, 2) [m], in the frame with this pose.
         """
-        moved_m = points_m
         for reach_m in (0.6, 0.5, 0.4, *[0.3] * 8):
             moved_m = moved(pose, points_m)
             away_m, slope = self._at(moved_m)
             near = away_m < reach_m
-            at_m, away_m, slope, moved_m = moved_m[near], away_m[near], slope[near], moved_m[near]
+            at_m, away_m, slope = moved_m[near], away_m[near], slope[near]
             if len(at_m) < _FEWEST_POINTS:
                 break
             middle_m = at_m.mean(axis=0)
             arm_m = at_m - middle_m
             jacobian = np.column_stack((slope, arm_m[:, 0] * slope[:, 1] - arm_m[:, 1] * slope[:, 0]))
             weighted = jacobian / (1.0 + (away_m / CELL_M) ** 2)[:, None]
-            x_m, y_m, yaw_rad = np.linalg.solve(weighted.T @ jacobian + 1e-3 * np.eye(3), -weighted.T @ away_m)
+            # Sums whose last bits do not depend on the processor, as those of BLAS do.
+            normal = (weighted[:, :, None] * jacobian[:, None, :]).sum(axis=0)
+            x_m, y_m, yaw_rad = np.linalg.solve(normal + 1e-3 * np.eye(3), -(weighted * away_m[:, None]).sum(axis=0))
             turn = Pose(0.0, 0.0, float(yaw_rad))
             shift_m = middle_m + np.array((x_m, y_m)) - moved(turn, middle_m[None])[0]
             pose = Pose(float(shift_m[0]), float(shift_m[1]), float(yaw_rad)) @ pose
-        return pose, moved_m
+        return Pose(round(pose.x_m, 4), round(pose.y_m, 4), round(pose.yaw_rad, 6))
 
     def _at(self, points_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the distances, shape (n,) [m], and their slopes along x and y, shape (n, 2): bilinear."""
@@ -222,6 +250,28 @@ class WallField:
         away_m = (1 - v) * ((1 - u) * a + u * b) + v * ((1 - u) * c + u * d)
         slope = np.column_stack(((1 - v) * (b - a) + v * (d - c), (1 - u) * (c - a) + u * (d - b))) / CELL_M
         return away_m, slope
+
+
+def is_open(cells: np.ndarray, points_m: np.ndarray, origin_m: Point) -> np.ndarray:
+    """Return whether a map is free at points and 0.2 m around: what beams hit there moves. Bool, shape (n,)."""
+    around = [cells_at(cells, points_m + shift, origin_m) == FREE for shift in 2.0 * _BESIDE_M]
+    return np.asarray(np.all(around, axis=0))
+
+
+def moving_places(ends_m: np.ndarray, moving: np.ndarray) -> tuple[Point, ...]:
+    """Return where several neighbouring beams end at what moves [m], the largest things first, at most `_SEEN_MOST`.
+
+    Args: ends_m: shape (beams, 2).  moving: bool, shape (beams,).
+    """
+    beams = np.flatnonzero(moving)
+    things = [each for each in np.split(beams, np.flatnonzero(np.diff(beams) > 2) + 1) if len(each) >= _BEAMS]
+    largest = sorted(things, key=len, reverse=True)[:_SEEN_MOST]
+    return tuple((round(float(x), 2), round(float(y), 2)) for x, y in (ends_m[each].mean(axis=0) for each in largest))
+
+
+def _are_same(one: Pose, other: Pose) -> bool:
+    apart = one.inverse() @ other
+    return math.hypot(apart.x_m, apart.y_m) < _SAME_M and abs(apart.yaw_rad) < _SAME_RAD
 
 
 def centers_m(cells: np.ndarray, origin_m: Point) -> np.ndarray:

@@ -46,6 +46,10 @@ class LaserView:
         limited_m = np.clip(ranges_m.astype(float), self.laser.range_min_m, self.laser.range_max_m)
         return np.asarray((self.laser.forward_m, self.laser.left_m) + limited_m[:, None] * self._directions)
 
+    def hits(self, ranges_m: np.ndarray) -> np.ndarray:
+        """Return whether each beam hit something, bool, shape (beams,)."""
+        return np.asarray((ranges_m > self.laser.range_min_m) & (ranges_m < self.laser.range_max_m))
+
     def end_in(self, discs: Sequence[Disc], pose: Pose, ends_m: np.ndarray) -> np.ndarray:
         """Return whether each beam ends in one of the discs, for a robot at a pose: bool, shape (beams,)."""
         to_base_link, reach_m = pose.inverse(), self.laser.range_max_m + self._offset_m
@@ -80,8 +84,7 @@ class LaserView:
 
     def hits_m(self, scan: Scan) -> np.ndarray:
         """Return where beams hit something, in base_link, shape (n, 2) [m]."""
-        ranges_m = scan.ranges_m[scan.beams]
-        hits = (ranges_m > self.laser.range_min_m) & (ranges_m < self.laser.range_max_m)
+        hits = self.hits(scan.ranges_m[scan.beams])
         return np.asarray(self.ends_m(scan.ranges_m)[scan.beams[hits]])
 
 

@@ -23,7 +23,7 @@ from robotteamsim.interface.survey_news import (
 )
 from robotteamsim.maps.found_map import FoundMap, Part
 from robotteamsim.maps.localiser import Localiser
-from robotteamsim.maps.merging import Merging
+from robotteamsim.maps.merging import Merging, is_open, moving_places
 from robotteamsim.maps.own_map import OwnMap, cells_at, overlap, whole
 from robotteamsim.maps.recent_scans import LaserView, moved
 from robotteamsim.maps.teammates import Disc
@@ -41,7 +41,7 @@ _CELLS[[SAME, IS_UNKNOWN, IS_FREE, IS_OCCUPIED]] = [UNKNOWN, UNKNOWN, FREE, OCCU
 _CERTAIN = (0.0,) * 6
 """Covariance of a pose that is given."""
 
-_OTHERS = 200
+_OTHERS = 300
 """Characters of the rest of a message, at most."""
 
 
@@ -58,18 +58,29 @@ class Survey:
     looks = True
     particles = ()
 
-    def __init__(self, robot_id: int, setup: Setup, found: FoundMap, given: Localiser | None) -> None:
-        """Args: given: knows the robot's pose; None: the mapper finds it."""
+    def __init__(self, robot_id: int, setup: Setup, found: FoundMap, given: Localiser | None, arrival: int = 1) -> None:
+        """Args: given: knows the robot's pose; None: the mapper finds it.
+
+        arrival: number of the robot's arrivals; one that comes back does not know where it is.
+        """
         self._robot_id, self.found, self._given = robot_id, found, given
         body = setup.robots[robot_id]
         self._view = LaserView(body.laser)
-        mapping, knows_start = setup.scenario.control.mapping, setup.knows_start(robot_id)
+        mapping, knows_start = setup.scenario.control.mapping, given is not None or setup.knows_start(robot_id, arrival)
         start = Pose(*body.start_pose) if knows_start else setup.middle
         self._own = OwnMap(body.laser, mapping, start, found, may_move=not knows_start)
         self._merging = None if knows_start else Merging(self._view, setup.smallest_reach_m, found)
         """Until the robot knows where it started."""
         self._place: Pose | None = None
         """Where it has found that its own map lies in `map`, to which it moves in the next step."""
+        self._reported: list[Point] | None = None
+        """Where teammates see something move, if they have sent news since the last step; else None."""
+        self._without_place: set[int] = set()
+        """The teammates who do not know where they are."""
+        self._moving: tuple[Point, ...] = ()
+        """Where the robot sees something move that is none of the others, at the last look [m]."""
+        self._scan: tuple[np.ndarray, Sequence[Disc]] | None = None
+        """The last one, and where teammates might be then."""
         self._heard: list[Part] = []
         """Where teammates have found something since the last look."""
         self._of_team = found.cells.copy()
@@ -102,9 +113,11 @@ class Survey:
             ends_m = self._view.ends_m(ranges_m)
             is_wall = cells_at(self.found.cells, moved(due_at, ends_m), self.found.origin_m) == OCCUPIED
             masked = self._view.end_in(teammates, due_at, ends_m) & ~is_wall
-        is_update = self._own.step(odometry, covariance, ranges_m, masked)
-        if self._merging is not None and is_update:
-            self._merging.note(self._own.pose, ranges_m, teammates, self._own.cells)
+        self._own.step(odometry, covariance, ranges_m, masked)
+        self._scan = ranges_m, teammates
+        if self._merging is not None and self._reported is not None:
+            self._merging.note(self._own.pose, ranges_m, teammates, self._reported, self._own.cells)
+        self._reported = None
         if self._place is not None:
             self._own.move(self._place)
             self._merging = self._place = None
@@ -132,15 +145,31 @@ class Survey:
         self._unsent[rectangle] |= changed
         if self._merging is not None:
             self.found.show([(rectangle, own[rectangle])])
-            self._place = self._merging.search(own, of_team)
+            self._place = self._merging.search(self._own.pose, own, of_team)
             return
+        self._moving = self._what_moves() if self._without_place else ()
         parts: list[Part] = [rectangle, *self._heard]
         self._heard = []
         known = (np.where(own[part] == UNKNOWN, of_team[part], own[part]) for part in parts)
         self.found.show(list(zip(parts, known, strict=True)))
 
+    def _what_moves(self) -> tuple[Point, ...]:
+        """Return where something moves that is no teammate whose position is known, in `map` [m]."""
+        if self._scan is None:
+            return ()
+        ranges_m, teammates = self._scan
+        ends_m = self._view.ends_m(ranges_m)
+        in_map_m = moved(self._own.pose, ends_m)
+        moving = self._view.hits(ranges_m) & is_open(self._own.cells, in_map_m, self.found.origin_m)
+        return moving_places(in_map_m, moving & ~self._view.end_in(teammates, self._own.pose, ends_m))
+
     def hear(self, sender: int, news: SurveyNews, sim_time_ns: int) -> None:
         """Take over what a teammate has found, and note whether some of it was lost."""
+        if news.position is None:
+            self._without_place.add(sender)
+        else:
+            self._without_place.discard(sender)
+            self._reported = [*(self._reported or ()), *news.moving]
         if self._robot_id in news.wanted and sim_time_ns >= self._answered_ns + self._period_ns:
             self._is_asked = True
         if news.number != self._expected.get(sender, 0):
@@ -158,11 +187,12 @@ class Survey:
     def news(self, position: Point | None, sim_time_ns: int) -> Iterator[SurveyNews]:
         """Yield what the robot has to say now: one message or more. Args: position: of the robot, in `map` [m]."""
         wanted, is_all = tuple(sorted(self._wanted)), self._is_asked
+        moving = () if position is None else self._moving
         parts: list[Cells | None] = list(self._cells_to_send(sim_time_ns))
         for part in parts or [None]:
-            yield SurveyNews(position, self._number, part, is_all, wanted)
+            yield SurveyNews(position, self._number, part, is_all, wanted, moving)
             self._number += part is not None
-            wanted, is_all = (), False
+            wanted, moving, is_all = (), (), False
 
     def _cells_to_send(self, sim_time_ns: int) -> Iterator[Cells]:
         """Yield what has changed in the robot's own map and is not as anybody has said last, if that is due.

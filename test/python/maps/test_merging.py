@@ -6,14 +6,16 @@ import numpy as np
 import pytest
 
 from robotteamsim.control.runtime.located import Located
+from robotteamsim.control.runtime.registry import make_belief
 from robotteamsim.errors import ScenarioError
 from robotteamsim.geometry import Pose, PoseReading, Twist
 from robotteamsim.interface import Decision, Estimate, Localisation, Message, Observation, Task
 from robotteamsim.interface.survey_news import survey_news_in
 from robotteamsim.maps.found_map import CELL_M, FoundMap, without_walls
-from robotteamsim.maps.merging import WallField, centers_m
+from robotteamsim.maps.merging import Match, WallField, centers_m, moving_places
 from robotteamsim.maps.own_map import OwnMap
 from robotteamsim.maps.recent_scans import moved
+from robotteamsim.maps.survey import Survey
 from robotteamsim.maps.teammates import Teammates
 from robotteamsim.scenario import load
 from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN
@@ -39,7 +41,7 @@ def mission(seconds, *settings):
 
 @pytest.fixture(scope="module")
 def records():
-    return mission(15)
+    return mission(20)
 
 
 def states_of(records, robot_id):
@@ -69,7 +71,7 @@ def test_robot_that_is_lost_speaks_of_no_place(records):
 
 
 def test_same_seed_gives_the_same_place(records):
-    again = mission(15)
+    again = mission(20)
     assert [record.decisions[1].localisation for record in again] == [
         record.decisions[1].localisation for record in records
     ]
@@ -79,7 +81,48 @@ def test_walls_without_the_sight_of_a_teammate_are_not_enough(monkeypatch):
     note = Teammates.note
     elsewhere = lambda self, i, at, time_ns: note(self, i, (at[0] + 6.0, at[1]), time_ns)  # noqa: E731
     monkeypatch.setattr(Teammates, "note", elsewhere)
-    assert set(states_of(mission(15), 1)) <= {"lost", "ambiguous"}
+    assert set(states_of(mission(20), 1)) <= {"lost", "ambiguous"}
+
+
+def test_teammates_who_do_not_see_the_robot_are_not_enough(monkeypatch):
+    monkeypatch.setattr(Survey, "_what_moves", lambda self: ())
+    assert set(states_of(mission(20), 1)) <= {"lost", "ambiguous"}
+
+
+def test_teammates_report_what_moves_only_while_somebody_is_lost(records):
+    found_s = records[states_of(records, 1).index("tracking")].sim_time_s
+    reports = [
+        (record.sim_time_s, survey_news_in(message.payload).moving)
+        for record in records
+        for message in record.decisions[0].outbox
+        if '"survey"' in message.payload
+    ]
+    assert any(moving for time_s, moving in reports if time_s < found_s)
+    assert not any(moving for time_s, moving in reports if time_s > found_s + 2.0)
+
+
+def test_what_moves_is_where_several_neighbouring_beams_end():
+    ends_m = np.array([(float(i), 0.0) for i in range(20)])
+    moving = np.isin(np.arange(20), [1, 2, 4, 8, 9, 14, 15, 16, 17])
+    assert moving_places(ends_m, moving) == ((15.5, 0.0), (2.33, 0.0))
+
+
+GOOD = Match(Pose(0.0, 0.0, 0.0), cells=200, agreement=0.95, seen=20, missed=1, spread_m=3.0, confirmed=5)
+
+
+@pytest.mark.parametrize(
+    "change", [{"cells": 99}, {"agreement": 0.89}, {"seen": 7}, {"missed": 3}, {"spread_m": 1.9}, {"confirmed": 2}]
+)
+def test_place_is_certain_only_if_everything_confirms_it(change):
+    assert GOOD.is_certain
+    assert not GOOD._replace(**change).is_certain
+
+
+def test_robot_that_comes_back_does_not_know_where_it_is():
+    setup = resolve(load("garage_unknown", ["robots.count=2"]))
+    first, again = (make_belief(1, setup, arrival).survey for arrival in (1, 2))
+    assert first.is_placed
+    assert not again.is_placed
 
 
 def test_map_lies_best_where_it_was_taken_from():
@@ -88,13 +131,10 @@ def test_map_lies_best_where_it_was_taken_from():
     walls_m = centers_m(grid.cells, grid.origin_m)
     near_m = walls_m[np.hypot(*(walls_m - (20.0, 12.0)).T) < 12.0]
     true = Pose(20.0, 12.0, 0.5)
-    found, common_m = WallField(grid.cells, grid.origin_m).aligned(
-        Pose(20.2, 11.9, 0.53), moved(true.inverse(), near_m)
-    )
+    found = WallField(grid.cells, grid.origin_m).aligned(Pose(20.2, 11.9, 0.53), moved(true.inverse(), near_m))
     apart = true.inverse() @ found
     assert math.hypot(apart.x_m, apart.y_m) < 0.01
     assert abs(apart.yaw_rad) < 0.001
-    assert len(common_m) == len(near_m)
 
 
 def own_map(pose, *, may_move):
@@ -155,7 +195,7 @@ class _Controller:
 
     def step(self, observation, inbox, task):
         self.seen.append((list(inbox), task))
-        return Decision(Twist(0.5), (Message(1, -1, "I am here"),))
+        return Decision(Twist(0.5), (Message(1, -1, "I am here"),), done="nothing is left")
 
 
 def test_controller_begins_again_with_areas_once_its_robot_knows_its_place():
@@ -172,6 +212,7 @@ def test_controller_begins_again_with_areas_once_its_robot_knows_its_place():
     observation = Observation(1, 10**8, robot, VoiceReading(0.0, False, (0.0, 0.0), 0.0))
     task, inbox = Task(running=True, area_center_m=(18.0, 7.0)), (Message(0, -1, "go there"),)
     before = located.step(observation, inbox, task)
+    assert before.done == ""
     survey.is_placed = True
     for _ in range(2):
         after = located.step(observation, inbox, task)

@@ -46,6 +46,7 @@ class Located:
         self._make, self._setup = make, setup
         self._robot_id, self._localiser, self._survey = robot_id, localiser, survey
         self._is_placed = survey is None or survey.is_placed
+        self._had_to_be_placed = not self._is_placed
         self.controller = make(self._told())
         self._teammates = Teammates(robot_id, setup)
         self._shares = localiser.looks or survey is not None
@@ -94,7 +95,9 @@ class Located:
         decision = self.controller.step(believed, inbox, known)
         if not isinstance(decision, Decision):
             return decision  # The guard reports it, and a wrong outbox.
-        outbox = decision.outbox if self._is_placed else ()
+        if not self._is_placed:  # It may still meet somebody.
+            decision = msgspec.structs.replace(decision, outbox=(), done="")
+        outbox = decision.outbox
         if is_due and isinstance(outbox, (tuple, list)):
             self._due_ns = time_ns + self._period_ns
             is_sure = self._localiser.localisation.state == "tracking"
@@ -112,12 +115,11 @@ class Located:
         """Return what the controller is told: the middle of the building instead of starts that nobody knows."""
         setup = self._setup
         starts = {i: setup.middle for i in range(len(setup.robots)) if not setup.knows_start(i)}
-        if not starts:
-            return setup
-        if self._is_placed and self._robot_id in starts:
+        if not self._is_placed:
+            return setup.with_starts({**starts, self._robot_id: setup.middle}).without_areas()
+        if self._had_to_be_placed:
             starts[self._robot_id] = self._localiser.localisation.pose
-        told = setup.with_starts(starts)
-        return told if self._is_placed else told.without_areas()
+        return setup.with_starts(starts) if starts else setup
 
     def _shown(self, time_ns: int) -> OccupancyGrid | None:
         """Return the map for display, if it has changed and was not shown just before."""

@@ -101,7 +101,7 @@ def make_belief(robot_id: int, setup: Setup, arrival: int = 1) -> Belief:
     known = without_walls(setup.plan)
     found = FoundMap(known)
     setup = setup.without_building(known, {robot_id: found})
-    survey = Survey(robot_id, setup, found, localiser)
+    survey = Survey(robot_id, setup, found, localiser, arrival)
     return Belief(setup, survey, survey)
 
 
