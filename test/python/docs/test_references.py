@@ -63,4 +63,4 @@ def test_launch_files_that_are_shown_exist(page):
 def test_keys_that_are_set_in_examples_exist(page):
     for setting in re.findall(r"--set ([a-z]\w*(?:\.\w+)+=[^\s'`]+)", page.read_text()):
         if not setting.startswith(("schedule.", "control.algorithm=m", "run.world=s")):  # Need a part of the reader.
-            load("garage_sar", [setting])
+            load("garage_unknown" if setting.startswith("control.mapping.") else "garage_sar", [setting])
