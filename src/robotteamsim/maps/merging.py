@@ -1,4 +1,7 @@
-"""Maps that were begun at unknown places: where the one of a robot lies in the one of its team."""
+"""Maps that were begun at unknown places: where the one of a robot lies in the one of its team.
+
+All constants are ours, from the missions of study/unknown.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +51,6 @@ _MISSED_SHARE, _RIVAL_SHARE = 0.1, 0.5
 _CONFIRMED, _SEEN_AT_M, _SEEN_MOST = 3, 0.6, 3
 """So many times a teammate must see something move where the robot would be, within this distance [m]; how many such
 places a message has at most."""
-
 
 _BESIDE_M = CELL_M * np.array([(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1)])
 """A cell and those next to it [m]."""

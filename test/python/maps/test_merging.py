@@ -241,3 +241,13 @@ def test_starts_are_known_without_a_map_of_ones_own(scenario, settings, text):
     with pytest.raises(ScenarioError) as error:
         load(scenario, [UNKNOWN_STARTS, *settings])
     assert text in str(error.value)
+
+
+def test_robot_that_comes_back_elsewhere_finds_out_where():
+    events = "schedule=[{at_s: 15, remove: 1}, {at_s: 20, spawn: 1, pose: [10, 8, 1.5]}]"
+    simulation = Simulation(load("garage_unknown", ["run.seed=1", events]))
+    simulation.mission.start()
+    records = [simulation.step() for _ in range(600)]
+    assert records[205].decisions[1].localisation.state == "lost"
+    assert records[-1].decisions[1].localisation.state == "tracking"
+    assert error_of(records[-1], 1)[0] < 0.2
