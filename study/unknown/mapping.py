@@ -20,12 +20,11 @@ import numpy as np
 import scipy.ndimage
 import shapely
 
-from robotteamsim import _core
 from robotteamsim.geometry import Pose, normalise_angle
+from robotteamsim.maps.own_map import mapper_of
 from robotteamsim.scenario.controllers.mapping import Mapping
 from robotteamsim.scenario.floor_plan import FloorPlan
 from robotteamsim.scenario.plan import FREE, obstacles, occupancy_grid
-from robotteamsim.world.core_parts import core_fan
 from study.unknown.recording import beams_at_teammates, measured_again, record
 
 NEAR_M = 0.1
@@ -104,12 +103,7 @@ def mapped(mission: tuple[str, ...], robot_id: int, seed: int, noise_m: float) -
     """Let a robot map a building on its path in a mission, name and keys, with the noise of a seed."""
     recording = record(*mission)
     robot, tuning = recording.setup.robots[robot_id], Mapping()
-    mapper = _core.maps.Mapper(
-        fan=core_fan(robot.laser.beam_model().fan),
-        range_min_m=robot.laser.range_min_m,
-        parameters=_core.maps.MapperParameters(**tuning.model_dump(exclude={"share_s"})),
-        start=Pose(*map(float, recording.poses[0, robot_id])),
-    )
+    mapper = mapper_of(robot.laser, tuning, Pose(*map(float, recording.poses[0, robot_id])))
     errors_m, errors_rad, lost_updates, cpu_s = [], [], 0, 0.0
     for step, measured in enumerate(measured_again(recording, robot_id, seed, noise_m), start=1):
         masked = beams_at_teammates(recording, robot_id, step, MARGIN_M)

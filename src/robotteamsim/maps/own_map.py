@@ -36,12 +36,7 @@ class OwnMap:
         self._origin_m, self._factor = found.origin_m, round(CELL_M / mapping.cell_m)
         # The mapper's frame has its origin in cell (0, 0) of the map, so that cells coincide before the first move.
         self._map_T_frame = Pose(*found.origin_m, 0.0)
-        self._mapper = _core.maps.Mapper(
-            fan=core_fan(laser.beam_model().fan),
-            range_min_m=laser.range_min_m,
-            start=self._map_T_frame.inverse() @ start,
-            parameters=_core.maps.MapperParameters(**mapping.model_dump(exclude={"share_s", "starts"})),
-        )
+        self._mapper = mapper_of(laser, mapping, self._map_T_frame.inverse() @ start)
         self._margin = math.ceil(math.hypot(*self.cells.shape)) if may_move else 0
         """Cells around `cells`: wherever the robot started, the building is within."""
         self._framed = np.pad(self.cells, self._margin, constant_values=UNKNOWN) if may_move else self.cells
@@ -113,6 +108,16 @@ class OwnMap:
         margin_m = CELL_M * self._margin
         framed_m = moved(self._map_T_frame.inverse(), centers_m)
         return cells_at(self._framed, framed_m, (-margin_m, -margin_m)).reshape(rows.shape)
+
+
+def mapper_of(laser: Laser, mapping: Mapping, start: Pose) -> _core.maps.Mapper:
+    """Return a mapper that has seen nothing. Args: start: of the robot, in the mapper's frame."""
+    return _core.maps.Mapper(
+        fan=core_fan(laser.beam_model().fan),
+        range_min_m=laser.range_min_m,
+        parameters=_core.maps.MapperParameters(**mapping.model_dump(exclude={"share_s", "starts"})),
+        start=start,
+    )
 
 
 def whole(cells: np.ndarray) -> Rectangle:
