@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <functional>
 #include <limits>
 #include <queue>
@@ -127,7 +128,7 @@ void PlanningGrid::FindExits() {
     const std::uint8_t *here = &free[(row + 1) * width + 1], *below = here - width, *above = here + width;
     const std::uint8_t *left = here - 1, *right = here + 1;
     std::uint8_t* exits = &exits_[row * cols];
-    for (std::size_t col = 0; col < cols; ++col) {  // the bits are in the order of the steps
+    for (std::ptrdiff_t col = 0; col < shape_.cols; ++col) {  // the bits are in the order of the steps
       const unsigned straight = (below[col] & 2U) | (left[col] & 8U) | (right[col] & 16U) | (above[col] & 64U);
       const unsigned down = below[col] & ((below[col - 1] & left[col] & 1U) | (below[col + 1] & right[col] & 4U));
       const unsigned up = above[col] & ((above[col - 1] & left[col] & 32U) | (above[col + 1] & right[col] & 128U));
