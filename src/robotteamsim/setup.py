@@ -55,13 +55,13 @@ class Setup:
     def without_building(self, known: FloorPlan, found: Mapping[int, MapSource]) -> Setup:
         """Return what robots get that do not know the building.
 
-        Args: known: what they are told of the plan.  found: by id, what they find.
+        Args: known: what they know of the plan.  found: by id, what they find.
         """
         scenario = self.scenario.model_copy(update={"plan": known})
         return replace(self, scenario=scenario, building=Building(known), found=found)
 
     def knows_start(self, robot_id: int, arrival: int = 1) -> bool:
-        """Whether a member of the team is told where it starts. Args: arrival: number of its arrivals."""
+        """Whether a member of the team knows where it starts. Args: arrival: number of its arrivals."""
         starts = self.scenario.control.mapping.starts
         return arrival == 1 and (starts == "known" or robot_id in (0, self.scenario.base))
 

@@ -11,6 +11,7 @@ from robotteamsim.control.driving.known_map import known_map
 from robotteamsim.control.exploration.choice import Choice
 from robotteamsim.learning.observe import Memory, Percepts, cos_sin, seen_from
 from robotteamsim.maps.found_map import CELL_M
+from robotteamsim.maps.own_map import cells_at
 from robotteamsim.scenario.building import MapSource
 from robotteamsim.scenario.controllers.frontier import FrontierControl
 from robotteamsim.scenario.plan import FREE, OCCUPIED, UNKNOWN
@@ -123,11 +124,9 @@ def squares_around(building: MapSource, pose: np.ndarray) -> np.ndarray:
     size = SIDE * _POINTS
     along_m = (np.arange(size) + 0.5 - 0.5 * size) * (SQUARE_M / _POINTS)
     ahead_m, left_m = along_m[None, :], along_m[:, None]
-    (x0, y0), cells = (grid := building.grid(CELL_M)).origin_m, grid.cells
-    columns = np.floor((pose[0] + cos * ahead_m - sin * left_m - x0) / CELL_M).astype(np.intp)
-    rows = np.floor((pose[1] + sin * ahead_m + cos * left_m - y0) / CELL_M).astype(np.intp)
-    is_inside = (rows >= 0) & (rows < cells.shape[0]) & (columns >= 0) & (columns < cells.shape[1])
-    seen = np.where(is_inside, cells[np.where(is_inside, rows, 0), np.where(is_inside, columns, 0)], UNKNOWN)
+    grid = building.grid(CELL_M)
+    x_m, y_m = pose[0] + cos * ahead_m - sin * left_m, pose[1] + sin * ahead_m + cos * left_m
+    seen = cells_at(grid.cells, np.stack((x_m, y_m), axis=-1).reshape(-1, 2), grid.origin_m)
     points = seen.reshape(SIDE, _POINTS, SIDE, _POINTS)
     return np.where((points == OCCUPIED).any((1, 3)), 1.0, -np.mean(points == FREE, (1, 3)))
 

@@ -20,6 +20,12 @@ _FEWEST_BEAMS = 50
 """So many informative beams are needed for a verdict."""
 
 
+def are_one_place(pose: Pose, other: Pose, within_m: float) -> bool:
+    """Whether two poses are the same but for errors."""
+    apart = pose.inverse() @ other
+    return math.hypot(apart.x_m, apart.y_m) < within_m and abs(apart.yaw_rad) < _SAME_RAD
+
+
 class Agreement:
     """The fraction of informative beams that contradicted the map over the last metres driven.
 
@@ -100,8 +106,7 @@ class Hypothesis:
 
     def is_at(self, pose: Pose, within_m: float) -> bool:
         """Whether a pose is this place."""
-        apart = self.pose.inverse() @ pose
-        return math.hypot(apart.x_m, apart.y_m) < within_m and abs(apart.yaw_rad) < _SAME_RAD
+        return are_one_place(self.pose, pose, within_m)
 
 
 def _estimate(particles: _core.maps.ParticleFilter) -> Estimate:

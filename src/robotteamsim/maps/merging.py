@@ -16,6 +16,7 @@ from robotteamsim import _core
 from robotteamsim.geometry import Pose
 from robotteamsim.interface.localisation import Estimate, Localisation, LocalisationState
 from robotteamsim.maps.found_map import CELL_M, FoundMap
+from robotteamsim.maps.hypothesis import are_one_place
 from robotteamsim.maps.own_map import cells_at
 from robotteamsim.maps.recent_scans import LaserView, evenly, moved
 from robotteamsim.maps.teammates import Disc
@@ -177,7 +178,7 @@ class Merging:
         places: list[Pose] = []
         for pose, _ in matches:
             place = walls.aligned(pose @ here.inverse(), points_m)
-            if not any(_are_same(place @ here, other @ here) for other in places):
+            if not any(are_one_place(place @ here, other @ here, _SAME_M) for other in places):
                 places.append(place)
         return places
 
@@ -269,11 +270,6 @@ def moving_places(ends_m: np.ndarray, moving: np.ndarray) -> tuple[Point, ...]:
     things = [each for each in np.split(beams, np.flatnonzero(np.diff(beams) > 2) + 1) if len(each) >= _BEAMS]
     largest = sorted(things, key=len, reverse=True)[:_SEEN_MOST]
     return tuple((round(float(x), 2), round(float(y), 2)) for x, y in (ends_m[each].mean(axis=0) for each in largest))
-
-
-def _are_same(one: Pose, other: Pose) -> bool:
-    apart = one.inverse() @ other
-    return math.hypot(apart.x_m, apart.y_m) < _SAME_M and abs(apart.yaw_rad) < _SAME_RAD
 
 
 def centers_m(cells: np.ndarray, origin_m: Point) -> np.ndarray:

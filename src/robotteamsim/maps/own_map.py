@@ -43,9 +43,9 @@ class OwnMap:
         """The cells in the mapper's frame, with the margin."""
         self._has_moved = False
 
-    def step(self, odometry: Pose, covariance: Sequence[float], ranges_m: np.ndarray, masked: np.ndarray) -> bool:
-        """Take what the robot measures in a step; return whether it was inserted. Args: see `_core.maps.Mapper`."""
-        return self._mapper.step(odometry, covariance, ranges_m, masked)
+    def step(self, odometry: Pose, covariance: Sequence[float], ranges_m: np.ndarray, masked: np.ndarray) -> None:
+        """Take what the robot measures in a step. Args: see `_core.maps.Mapper`."""
+        self._mapper.step(odometry, covariance, ranges_m, masked)
 
     def due_at(self, odometry: Pose) -> Pose | None:
         """Return where the robot is by its odometry, in `map`, if the next step with this pose of it is an update."""

@@ -77,8 +77,6 @@ class Survey:
         """Where teammates see something move, if they have sent news since the last step; else None."""
         self._without_place: set[int] = set()
         """The teammates who do not know where they are."""
-        self._moving: tuple[Point, ...] = ()
-        """Where the robot sees something move that is none of the others, at the last look [m]."""
         self._scan: tuple[np.ndarray, Sequence[Disc]] | None = None
         """The last one, and where teammates might be then."""
         self._heard: list[Part] = []
@@ -147,7 +145,6 @@ class Survey:
             self.found.show([(rectangle, own[rectangle])])
             self._place = self._merging.search(self._own.pose, own, of_team)
             return
-        self._moving = self._what_moves() if self._without_place else ()
         parts: list[Part] = [rectangle, *self._heard]
         self._heard = []
         known = (np.where(own[part] == UNKNOWN, of_team[part], own[part]) for part in parts)
@@ -187,7 +184,7 @@ class Survey:
     def news(self, position: Point | None, sim_time_ns: int) -> Iterator[SurveyNews]:
         """Yield what the robot has to say now: one message or more. Args: position: of the robot, in `map` [m]."""
         wanted, is_all = tuple(sorted(self._wanted)), self._is_asked
-        moving = () if position is None else self._moving
+        moving = self._what_moves() if self._without_place and position is not None else ()
         parts: list[Cells | None] = list(self._cells_to_send(sim_time_ns))
         for part in parts or [None]:
             yield SurveyNews(position, self._number, part, is_all, wanted, moving)

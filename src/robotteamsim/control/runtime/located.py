@@ -47,7 +47,7 @@ class Located:
         self._robot_id, self._localiser, self._survey = robot_id, localiser, survey
         self._is_placed = survey is None or survey.is_placed
         self._had_to_be_placed = not self._is_placed
-        self.controller = make(self._told())
+        self.controller = make(self._setup_of_controller())
         self._teammates = Teammates(robot_id, setup)
         self._shares = localiser.looks or survey is not None
         self._period_ns = round(setup.scenario.control.iteration_s * 1e9)
@@ -79,7 +79,7 @@ class Located:
             inbox = ()
             if self._survey is not None and self._survey.is_placed:
                 self._is_placed = True
-                self.controller = self._make(self._told())
+                self.controller = self._make(self._setup_of_controller())
         if self._survey is not None and self._is_due(time_ns, task):
             self._survey.look()
         return _believed(observation, pose), inbox
@@ -111,8 +111,8 @@ class Located:
         """Whether the robot tells its team now where it is and what it has found."""
         return self._shares and task.running and time_ns >= self._due_ns
 
-    def _told(self) -> Setup:
-        """Return what the controller is told: the middle of the building instead of starts that nobody knows."""
+    def _setup_of_controller(self) -> Setup:
+        """Return the setup with the middle of the building in place of starts that the robot does not know."""
         setup = self._setup
         starts = {i: setup.middle for i in range(len(setup.robots)) if not setup.knows_start(i)}
         if not self._is_placed:
