@@ -47,8 +47,7 @@ class Choice:
               spent_s: how long it has been on the way to the last place.
         """
         last, self._last = self._last, None
-        start = known.grid.nearest_free(position, 1.0)
-        lengths_m = None if start is None else known.distance_map(start)
+        lengths_m = _lengths_m(known, position)
         if lengths_m is None:
             self.missed.update(area.center for area in areas)
             return None
@@ -61,11 +60,11 @@ class Choice:
 
         Args: spent_s: how long it has been on the way there.
         """
-        start = known.grid.nearest_free(position, 1.0)
-        if start is None:
+        lengths_m = _lengths_m(known, position)
+        if lengths_m is None:
             self.missed.add(area.center)
             return None
-        return self._try(self._ways_to([area], known, known.grid.distance_map(start)), None, (), spent_s)
+        return self._try(self._ways_to([area], known, lengths_m), None, (), spent_s)
 
     def _try(self, goals: Goals, last: Vector | None, goals_of_team: Sequence[Vector], spent_s: float) -> Vector | None:
         """Return the best of the places that are not given up, and spend patience on it; None without one."""
@@ -114,3 +113,9 @@ class Choice:
             better = np.where(scores > 0.0, scores * tuning.hysteresis, scores / tuning.hysteresis)
             scores = np.where(is_last, better, scores)
         return np.asarray(scores)
+
+
+def _lengths_m(known: KnownMap, position: Vector) -> np.ndarray | None:
+    """Return the lengths of the paths from a robot to all cells [m]; None if nothing near it is free."""
+    start = known.grid.nearest_free(position, 1.0)
+    return None if start is None else known.distance_map(start)

@@ -92,10 +92,12 @@ def gains_m2(grid: OccupancyGrid, places_m: np.ndarray, range_m: float) -> np.nd
     Args:    places_m: on the grid, shape (n, 2); rays begin in the middle of their cells.
     Returns: shape (n,).
     """
-    angles_rad = np.arange(_RAYS) * (2.0 * math.pi / _RAYS)
+    angles_rad = [2.0 * math.pi / _RAYS * ray for ray in range(_RAYS)]
+    # Not NumPy's, whose last bits depend on the processor: some rays end half way between two cells.
+    along = np.array([(math.sin(angle_rad), math.cos(angle_rad)) for angle_rad in angles_rad])
     # Found walls may be one cell thick.
     along_m = np.arange(1, math.floor(range_m / grid.resolution_m) + 1) * grid.resolution_m
-    rays = np.stack([np.rint(np.outer(f(angles_rad), along_m / grid.resolution_m)) for f in (np.sin, np.cos)], axis=2)
+    rays = np.rint(along[:, None] * (along_m / grid.resolution_m)[:, None])
     cells = np.floor((places_m - grid.origin_m) / grid.resolution_m)[:, ::-1]
     # Each sample along a ray is a piece of a ring.
     areas_m2: np.ndarray = along_m * grid.resolution_m * (2.0 * math.pi / _RAYS)
