@@ -133,5 +133,6 @@ def evenly(items: np.ndarray, most: int) -> np.ndarray:
 
 def moved(pose: Pose, points_m: np.ndarray) -> np.ndarray:
     """Return points of a frame with that pose, shape (n, 2) [m]."""
-    cos, sin = math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
-    return np.asarray(points_m @ np.array([[cos, sin], [-sin, cos]]) + (pose.x_m, pose.y_m))
+    (x_m, y_m), cos, sin = points_m.T, math.cos(pose.yaw_rad), math.sin(pose.yaw_rad)
+    # Not a product of matrices, whose last bits depend on the processor.
+    return np.column_stack((cos * x_m - sin * y_m + pose.x_m, sin * x_m + cos * y_m + pose.y_m))
